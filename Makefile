@@ -1,0 +1,38 @@
+# Needs python3 (3.11 or newer) and make; everything else goes into .venv.
+PYTHON ?= python3
+PIP_INSTALL = .venv/bin/python -m pip install --quiet --constraint constraints.txt
+
+.PHONY: walk test bench lint clean
+.DELETE_ON_ERROR:
+
+# Train a gait for AMBER-3M and walk it in MuJoCo.
+walk: .venv/run.stamp
+	.venv/bin/neuralgaits train amber3m
+	.venv/bin/neuralgaits simulate latest
+
+test: .venv/dev.stamp
+	.venv/bin/python -m pytest -n 2
+
+# Print the figures the tests do not assert: times, rates, long walks.
+bench: .venv/dev.stamp
+	@for script in benchmarks/*.py; do echo "== $$script"; .venv/bin/python $$script || exit 1; done
+
+lint: .venv/dev.stamp
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/pyright
+	.venv/bin/lint-imports
+
+clean:
+	rm -rf .venv .cache build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+
+# A stamp is newer than what it was built from, so an interrupted install starts over.
+.venv/run.stamp: pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Expected Python 3.11 or newer, found $$($(PYTHON) -V 2>&1): name one, as in 'make walk PYTHON=python3.12'." >&2; exit 2; }
+	$(PYTHON) -m venv .venv
+	$(PIP_INSTALL) --editable .
+	@touch $@
+
+.venv/dev.stamp: .venv/run.stamp
+	$(PIP_INSTALL) --editable '.[dev,video]'
+	@touch $@

@@ -1,0 +1,25 @@
+"""Run folders: configuration, weights, metrics and results of a run on disk.
+
+Dicts and arrays go in and come out; what they mean is the business of the stages.
+"""
+
+from neuralgaits.runs.atomic import write_bytes, write_text
+from neuralgaits.runs.folder import FORMAT, RunFolder
+from neuralgaits.runs.latest import RUNS_ROOT, finish, resolve
+from neuralgaits.runs.plain import plain, to_json
+from neuralgaits.runs.tree import read_metadata, read_tree, write_tree
+
+__all__ = [
+    "FORMAT",
+    "RUNS_ROOT",
+    "RunFolder",
+    "finish",
+    "plain",
+    "read_metadata",
+    "read_tree",
+    "resolve",
+    "to_json",
+    "write_bytes",
+    "write_text",
+    "write_tree",
+]

@@ -1,0 +1,212 @@
+"""One run on disk: what it was asked, what it learnt, what came out.
+
+A folder is made in this order, each file whole: copies of the inputs, `config.json` (from here
+on it is a run), checkpoints, and last `summary.json` (from here on it is finished).
+"""
+
+import hashlib
+import json
+import platform
+import re
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any, TypeVar
+
+from neuralgaits._version import __version__
+from neuralgaits.errors import RunError
+from neuralgaits.runs.atomic import write_text
+from neuralgaits.runs.metrics import Row, from_csv, to_csv
+from neuralgaits.runs.plain import to_json
+from neuralgaits.runs.tree import read_tree, write_tree
+
+FORMAT = 1
+"""Version of the layout and meaning of a run folder; other versions are refused."""
+
+CONFIG, SUMMARY, METRICS = "config.json", "summary.json", "metrics.csv"
+LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "diffrax", "mujoco", "numpy")
+
+Tree = TypeVar("Tree")
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """A run folder that exists and can be read.
+
+    Attributes:
+        path: the folder.
+        config: content of `config.json`: what the caller passed to `create`, with the format,
+            the versions that wrote it, the time, and the sha256 of every copy.
+    """
+
+    path: Path
+    config: Mapping[str, Any]
+
+    @staticmethod
+    def create(
+        config: Mapping[str, Any],
+        copies: Mapping[str, str],
+        *,
+        name: str,
+        seed: int,
+        root: Path,
+        out: Path | None = None,
+    ) -> "RunFolder":
+        """Make a new run folder, `root/name/<UTC time>-<seed>` or `out`.
+
+        Args:
+            config: resolved configuration of the run; values that JSON can hold.
+            copies: file name to text: inputs the run must be able to read again.
+            name: of the robot.
+            seed: of the run.
+            root: folder that holds the runs.
+            out: exact place instead; may be an empty folder.
+
+        Raises: RunError if `out` is a file or a folder that is not empty.
+        """
+        path = _fresh_folder(root / _file_name(name), seed) if out is None else _claim(out)
+        for file, text in copies.items():
+            write_text(path / file, text)
+        hashes = {file: _sha256(text) for file, text in copies.items()}
+        known = {"format": FORMAT, "written_by": _versions(), "copies": hashes}
+        known["created_utc"] = datetime.now(UTC).isoformat(timespec="seconds")
+        if clash := sorted(set(known) & set(config)):
+            raise ValueError(f"expected a config without the names {clash}: runs writes them")
+        write_text(path / CONFIG, to_json(known | dict(config)))
+        return RunFolder.open(path)
+
+    @staticmethod
+    def open(path: str | Path) -> "RunFolder":
+        """Open an existing run folder, finished or not.
+
+        Raises: RunError if it is missing, half-written or from another version.
+        """
+        path = Path(path)
+        if not path.is_dir():
+            found = "a file" if path.exists() else "nothing"
+            raise RunError(
+                f"expected a run folder at {path}, found {found}: give the path of a run or "
+                "`latest`"
+            )
+        if not (path / CONFIG).is_file():
+            raise RunError(
+                f"expected {CONFIG} in {path}, found none: it is not a run folder, or its run was "
+                "killed while starting; train again"
+            )
+        config = _read_json(path / CONFIG)
+        if config.get("format") != FORMAT:
+            writer = (config.get("written_by") or {}).get("neuralgaits", "an unknown version")
+            raise RunError(
+                f"expected run format {FORMAT}, found {config.get('format')!r} in {path} written "
+                f"by neuralgaits {writer}: use that version, or train again with {__version__}"
+            )
+        return RunFolder(path, config)
+
+    @property
+    def finished(self) -> bool:
+        """True once the run's training has ended and its summary is on disk."""
+        return (self.path / SUMMARY).is_file()
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Content of `summary.json`. Raises: RunError if it is missing or damaged."""
+        return self.read_json(SUMMARY)
+
+    def copy(self, file: str) -> str:
+        """Text of an input copied into the run, exactly as it was.
+
+        Raises: RunError if the copy is missing or no longer has its sha256.
+        """
+        expected = self.config["copies"].get(file)
+        path = self.path / file
+        if expected is None or not path.is_file():
+            raise RunError(
+                f"expected a copy of {file} in {self.path}, found none: the run is incomplete"
+            )
+        text = path.read_bytes().decode()
+        if _sha256(text) != expected:
+            raise RunError(
+                f"expected {path} as it was when the run started, found another sha256: restore "
+                "it, or train again with the changed file"
+            )
+        return text
+
+    def write_tree(self, file: str, tree: Any) -> None:
+        """Save a pytree's arrays, whole or not at all. See `runs.tree`."""
+        write_tree(self.path / file, tree)
+
+    def read_tree(self, file: str, like: Tree) -> Tree:
+        """Read arrays into the structure of `like`. Raises: RunError if they do not fit."""
+        return read_tree(self.path / file, like)
+
+    def write_json(self, file: str, value: Any) -> None:
+        """Save a result as JSON; `file` may name a sub-folder."""
+        write_text(self.path / file, to_json(value))
+
+    def read_json(self, file: str) -> dict[str, Any]:
+        """Read a JSON object. Raises: RunError if it is missing or damaged."""
+        return _read_json(self.path / file)
+
+    def write_metrics(self, rows: Sequence[Row]) -> None:
+        """Replace `metrics.csv` by these rows."""
+        write_text(self.path / METRICS, to_csv(rows))
+
+    def read_metrics(self) -> list[dict[str, float]]:
+        """Rows of `metrics.csv`; none if the run has not written any."""
+        path = self.path / METRICS
+        return from_csv(path.read_text(), str(path)) if path.is_file() else []
+
+
+def _claim(out: Path) -> Path:
+    """Take an exact place for a run, which must be new or empty."""
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        found = "a folder with files in it" if out.is_dir() else "a file"
+        raise RunError(
+            f"expected a new or empty folder for the run, found {found} at {out}: choose another "
+            "--out, or --resume that run"
+        )
+    out.mkdir(parents=True, exist_ok=True)
+    return out
+
+
+def _fresh_folder(parent: Path, seed: int) -> Path:
+    """Make a folder named after this second; making it is what claims the name."""
+    parent.mkdir(parents=True, exist_ok=True)
+    while True:
+        path = parent / f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}-{seed}"
+        try:
+            path.mkdir()
+        except FileExistsError:
+            time.sleep(0.05)
+        else:
+            return path
+
+
+def _file_name(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-") or "robot"
+
+
+def _versions() -> dict[str, str]:
+    libraries = {library: metadata.version(library) for library in LIBRARIES}
+    return {"neuralgaits": __version__, "python": platform.python_version()} | libraries
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _read_json(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise RunError(f"expected {path}, found none: the run is incomplete")
+    try:
+        value = json.loads(path.read_bytes())
+    except ValueError as error:
+        raise RunError(
+            f"expected JSON in {path}, found a damaged file ({error}): restore it or train again"
+        ) from None
+    if not isinstance(value, dict):
+        raise RunError(f"expected a JSON object in {path}, found {type(value).__name__}")
+    return value

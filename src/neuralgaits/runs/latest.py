@@ -1,0 +1,60 @@
+"""`runs/latest`: a text file that names the run whose training finished last.
+
+A run is named only when its summary is on disk, so `latest` can always be simulated.
+Runs under the root are named relative to it, so that the folder can be moved.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.errors import RunError
+from neuralgaits.runs.atomic import write_text
+from neuralgaits.runs.folder import SUMMARY, RunFolder
+
+RUNS_ROOT = Path("runs")
+LATEST = "latest"
+
+
+def finish(folder: RunFolder, summary: Mapping[str, Any], root: Path = RUNS_ROOT) -> None:
+    """Mark a run as finished by writing its summary, then make `latest` name it."""
+    folder.write_json(SUMMARY, summary)
+    run, base = folder.path.resolve(), root.resolve()
+    name = run.relative_to(base) if run.is_relative_to(base) else run
+    write_text(root / LATEST, f"{name}\n")
+
+
+def resolve(run: str | Path, root: Path = RUNS_ROOT, *, finished: bool = True) -> RunFolder:
+    """Open the run folder a caller means: a path, or `latest`.
+
+    Args:
+        run: path of a run folder, or the word `latest`.
+        root: folder that holds the runs.
+        finished: refuse a run whose training has not ended.
+
+    Raises: RunError if there is no such run, or if it is half-written, unfinished or from
+        another version.
+    """
+    folder = RunFolder.open(_latest(root) if str(run) == LATEST else Path(run))
+    if finished and not folder.finished:
+        raise RunError(
+            f"expected a finished run, found no summary.json in {folder.path}: continue it with "
+            f"`neuralgaits train {folder.config.get('robot', 'ROBOT')} --resume {folder.path}`"
+        )
+    return folder
+
+
+def _latest(root: Path) -> Path:
+    pointer = root / LATEST
+    if not pointer.is_file():
+        raise RunError(
+            f"expected {pointer} to name a finished run, found no such file: train one first, "
+            "as in `neuralgaits train amber3m`"
+        )
+    name = pointer.read_text().strip()
+    if not name or not (root / name).is_dir():
+        raise RunError(
+            f"expected {pointer} to name a run folder, found {name!r} which is not there: "
+            "give the path of a run instead"
+        )
+    return root / name

@@ -1,0 +1,41 @@
+"""Results as plain JSON values."""
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def plain(value: Any) -> Any:
+    """Turn numbers, arrays, paths, records and containers into values JSON can hold.
+
+    Strict JSON has no NaN and no infinity: they become null.
+
+    Raises: TypeError for anything else, with its type.
+    """
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "_asdict"):
+        return plain(value._asdict())
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, np.generic | np.ndarray) or hasattr(value, "__array__"):
+        return plain(np.asarray(value).tolist())
+    raise TypeError(f"expected a value that JSON can hold, found {type(value).__name__}")
+
+
+def to_json(value: Any) -> str:
+    """Indented JSON with a final newline, in the order of the input."""
+    return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"

@@ -1,0 +1,112 @@
+"""Pytrees of arrays as safetensors, leaf by leaf under the leaf's path.
+
+The format holds bytes, shapes and dtypes and can run no code. A file is read *into* a tree
+of the same structure: what does not fit is refused, never reshaped or cast.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import safetensors
+from safetensors.numpy import save
+
+from neuralgaits.errors import RunError
+from neuralgaits.runs.atomic import write_bytes
+
+Tree = TypeVar("Tree")
+
+
+def write_tree(path: Path, tree: Any, metadata: Mapping[str, str] | None = None) -> None:
+    """Save the arrays, random keys and Python numbers of a pytree, exactly.
+
+    Other leaves (functions, strings) are structure and are not stored.
+    """
+    arrays = {name: _to_numpy(leaf) for name, leaf in _named_leaves(tree) if _is_stored(leaf)}
+    write_bytes(path, save(arrays, metadata=dict(metadata or {})))
+
+
+def read_tree(path: Path, like: Tree) -> Tree:
+    """Read a file of `write_tree` into the structure of `like`.
+
+    Leaves keep the kind they have in `like`: JAX array, NumPy array, random key or number.
+    A `jax.ShapeDtypeStruct` stands for a JAX array.
+
+    Raises: RunError if the file is missing, damaged, or holds other names, shapes or dtypes.
+    """
+    stored, _ = _open(path)
+    named = _named_leaves(like)
+    wanted = {name for name, leaf in named if _is_stored(leaf)}
+    for name in sorted(wanted ^ set(stored)):
+        found = "it is missing" if name in wanted else "the model has none"
+        raise _misfit(path, f"array {name}: {found}")
+    leaves = [
+        _like(path, name, stored[name], leaf) if name in wanted else leaf for name, leaf in named
+    ]
+    return jax.tree_util.tree_unflatten(jax.tree_util.tree_structure(like), leaves)
+
+
+def read_metadata(path: Path) -> dict[str, str]:
+    """The text entries saved beside the arrays. Raises: RunError like `read_tree`."""
+    return _open(path)[1]
+
+
+def _named_leaves(tree: Any) -> list[tuple[str, Any]]:
+    leaves, _ = jax.tree_util.tree_flatten_with_path(tree)
+    return [(jax.tree_util.keystr(keys).lstrip(".") or "value", leaf) for keys, leaf in leaves]
+
+
+def _is_key(leaf: Any) -> bool:
+    return hasattr(leaf, "dtype") and jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key)
+
+
+def _is_stored(leaf: Any) -> bool:
+    return isinstance(leaf, bool | int | float) or hasattr(leaf, "dtype")
+
+
+def _to_numpy(leaf: Any) -> np.ndarray:
+    array = np.asarray(jax.random.key_data(leaf) if _is_key(leaf) else leaf)
+    # safetensors writes the buffer as it lies in memory.
+    return np.array(array, order="C")
+
+
+def _like(path: Path, name: str, found: np.ndarray, leaf: Any) -> Any:
+    """The stored array as the kind of leaf that stands in its place."""
+    if isinstance(leaf, bool | int | float):
+        if found.shape == () and found.dtype == np.asarray(leaf).dtype:
+            return type(leaf)(found)
+        raise _misfit(path, f"{name}: expected a {type(leaf).__name__}, found {_kind(found)}")
+    expected = jax.eval_shape(jax.random.key_data, leaf) if _is_key(leaf) else leaf
+    if found.shape != tuple(expected.shape) or found.dtype != expected.dtype:
+        raise _misfit(path, f"array {name}: expected {_kind(expected)}, found {_kind(found)}")
+    if _is_key(leaf):
+        return jax.random.wrap_key_data(jnp.asarray(found), impl=jax.random.key_impl(leaf))
+    return found if isinstance(leaf, np.ndarray | np.generic) else jnp.asarray(found)
+
+
+def _kind(array: Any) -> str:
+    return f"{np.dtype(array.dtype).name}{list(array.shape)}"
+
+
+def _misfit(path: Path, what: str) -> RunError:
+    return RunError(
+        f"{path} does not fit, {what}: use the robot, spec and sizes in the run's config.json"
+    )
+
+
+def _open(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Arrays and metadata of a file."""
+    if not path.is_file():
+        raise RunError(f"expected a weights file at {path}, found none: the run is incomplete")
+    try:
+        with safetensors.safe_open(path, framework="numpy") as file:
+            arrays = {name: file.get_tensor(name) for name in file.keys()}
+            return arrays, dict(file.metadata() or {})
+    except safetensors.SafetensorError as error:
+        reason = " ".join(str(error).split())
+        raise RunError(
+            f"expected safetensors in {path}, found a damaged file ({reason}): train again"
+        ) from error

@@ -1,0 +1,151 @@
+"""Run folders: what is written comes back, and what is not whole is refused."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from neuralgaits.errors import RunError
+from neuralgaits.runs import RunFolder, finish, resolve
+
+COPIES = {"robot.xml": "<mujoco/>\n"}
+
+
+def _create(root: Path, **changes: Any) -> RunFolder:
+    arguments: dict[str, Any] = {"name": "amber3m", "seed": 3, "root": root} | changes
+    return RunFolder.create({"robot": "amber3m", "steps": 10}, COPIES, **arguments)
+
+
+def _edit_config(folder: RunFolder, **changes: Any) -> None:
+    config = json.loads((folder.path / "config.json").read_text())
+    (folder.path / "config.json").write_text(json.dumps(config | changes))
+
+
+def test_a_run_says_what_made_it(tmp_path: Path) -> None:
+    folder = _create(tmp_path)
+    assert folder.path.parent == tmp_path / "amber3m"
+    assert folder.path.name.endswith("Z-3")
+    assert folder.config["steps"] == 10
+    assert folder.config["written_by"]["jax"]
+    assert folder.copy("robot.xml") == COPIES["robot.xml"]
+    assert not folder.finished
+
+
+def test_runs_of_one_second_get_folders_of_their_own(tmp_path: Path) -> None:
+    assert _create(tmp_path).path != _create(tmp_path).path
+
+
+def test_a_robot_name_cannot_leave_the_root(tmp_path: Path) -> None:
+    folder = _create(tmp_path / "runs", name="../../evil robot")
+    assert folder.path.resolve().is_relative_to((tmp_path / "runs").resolve())
+
+
+@pytest.mark.parametrize("kind", ["new", "empty"])
+def test_out_is_the_folder(tmp_path: Path, kind: str) -> None:
+    out = tmp_path / "here"
+    if kind == "empty":
+        out.mkdir()
+    assert _create(tmp_path, out=out).path == out
+
+
+def test_out_never_overwrites(tmp_path: Path) -> None:
+    first = _create(tmp_path, out=tmp_path / "here")
+    before = {path: path.read_bytes() for path in first.path.iterdir()}
+    with pytest.raises(RunError, match="a folder with files in it"):
+        _create(tmp_path, out=first.path)
+    assert {path: path.read_bytes() for path in first.path.iterdir()} == before
+    with pytest.raises(RunError, match="found a file"):
+        _create(tmp_path, out=first.path / "config.json")
+
+
+def test_latest_names_the_run_that_finished_last(tmp_path: Path) -> None:
+    done, open_run = _create(tmp_path), _create(tmp_path)
+    with pytest.raises(RunError, match="train one first"):
+        resolve("latest", tmp_path)
+    finish(done, {"loss": 0.0}, tmp_path)
+    assert (tmp_path / "latest").read_text() == f"amber3m/{done.path.name}\n"
+    assert resolve("latest", tmp_path).path.samefile(done.path)
+    assert resolve(done.path, tmp_path).summary == {"loss": 0.0}
+    assert resolve(open_run.path, tmp_path, finished=False).path == open_run.path
+
+
+def test_latest_finds_a_run_outside_the_root(tmp_path: Path) -> None:
+    folder = _create(tmp_path, out=tmp_path / "elsewhere")
+    finish(folder, {}, tmp_path / "runs")
+    assert resolve("latest", tmp_path / "runs").path.samefile(folder.path)
+
+
+def test_latest_that_names_nothing_is_refused(tmp_path: Path) -> None:
+    for content in ("", "amber3m/gone\n"):
+        (tmp_path / "latest").write_text(content)
+        with pytest.raises(RunError, match="which is not there"):
+            resolve("latest", tmp_path)
+
+
+def test_refuses_what_is_not_a_whole_run(tmp_path: Path) -> None:
+    with pytest.raises(RunError, match="found nothing"):
+        resolve(tmp_path / "gone", tmp_path)
+    with pytest.raises(RunError, match=r"expected config\.json"):
+        resolve(tmp_path, tmp_path)
+    folder = _create(tmp_path)
+    with pytest.raises(RunError, match="train amber3m --resume"):
+        resolve(folder.path, tmp_path)
+    (folder.path / "config.json").write_text('{"format": 1, "cop')
+    with pytest.raises(RunError, match="damaged file"):
+        RunFolder.open(folder.path)
+
+
+def test_refuses_another_version_and_names_it(tmp_path: Path) -> None:
+    folder = _create(tmp_path)
+    _edit_config(folder, format=99, written_by={"neuralgaits": "9.0"})
+    with pytest.raises(RunError, match=r"format 1, found 99 .* neuralgaits 9\.0"):
+        RunFolder.open(folder.path)
+
+
+def test_refuses_an_edited_copy(tmp_path: Path) -> None:
+    folder = _create(tmp_path)
+    (folder.path / "robot.xml").write_text("<mujoco model='heavier'/>\n")
+    with pytest.raises(RunError, match="another sha256"):
+        folder.copy("robot.xml")
+    with pytest.raises(RunError, match="found none"):
+        folder.copy("spec.py")
+
+
+def test_a_config_cannot_hide_what_runs_writes(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="copies"):
+        RunFolder.create({"copies": {}}, {}, name="a", seed=0, root=tmp_path)
+
+
+def test_metrics_read_back_exactly(tmp_path: Path) -> None:
+    folder = _create(tmp_path)
+    assert folder.read_metrics() == []
+    rows = [{"step": 0, "loss": 0.1 + 0.2}, {"step": 50, "loss": 1e-300}]
+    folder.write_metrics(rows)
+    assert folder.read_metrics() == rows
+    text = (folder.path / "metrics.csv").read_text()
+    folder.write_metrics(folder.read_metrics())
+    assert (folder.path / "metrics.csv").read_text() == text
+
+
+def test_half_a_metrics_line_is_refused(tmp_path: Path) -> None:
+    folder = _create(tmp_path)
+    (folder.path / "metrics.csv").write_text("step,loss\n0,1.5\n50")
+    with pytest.raises(RunError, match="line 3"):
+        folder.read_metrics()
+
+
+def test_results_are_strict_json(tmp_path: Path) -> None:
+    folder = _create(tmp_path)
+    value = {"nan": float("nan"), "array": np.arange(2), "number": np.float64(0.5)}
+    folder.write_json("simulation/summary.json", value)
+    assert folder.read_json("simulation/summary.json") == {
+        "nan": None,
+        "array": [0, 1],
+        "number": 0.5,
+    }
+    with pytest.raises(TypeError, match="object"):
+        folder.write_json("x.json", {"value": object()})
+    assert "x.json" not in os.listdir(folder.path)
