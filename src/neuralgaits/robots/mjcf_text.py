@@ -1,0 +1,81 @@
+"""The text of a robot file, made independent of the folder it stands in.
+
+A run keeps a copy of its robot file. So includes are put in place, and asset files (meshes,
+textures: pictures only) get absolute paths. MuJoCo's own writer would do the same but rounds
+numbers to six digits. A file that needs neither is kept word for word, comments included.
+"""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from neuralgaits.errors import RobotError
+
+_ASSETS = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
+
+
+def standalone_text(path: Path) -> str:
+    """Read an MJCF file and resolve what it refers to.
+
+    Returns: MJCF text that compiles from any folder on this machine.
+    Raises: RobotError if a file is missing, unreadable or not XML.
+    """
+    text = _read(path)
+    root = _parse(text, path)
+    touched = _include(root, path.parent, seen=(path.resolve(),))
+    touched |= _absolute_assets(root, path.parent)
+    return ElementTree.tostring(root, encoding="unicode") if touched else text
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise RobotError(f"no robot file at {path}: check the path") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise RobotError(f"cannot read robot file {path} ({error}): give an MJCF text file") from None
+
+
+def _parse(text: str, path: Path) -> ElementTree.Element:
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise RobotError(f"{path.name} is not well-formed XML ({error}): mend that line") from None
+    if root.tag not in ("mujoco", "mujocoinclude"):
+        raise RobotError(
+            f"{path.name} starts with <{root.tag}>: expected MJCF, whose root is <mujoco>"
+        )
+    return root
+
+
+def _include(element: ElementTree.Element, folder: Path, seen: tuple[Path, ...]) -> bool:
+    """Replace every <include> below `element`; paths start at the main file's folder."""
+    touched = False
+    for index, child in reversed(list(enumerate(element))):
+        if child.tag != "include":
+            touched |= _include(child, folder, seen)
+            continue
+        path = folder / child.get("file", "")
+        if path.resolve() in seen:
+            raise RobotError(f"{path.name} includes itself: remove that <include>")
+        included = _parse(_read(path), path)
+        _include(included, folder, (*seen, path.resolve()))
+        element.remove(child)
+        for offset, grandchild in enumerate(included):
+            element.insert(index + offset, grandchild)
+        touched = True
+    return touched
+
+
+def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
+    options: dict[str, str] = {}
+    for compiler in root.iter("compiler"):
+        options |= compiler.attrib
+    touched = False
+    for asset in root.iter("asset"):
+        for entry in asset:
+            if entry.tag not in _ASSETS or "file" not in entry.attrib:
+                continue
+            below = options.get(_ASSETS[entry.tag], options.get("assetdir", ""))
+            entry.set("file", str((folder / below / entry.attrib["file"]).resolve()))
+            touched = True
+    return touched

@@ -1,0 +1,199 @@
+"""Which link is the torso, which chains are the legs, where are the feet.
+
+A biped with a torso has the torso as root and two chains of equal length hanging from one
+point, the hip. Without a torso the root is the top link of one leg: its own chain is then one
+link shorter than the chain that hangs from the hip. A foot is the one sphere of a chain's last
+link that collides with the floor; nothing else on that link may.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from neuralgaits.errors import RobotError
+from neuralgaits.robots.planar_tree import PlanarTree
+
+_HIP_TOLERANCE_M = 1e-6
+_MAX_LEG_LINKS = 3
+
+
+@dataclass(frozen=True)
+class Foot:
+    """A point foot.
+
+    Attributes:
+        name: of its geom.
+        centre: of the sphere at zero coordinates, x + i z [m].
+        radius: [m].
+        friction: sliding coefficient of the contact with the floor.
+    """
+
+    name: str
+    centre: complex
+    radius: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """The tree's links by role.
+
+    Attributes:
+        torso: index of the torso link, or None.
+        legs: for each leg in file order (the root's own leg first), links from the lowest up.
+        hip: at zero coordinates, x + i z [m].
+        feet: of the two legs.
+    """
+
+    torso: int | None
+    legs: tuple[tuple[int, ...], tuple[int, ...]]
+    hip: complex
+    feet: tuple[Foot, Foot]
+
+
+def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
+    """Sort the links of a planar tree into torso and legs.
+
+    Raises: RobotError naming the body that does not fit, and the remedy.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.0
+    mujoco.mj_kinematics(model, data)
+    floor = _floor(model, data)
+    _count_feet(model, tree, floor)
+    torso, legs, hip = _legs(tree)
+    first, second = (_foot(model, data, tree, leg[0], floor) for leg in legs)
+    return Skeleton(torso, legs, hip, (first, second))
+
+
+def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
+    """The chain that starts at a link and goes down, lowest link first."""
+    links = [top]
+    while below := tree.children(links[-1]):
+        if len(below) > 1:
+            names = " and ".join(tree.links[i].name for i in below)
+            raise RobotError(
+                f"body {tree.links[links[-1]].name} carries {names} on joints: a leg is a chain; "
+                "weld all but one of them"
+            )
+        links.append(below[0])
+    return tuple(reversed(links))
+
+
+def _legs(
+    tree: PlanarTree,
+) -> tuple[int | None, tuple[tuple[int, ...], tuple[int, ...]], complex]:
+    tops = tree.children(0)
+    root = tree.links[0].name
+    if len(tops) not in (1, 2):
+        raise RobotError(
+            f"root body {root} carries {len(tops)} jointed bodies: expected two legs; "
+            "weld other bodies to the torso"
+        )
+    chains = [_chain(tree, top) for top in tops]
+    if len(chains) == 1:
+        chains.insert(0, ())
+    first, second = chains
+    if max(len(first), len(second)) > _MAX_LEG_LINKS:
+        longest = max(first, second, key=len)
+        raise RobotError(
+            f"the leg of body {tree.links[longest[-1]].name} has {len(longest)} links: at most "
+            f"{_MAX_LEG_LINKS} are treated; weld some"
+        )
+    if len(first) == len(second):
+        return 0, (first, second), _common_hip(tree, first[-1], second[-1])
+    if abs(len(first) - len(second)) == 1:
+        own, other = sorted((first, second), key=len)
+        return None, ((*own, 0), other), tree.links[other[-1]].joint.anchor
+    raise RobotError(
+        f"legs of unequal data: below root body {root} hang chains of {len(first)} and "
+        f"{len(second)} links; make the legs equal"
+    )
+
+
+def _common_hip(tree: PlanarTree, first: int, second: int) -> complex:
+    joints = tree.links[first].joint, tree.links[second].joint
+    gap = abs(joints[0].anchor - joints[1].anchor)
+    if gap > _HIP_TOLERANCE_M:
+        raise RobotError(
+            f"joints {joints[0].name} and {joints[1].name} are {gap:.3g} m apart in the plane: "
+            "both hips must be at one point (offsets along y are fine)"
+        )
+    return joints[0].anchor
+
+
+def _floor(model: mujoco.MjModel, data: mujoco.MjData) -> int:
+    """The geom number of the horizontal plane the robot walks on."""
+    for geom in range(model.ngeom):
+        if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:
+            continue
+        if model.geom_contype[geom] == 0 and model.geom_conaffinity[geom] == 0:
+            continue
+        if abs(data.geom_xmat[geom].reshape(3, 3)[2, 2] - 1.0) < 1e-9:
+            return geom
+    raise RobotError(
+        'no level floor in the file: add <geom type="plane" size="0 0 0.1"/> to <worldbody>'
+    )
+
+
+def _touching(model: mujoco.MjModel, bodies: tuple[int, ...], floor: int) -> list[int]:
+    """Geoms of a link that collide with the floor."""
+    kind, affinity = model.geom_contype, model.geom_conaffinity
+    meets = (kind & affinity[floor]) | (kind[floor] & affinity)
+    return [int(g) for g in np.flatnonzero(meets) if model.geom_bodyid[g] in bodies]
+
+
+def _count_feet(model: mujoco.MjModel, tree: PlanarTree, floor: int) -> None:
+    ends = [
+        link.name
+        for i, link in enumerate(tree.links)
+        if (not tree.children(i) or (i == 0 and len(tree.children(0)) == 1))
+        and any(
+            model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE
+            for g in _touching(model, link.bodies, floor)
+        )
+    ]
+    if len(ends) > 2:
+        raise RobotError(
+            f"found {len(ends)} feet, on bodies {', '.join(ends)}: expected two; "
+            'set contype="0" conaffinity="0" on other spheres'
+        )
+
+
+def _foot(
+    model: mujoco.MjModel, data: mujoco.MjData, tree: PlanarTree, index: int, floor: int
+) -> Foot:
+    link = tree.links[index]
+    geoms = _touching(model, link.bodies, floor)
+    spheres = [g for g in geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE]
+    if not spheres:
+        raise RobotError(
+            f"body {link.name} has no foot: add a <geom type=\"sphere\"> that collides with the "
+            "floor at its end"
+        )
+    if len(geoms) > 1:
+        raise RobotError(
+            f"{len(geoms)} geoms of body {link.name} collide with the floor: a point foot is one "
+            'sphere; set contype="0" conaffinity="0" on the others'
+        )
+    geom = spheres[0]
+    name = model.geom(geom).name
+    if not name:
+        raise RobotError(f"the foot sphere of body {link.name} has no name: give it one")
+    centre = data.geom_xpos[geom]
+    return Foot(
+        name,
+        complex(centre[0], centre[2]),
+        float(model.geom_size[geom, 0]),
+        _contact_friction(model, geom, floor),
+    )
+
+
+def _contact_friction(model: mujoco.MjModel, foot: int, floor: int) -> float:
+    """MuJoCo's rule: the geom of higher priority decides, else the larger value."""
+    values = model.geom_friction[[foot, floor], 0]
+    priorities = model.geom_priority[[foot, floor]]
+    if priorities[0] == priorities[1]:
+        return float(values.max())
+    return float(values[int(np.argmax(priorities))])
