@@ -1,0 +1,121 @@
+"""Data movement of JAX, performed on integer arrays.
+
+An array being traced is an array of elements, and a mask or an index is an array of known
+numbers; slicing or transposing either is the same NumPy call. Parameters are those of the JAX
+primitives of the same name.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+Arrays = list[np.ndarray]
+
+
+def broadcast_in_dim(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Put the axes of the operand at `broadcast_dimensions` of `shape`."""
+    shape = [1] * len(params["shape"])
+    for axis, size in zip(params["broadcast_dimensions"], arrays[0].shape, strict=True):
+        shape[axis] = size
+    return [np.broadcast_to(arrays[0].reshape(shape), params["shape"])]
+
+
+def concatenate(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Join along `dimension`."""
+    return [np.concatenate(arrays, axis=params["dimension"])]
+
+
+def pad(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Pad with a scalar: low and high (both may be negative), and between elements."""
+    operand, value = arrays
+    for axis, (low, high, between) in enumerate(params["padding_config"]):
+        size = operand.shape[axis]
+        inner = max(size + between * max(size - 1, 0), 0)
+        shape = list(operand.shape)
+        shape[axis] = inner + max(low, 0) + max(high, 0)
+        padded = np.full(shape, value)
+        place = [slice(None)] * operand.ndim
+        place[axis] = slice(max(low, 0), max(low, 0) + inner, between + 1)
+        padded[tuple(place)] = operand
+        place[axis] = slice(max(-low, 0), shape[axis] - max(-high, 0))
+        operand = padded[tuple(place)]
+    return [operand]
+
+
+def reshape(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Reshape in row-major order."""
+    return [arrays[0].reshape(params["new_sizes"])]
+
+
+def rev(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Reverse along `dimensions`."""
+    return [np.flip(arrays[0], axis=tuple(params["dimensions"]))]
+
+
+def select_n(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Choose element by element; the predicate is known."""
+    which, *cases = arrays
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    which, *cases = (np.broadcast_to(array, shape) for array in (which.astype(int), *cases))
+    return [np.take_along_axis(np.stack(cases), which[None], axis=0)[0]]
+
+
+def slice_(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Static slice."""
+    strides = params["strides"] or (1,) * arrays[0].ndim
+    limits = zip(params["start_indices"], params["limit_indices"], strides, strict=True)
+    return [arrays[0][tuple(slice(*limit) for limit in limits)]]
+
+
+def split(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Cut into pieces of `sizes` along `axis`."""
+    cuts = np.cumsum(params["sizes"])[:-1]
+    return list(np.split(arrays[0], cuts, axis=params["axis"]))
+
+
+def squeeze(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Remove axes of length 1."""
+    return [np.squeeze(arrays[0], axis=tuple(params["dimensions"]))]
+
+
+def stack(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Join along a new axis."""
+    return [np.stack(arrays, axis=params["axis"])]
+
+
+def tile(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Repeat whole arrays along each axis."""
+    return [np.tile(arrays[0], params["reps"])]
+
+
+def transpose(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Permute axes."""
+    return [np.transpose(arrays[0], params["permutation"])]
+
+
+def unchanged(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Give every operand back."""
+    return arrays
+
+
+MOVEMENT: dict[str, Callable[[Arrays, Mapping[str, Any]], Arrays]] = {
+    "broadcast_in_dim": broadcast_in_dim,
+    "concatenate": concatenate,
+    "copy": unchanged,
+    "copy_p": unchanged,
+    "optimization_barrier": unchanged,
+    "pad": pad,
+    "reshape": reshape,
+    "rev": rev,
+    "select_n": select_n,
+    "slice": slice_,
+    "split": split,
+    "squeeze": squeeze,
+    "stack": stack,
+    "tile": tile,
+    "transpose": transpose,
+}
+
+INDEXED = frozenset({"gather", "dynamic_slice"})
+"""Movement at known places whose rules are JAX's own: they are run on the elements by JAX."""

@@ -1,0 +1,96 @@
+"""The seventeen operations of a Program, as data.
+
+Every value of a Program is a flat vector of reals. Operands of the elementwise operations
+have the size of the result, or size 1, which then stands for every element. An interpreter
+needs one rule for each line of this table and nothing else.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+ANY = -1
+"""Number of operands of an operation that takes one or more."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One operation.
+
+    Attributes:
+        name: as it stands in a Program; the name of the method of an algebra.
+        operands: how many it takes, `ANY` for one or more.
+        formula: the result y, with n its size, in terms of operands a, b, c.
+        elementwise: whether result i depends on element i of the operands only.
+        commutative: whether operands may be exchanged without changing a bit.
+    """
+
+    name: str
+    operands: tuple[int, ...]
+    formula: str
+    elementwise: bool = True
+    commutative: bool = False
+
+
+_TABLE = (
+    Kind("move", (ANY,), "y_i = concatenate(a, b, ...)[index_i]", elementwise=False),
+    Kind("add", (2,), "y_i = a_i + b_i", commutative=True),
+    Kind("sub", (2,), "y_i = a_i - b_i"),
+    Kind("mul", (2,), "y_i = a_i b_i", commutative=True),
+    Kind("div", (2,), "y_i = a_i / b_i"),
+    Kind("neg", (1,), "y_i = -a_i"),
+    Kind("square", (1,), "y_i = a_i^2"),
+    Kind("sum", (1,), "y_i = sum_j a_ij, a as [n, size(a)/n]", elementwise=False),
+    Kind(
+        "affine",
+        (2, 3),
+        "y_ij = sum_k a_ik b_kj + c_i, a constant, y as [n/columns, columns]",
+        elementwise=False,
+    ),
+    Kind(
+        "inner",
+        (2,),
+        "y_i = sum_j a_ij b_ij, a and b as [n, size(a)/n]",
+        elementwise=False,
+        commutative=True,
+    ),
+    Kind("sqrt", (1,), "y_i = sqrt(a_i)"),
+    Kind("exp", (1,), "y_i = exp(a_i)"),
+    Kind("log1p", (1,), "y_i = log(1 + a_i)"),
+    Kind("sin", (1,), "y_i = sin(a_i)"),
+    Kind("cos", (1,), "y_i = cos(a_i)"),
+    Kind("tanh", (1,), "y_i = tanh(a_i)"),
+    Kind("logistic", (1,), "y_i = 1 / (1 + exp(-a_i))"),
+)
+
+KINDS = MappingProxyType({kind.name: kind for kind in _TABLE})
+
+
+def complaint(
+    name: str, sizes: Sequence[int], size: int, index: Sequence[int], columns: int
+) -> str | None:
+    """What is wrong with an operation of these operand sizes, or None if it is well formed."""
+    kind = KINDS.get(name)
+    if kind is None:
+        return f"unknown operation '{name}'; known are {', '.join(KINDS)}"
+    if not sizes or (kind.operands != (ANY,) and len(sizes) not in kind.operands):
+        return f"{name} with {len(sizes)} operands"
+    if size < 1 or min(sizes) < 1:
+        return f"{name} with an empty operand or result"
+    fits = True
+    if kind.elementwise:
+        fits = all(given in (1, size) for given in sizes)
+    elif name == "move":
+        fits = len(index) == size and min(index) >= 0 and max(index) < sum(sizes)
+    elif name == "affine":
+        fits = _affine_fits(sizes, size, columns)
+    else:
+        fits = len(set(sizes)) == 1 and sizes[0] % size == 0
+    return None if fits else f"{name} of operand sizes {tuple(sizes)} and result size {size}"
+
+
+def _affine_fits(sizes: Sequence[int], size: int, columns: int) -> bool:
+    if columns < 1 or size % columns or sizes[1] % columns:
+        return False
+    rows, inner = size // columns, sizes[1] // columns
+    return sizes[0] == rows * inner and (len(sizes) == 2 or sizes[2] == rows)
