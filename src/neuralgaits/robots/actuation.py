@@ -5,6 +5,9 @@ ctrlrange, forcerange and the joint's actuatorfrcrange allow. Joint ranges are r
 policies are bounded by them.
 """
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 from dataclasses import dataclass
 
 import mujoco
@@ -43,11 +46,11 @@ def read_motor(model: mujoco.MjModel, joint: int) -> Motor:
     ]
     if not found:
         raise RobotError(
-            f"joint {name} is not actuated: add <motor name=\"{name}\" joint=\"{name}\"/>, "
+            f'joint {name} is not actuated: add <motor name="{name}" joint="{name}"/>, '
             "or weld its body"
         )
     if len(found) > 1:
-        raise RobotError(f"joint {name} has {len(found)} actuators: expected one; remove the others")
+        raise RobotError(f"joint {name} has {len(found)} actuators: expected one; keep one")
     return _plain_motor(model, found[0], joint)
 
 
@@ -75,7 +78,9 @@ def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
     """
     if not model.jnt_limited[joint]:
         name = joint_name(model, joint)
-        raise RobotError(f'joint {name} has no range: add range="LOWER UPPER", it bounds the policy')
+        raise RobotError(
+            f'joint {name} has no range: add range="LOWER UPPER", it bounds the policy'
+        )
     lower, upper = model.jnt_range[joint]
     return float(lower), float(upper)
 

@@ -169,8 +169,6 @@ class PlanarBiped(eqx.Module):
         """Forward dynamics with the stance foot pinned. Returns: [n] (rad/s^2)."""
         return dynamics.acceleration(self, q, dq, torque)
 
-    def ground_reaction_force(
-        self, q: Coordinates, dq: Coordinates, ddq: Coordinates
-    ) -> Planar:
+    def ground_reaction_force(self, q: Coordinates, dq: Coordinates, ddq: Coordinates) -> Planar:
         """Force of the ground on the stance foot. Returns: [2] (tangential, normal) (N)."""
         return dynamics.ground_reaction_force(self, q, dq, ddq)

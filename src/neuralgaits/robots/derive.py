@@ -116,8 +116,8 @@ def modulus_and_phase(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Returns: modulus (signed where real), phase [rad]; shapes of `values`.
     """
-    real = np.abs(values.imag) <= _ON_LINE * np.max(np.abs(values))
-    modulus = np.where(real, values.real, np.abs(values))
+    real = np.abs(np.imag(values)) <= _ON_LINE * np.max(np.abs(values))
+    modulus = np.where(real, np.real(values), np.abs(values))
     return modulus, np.where(real, 0.0, np.angle(values))
 
 

@@ -76,9 +76,7 @@ def _point(coefficients: Coordinates, theta: Coordinates) -> Planar:
     return jnp.stack([-(coefficients @ jnp.sin(theta)), coefficients @ jnp.cos(theta)])
 
 
-def _point_velocity(
-    coefficients: Coordinates, theta: Coordinates, dtheta: Coordinates
-) -> Planar:
+def _point_velocity(coefficients: Coordinates, theta: Coordinates, dtheta: Coordinates) -> Planar:
     weighted = coefficients * dtheta
     return -jnp.stack([weighted @ jnp.cos(theta), weighted @ jnp.sin(theta)])
 

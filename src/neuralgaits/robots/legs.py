@@ -1,5 +1,8 @@
 """The two legs' numbers, in the coordinates of `PlanarBiped`, and the check that they agree."""
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 from dataclasses import dataclass, fields
 
 import mujoco

@@ -20,7 +20,8 @@ def paired_names(first: Sequence[str], second: Sequence[str], kind: str) -> tupl
     names = []
     for i, (one, other) in enumerate(zip(first, second, strict=True)):
         left, right = re.split(r"[_\-. ]+", one), re.split(r"[_\-. ]+", other)
-        common = [a for a, b in zip(left, right, strict=False) if a == b and len(left) == len(right)]
+        same_length = len(left) == len(right)
+        common = [a for a, b in zip(left, right, strict=False) if same_length and a == b]
         names.append("_".join(common) or f"{kind}{i + 1}")
     if len(set(names)) < len(names):
         return tuple(f"{kind}{i + 1}" for i in range(len(names)))

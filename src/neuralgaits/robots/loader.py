@@ -5,6 +5,9 @@ unactuated degree of freedom, and reduced to the constants of the closed form. W
 be treated is refused with one sentence.
 """
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 from pathlib import Path
 
 import jax
@@ -137,13 +140,12 @@ def _assemble(
     centre, hip, foot = derive.centre_coefficients(leg, torso)
     mass = derive.link_row(leg.mass, torso.mass if torso else None)
     turn = derive.link_angles(len(mass))
-    coupling, coupling_phase = derive.modulus_and_phase(
-        centre.T @ (mass[:, None] * centre.conj())
-    )
+    coupling, coupling_phase = derive.modulus_and_phase(centre.T @ (mass[:, None] * centre.conj()))
     moment, moment_phase = derive.modulus_and_phase(mass @ centre)
     on_lines = not (coupling_phase.any() or moment_phase.any())
-    links = paired_names(*([tree.links[i].name for i in leg] for leg in skeleton.legs), "link")
-    joint_labels = paired_names(*layout.leg_joints, "joint")
+    first, second = ([tree.links[i].name for i in chain] for chain in skeleton.legs)
+    links = paired_names(first, second, "link")
+    joint_labels = paired_names(layout.leg_joints[0], layout.leg_joints[1], "joint")
 
     def of_joints(values: np.ndarray) -> np.ndarray:
         return derive.joint_row(values, torso=torso is not None)

@@ -5,6 +5,9 @@ whose masses differ from the model's has its own layout, hence its own map; join
 coordinates mean the same in both.
 """
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -62,12 +65,13 @@ class StateMap:
 
         Raises: KeyError if a joint or actuator of the layout is not in the model.
         """
+        joints = [[model.joint(name).qposadr[0] for name in leg] for leg in layout.leg_joints]
         return cls(
             layout=layout,
             nq=model.nq,
             nu=model.nu,
             root=np.array([model.joint(name).qposadr[0] for name in layout.root_joints]),
-            joints=np.array([[model.joint(j).qposadr[0] for j in leg] for leg in layout.leg_joints]),
+            joints=np.array(joints),
             actuators=np.array([[model.actuator(a).id for a in leg] for leg in layout.actuators]),
         )
 

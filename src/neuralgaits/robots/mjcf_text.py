@@ -32,7 +32,7 @@ def _read(path: Path) -> str:
     except FileNotFoundError:
         raise RobotError(f"no robot file at {path}: check the path") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise RobotError(f"cannot read robot file {path} ({error}): give an MJCF text file") from None
+        raise RobotError(f"cannot read {path} ({error}): give an MJCF text file") from None
 
 
 def _parse(text: str, path: Path) -> ElementTree.Element:

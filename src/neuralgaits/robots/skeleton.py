@@ -6,6 +6,9 @@ link shorter than the chain that hangs from the hip. A foot is the one sphere of
 link that collides with the floor; nothing else on that link may.
 """
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 from dataclasses import dataclass
 
 import mujoco
@@ -91,10 +94,9 @@ def _legs(
             f"root body {root} carries {len(tops)} jointed bodies: expected two legs; "
             "weld other bodies to the torso"
         )
-    chains = [_chain(tree, top) for top in tops]
-    if len(chains) == 1:
-        chains.insert(0, ())
-    first, second = chains
+    # A root with one child is itself a whole leg: no chain of its own hangs below it.
+    own_chain = _chain(tree, tops[0]) if len(tops) == 2 else tuple[int, ...]()
+    first, second = own_chain, _chain(tree, tops[-1])
     if max(len(first), len(second)) > _MAX_LEG_LINKS:
         longest = max(first, second, key=len)
         raise RobotError(
@@ -169,7 +171,7 @@ def _foot(
     spheres = [g for g in geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE]
     if not spheres:
         raise RobotError(
-            f"body {link.name} has no foot: add a <geom type=\"sphere\"> that collides with the "
+            f'body {link.name} has no foot: add a <geom type="sphere"> that collides with the '
             "floor at its end"
         )
     if len(geoms) > 1:
