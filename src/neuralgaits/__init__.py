@@ -1,0 +1,65 @@
+"""Neural gaits: walking policies from barrier conditions on zero dynamics.
+
+The names below are the public Python interface. Each is imported when it is first used, so
+that importing the package is quick and changes nothing, JAX's settings included.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from neuralgaits._version import __version__
+
+if TYPE_CHECKING:
+    from neuralgaits.barriers import specs
+    from neuralgaits.gait import (
+        BezierPolicy,
+        HybridInvariantPolicy,
+        MLPPolicy,
+        ZeroDynamics,
+        poincare,
+    )
+    from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.doctor import doctor
+    from neuralgaits.workflows.inspect import inspect
+    from neuralgaits.workflows.simulate import simulate
+    from neuralgaits.workflows.train import train
+
+_HOMES = {
+    "BezierPolicy": "neuralgaits.gait",
+    "HybridInvariantPolicy": "neuralgaits.gait",
+    "MLPPolicy": "neuralgaits.gait",
+    "ZeroDynamics": "neuralgaits.gait",
+    "doctor": "neuralgaits.workflows.doctor",
+    "inspect": "neuralgaits.workflows.inspect",
+    "load_robot": "neuralgaits.robots",
+    "poincare": "neuralgaits.gait",
+    "simulate": "neuralgaits.workflows.simulate",
+    "specs": "neuralgaits.barriers",
+    "train": "neuralgaits.workflows.train",
+}
+
+__all__ = [
+    "BezierPolicy",
+    "HybridInvariantPolicy",
+    "MLPPolicy",
+    "ZeroDynamics",
+    "__version__",
+    "doctor",
+    "inspect",
+    "load_robot",
+    "poincare",
+    "simulate",
+    "specs",
+    "train",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its room. Raises: AttributeError for any other name."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,6 @@
+"""`python -m neuralgaits`."""
+
+from neuralgaits.cli.main import run
+
+if __name__ == "__main__":
+    run()

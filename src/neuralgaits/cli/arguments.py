@@ -1,0 +1,124 @@
+"""The verbs and their flags, as typed data. `--help` is generated from this file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from tyro.conf import Positional, arg, subcommand
+
+Robot = Annotated[Positional[str], arg(metavar="ROBOT")]
+Run = Annotated[Positional[str], arg(metavar="RUN")]
+
+
+@dataclass(frozen=True)
+class Output:
+    """How the result is shown."""
+
+    json: bool = False
+    """Print one JSON object on stdout; progress goes to stderr."""
+    verbose: Annotated[bool, arg(aliases=["-v"])] = False
+    """Show the traceback of an error."""
+
+
+@dataclass(frozen=True)
+class Train:
+    """Train a gait for a robot."""
+
+    robot: Robot
+    """Name of a built-in robot, or path of an MJCF file."""
+    spec: str = "walking"
+    """What the gait must satisfy: walking, paper, authors, or FILE.py:NAME."""
+    init: Literal["posture", "random"] = "posture"
+    """Start from a walking posture, or from random weights as the paper does."""
+    hidden: Annotated[str | None, arg(metavar="N,N")] = None
+    """Widths of the policy's hidden layers; the spec's own if not given."""
+    seed: Annotated[int, arg(metavar="N")] = 0
+    """Seed of initial weights and samples."""
+    steps: Annotated[int | None, arg(metavar="N")] = None
+    """Gradient steps; the spec's own number if not given."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
+    resume: Annotated[str | None, arg(metavar="RUN")] = None
+    """Continue an unfinished run."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class Simulate:
+    """Walk a trained gait in MuJoCo at full order."""
+
+    run: Run
+    """Run folder, or latest."""
+    plant: Annotated[str | None, arg(metavar="ROBOT")] = None
+    """Robot to simulate; the one the gait was trained for if not given."""
+    controller: Literal["pd", "fblin"] = "pd"
+    """Joint PD towards the policy, or input-output linearisation."""
+    steps: Annotated[int, arg(metavar="N")] = 50
+    """Walking steps an episode."""
+    start: Literal["centre", "region", "fixed-point"] = "centre"
+    """Initial states: middle of the region, random in it, or on the periodic orbit."""
+    push: Annotated[float, arg(metavar="NS")] = 0.0
+    """Impulse of a forward push [N s], over 0.1 s."""
+    disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
+    """Differences between plant and model, as in friction=0.4,delay_ms=4."""
+    seed: Annotated[int, arg(metavar="N")] = 0
+    """Seed of random starts and disturbances."""
+    episodes: Annotated[int, arg(metavar="N")] = 1
+    """Number of walks."""
+    log: Annotated[Path | None, arg(metavar="FILE.csv")] = None
+    """Write the first walk's log."""
+    video: Annotated[Path | None, arg(metavar="FILE.mp4")] = None
+    """Write a video of the first walk; needs the video extra."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class Inspect:
+    """Show what a robot file holds and what is wrong with it."""
+
+    robot: Robot
+    """Name of a built-in robot, or path of an MJCF file."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class Robots:
+    """List the built-in robots and specs."""
+
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class Doctor:
+    """Check this machine; one line that mends each thing found wrong."""
+
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+Verb = Train | Simulate | Inspect | Robots | Doctor
+
+_NAMED = (
+    Annotated[Train, subcommand("train")]
+    | Annotated[Simulate, subcommand("simulate")]
+    | Annotated[Inspect, subcommand("inspect")]
+    | Annotated[Robots, subcommand("robots")]
+    | Annotated[Doctor, subcommand("doctor")]
+)
+
+
+def read(arguments: list[str]) -> Verb:
+    """Turn words into a verb.
+
+    Raises: SystemExit as tyro does, after printing help (code 0) or an error (code 2).
+    """
+    words = list(arguments)
+    if words and words[0] in ("-v", "--verbose"):
+        words = [*words[1:], "-v"]
+    return tyro.cli(
+        _NAMED,  # type: ignore[arg-type]
+        prog="neuralgaits",
+        description="Neural walking gaits from barrier conditions on the zero dynamics.",
+        args=words,
+        config=(tyro.conf.FlagCreatePairsOff,),
+    )

@@ -1,0 +1,29 @@
+"""Settings of JAX for a process that belongs to the command line.
+
+They are environment variables, so they reach worker processes too and need no import of JAX.
+What the user has set stays.
+"""
+
+import os
+from pathlib import Path
+
+
+def prepare() -> None:
+    """Double precision, and compilations kept from one call to the next."""
+    os.environ["JAX_ENABLE_X64"] = "1"
+    defaults = {
+        "JAX_COMPILATION_CACHE_DIR": str(cache_folder() / "jax"),
+        # Many small programs: their compile times add up to more than reading them back.
+        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+        "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
+        # The C++ side reports cache hits and CPU features as if they were errors.
+        "TF_CPP_MIN_LOG_LEVEL": "2",
+    }
+    for name, value in defaults.items():
+        os.environ.setdefault(name, value)
+
+
+def cache_folder() -> Path:
+    """The user's cache folder for this program; it may be deleted at any time."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "neuralgaits"

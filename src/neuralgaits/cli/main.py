@@ -1,0 +1,88 @@
+"""Entry of the command line: one verb, one result, one exit code.
+
+Exit codes: 0 done and good; 1 the answer is no; 2 bad usage or bad input; 3 undecided or out
+of budget; 70 a defect of this program; 130 interrupted. Every error is one line on stderr.
+"""
+
+import contextlib
+import os
+import sys
+import traceback
+from collections.abc import Iterator
+
+from neuralgaits.cli import environment
+from neuralgaits.errors import NeuralGaitsError, NonFiniteError
+
+GOOD, NO, BAD_INPUT, DEFECT, INTERRUPTED = 0, 1, 2, 70, 130
+
+
+def run() -> None:
+    """Console script: `neuralgaits VERB ...`."""
+    environment.prepare()
+    sys.exit(main(sys.argv[1:]))
+
+
+def main(arguments: list[str]) -> int:
+    """Carry out one command. Returns: its exit code."""
+    verbose = bool({"-v", "--verbose"} & set(arguments))
+    try:
+        return _answer(arguments)
+    except SystemExit as stop:
+        return GOOD if stop.code is None else int(stop.code)
+    except KeyboardInterrupt as error:
+        hint = "; its last whole checkpoint stays, --resume RUN continues it"
+        training = "train" in arguments[:2]
+        return _fail(f"interrupted{hint if training else ''}", error, INTERRUPTED, verbose)
+    except BrokenPipeError:
+        # The reader of our output has gone; Python would complain again while it exits.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return GOOD
+    except NonFiniteError as error:
+        return _fail(str(error), error, NO, verbose)
+    except (NeuralGaitsError, OSError) as error:
+        return _fail(str(error), error, BAD_INPUT, verbose)
+    except Exception as error:
+        # The last resort, so that a script never takes a defect for the answer "no".
+        what = f"defect in this program: {type(error).__name__}: {error}"
+        return _fail(f"{what}; please report it with what -v prints", error, DEFECT, verbose)
+
+
+def _answer(arguments: list[str]) -> int:
+    # The parser, the workflows and JAX are imported when they are needed: --help is quick.
+    from neuralgaits.cli.arguments import read
+    from neuralgaits.cli.usage import one_line_errors
+
+    verb = one_line_errors(read, arguments)
+    from neuralgaits.cli import verbs
+    from neuralgaits.runs.plain import to_json
+
+    if not verb.output.json:
+        outcome = verbs.carry_out(verb)
+        outcome.show()
+    else:
+        with _stdout_to_stderr():
+            outcome = verbs.carry_out(verb)
+        sys.stdout.write(to_json(outcome.result))
+        sys.stdout.flush()
+    return GOOD if outcome.good else NO
+
+
+@contextlib.contextmanager
+def _stdout_to_stderr() -> Iterator[None]:
+    """Keep stdout for the answer: whatever else prints there, C libraries too, goes to stderr."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
+def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
+    if verbose:
+        traceback.print_exception(error, file=sys.stderr)
+    print(f"neuralgaits: {' '.join(message.split())}", file=sys.stderr)
+    return code

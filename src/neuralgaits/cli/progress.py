@@ -1,0 +1,64 @@
+"""Progress of a training on stderr: a bar with loss and ETA, or lines without a terminal."""
+
+import sys
+import time
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+_LINES = 10
+
+
+class TrainingProgress:
+    """A callback `(step, total, loss)` for the workflow, open while it runs."""
+
+    def __init__(self) -> None:
+        self._console = Console(stderr=True)
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+            TimeElapsedColumn(),
+            TextColumn("ETA"),
+            TimeRemainingColumn(),
+            console=self._console,
+            transient=True,
+        )
+        self._task = self._bar.add_task("compiling", total=1)
+        self._next_line = 0.0
+        self._first: tuple[int, float] | None = None
+
+    def __enter__(self) -> "TrainingProgress":
+        if self._console.is_terminal:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._console.is_terminal:
+            self._bar.stop()
+
+    def __call__(self, step: int, total: int, loss: float) -> None:
+        """Show that `step` of `total` gradient steps are done, with the loss there."""
+        if self._console.is_terminal:
+            self._bar.update(
+                self._task, completed=step, total=total, description=f"loss {loss:.3g}"
+            )
+        elif step >= self._next_line or step >= total:
+            self._next_line = step + total / _LINES
+            print(f"step {step}/{total}  loss {loss:.3g}{self._eta(step, total)}", file=sys.stderr)
+
+    def _eta(self, step: int, total: int) -> str:
+        """Time left at the mean pace since the first call, which came after compiling."""
+        now = time.monotonic()
+        if self._first is None:
+            self._first = (step, now)
+        first_step, start = self._first
+        if step == first_step:
+            return ""
+        return f"  ETA {(total - step) * (now - start) / (step - first_step):.0f} s"

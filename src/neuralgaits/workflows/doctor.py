@@ -1,0 +1,98 @@
+"""Is this machine ready? One finding and, where something is wrong, one line that mends it."""
+
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from neuralgaits._version import __version__
+
+_RENDER = "import mujoco; c = mujoco.GLContext(64, 64); c.make_current(); c.free()"
+_RENDER_TIMEOUT_S = 30.0
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at.
+
+    Attributes:
+        ok: whether it is as it should be.
+        needed: False if only a part of the program wants it; `found` or `fix` says which.
+        found: what is there.
+        fix: what to do, or None if nothing.
+    """
+
+    ok: bool
+    needed: bool
+    found: str
+    fix: str | None
+
+
+def doctor() -> dict[str, Any]:
+    """Look at the machine.
+
+    Returns: dict with `ok` (everything needed is there), `neuralgaits` (version) and
+        python, device, x64, opengl, compiler: {ok, needed, found, fix} each.
+    """
+    findings = {
+        "python": _python(),
+        "device": _device(),
+        "x64": _double_precision(),
+        "opengl": _opengl(),
+        "compiler": _compiler(),
+    }
+    ready = all(finding.ok for finding in findings.values() if finding.needed)
+    named = {name: asdict(finding) for name, finding in findings.items()}
+    return {"ok": ready, "neuralgaits": __version__} | named
+
+
+def _finding(ok: bool, found: str, fix: str, *, needed: bool = True) -> Finding:
+    return Finding(ok, needed, found, None if ok else fix)
+
+
+def _python() -> Finding:
+    fix = "install Python 3.11 or newer and build the environment with it"
+    return _finding(sys.version_info >= (3, 11), platform.python_version(), fix)
+
+
+def _device() -> Finding:
+    fix = "set JAX_PLATFORMS=cpu, or repair the accelerator's driver"
+    try:
+        import jax
+
+        device = jax.devices()[0]
+        found = f"{device.platform} ({device.device_kind}), {os.cpu_count()} cores, jax"
+        return _finding(True, f"{found} {jax.__version__}", fix)
+    except RuntimeError as error:
+        return _finding(False, " ".join(str(error).split()), fix)
+
+
+def _double_precision() -> Finding:
+    import jax
+
+    on = bool(jax.config.read("jax_enable_x64"))
+    fix = 'call jax.config.update("jax_enable_x64", True) first; the command line does'
+    return _finding(on, "float64" if on else "float32 only", fix)
+
+
+def _opengl() -> Finding:
+    """Try in a process of its own: a missing display can take the process down."""
+    backend = os.environ.get("MUJOCO_GL", "default")
+    fix = "for videos, set MUJOCO_GL=egl, or MUJOCO_GL=osmesa with the OSMesa library installed"
+    try:
+        trial = subprocess.run(
+            [sys.executable, "-c", _RENDER], capture_output=True, timeout=_RENDER_TIMEOUT_S
+        )
+        ok, found = trial.returncode == 0, f"MUJOCO_GL={backend}"
+    except subprocess.TimeoutExpired:
+        ok, found = False, f"MUJOCO_GL={backend} does not answer"
+    return _finding(ok, f"{found}: {'renders' if ok else 'no picture'}", fix, needed=False)
+
+
+def _compiler() -> Finding:
+    path = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
+    fix = "only if you want to compile C: install gcc or clang"
+    return _finding(path is not None, path or "no C compiler", fix, needed=False)

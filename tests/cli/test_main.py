@@ -1,0 +1,125 @@
+"""One result or one line, on the right stream, with the right exit code."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from neuralgaits import errors
+from neuralgaits.cli import main as entry
+from neuralgaits.cli import verbs
+from neuralgaits.cli.main import main
+from neuralgaits.cli.verbs import Outcome
+
+Captured = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def answer(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Replace the work of every verb by a function without arguments."""
+
+    def replace(work: Any) -> None:
+        monkeypatch.setattr(verbs, "carry_out", lambda verb: work())
+
+    return replace
+
+
+def _raise(error: BaseException) -> Any:
+    def work() -> Outcome:
+        raise error
+
+    return work
+
+
+def _only_line(capfd: Captured) -> str:
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith("neuralgaits: ")
+    return err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "found"),
+    [
+        ([], "train, simulate, inspect, robots, doctor"),
+        (["walk"], "walk"),
+        (["train"], "ROBOT"),
+        (["train", "amber3m", "--init", "zero"], "'zero'"),
+        (["train", "amber3m", "--steps", "many"], "'many'"),
+        (["train", "amber3m", "--hidden", "32,"], "32,32"),
+        (["simulate", "latest", "--controller"], "--controller"),
+        (["simulate", "latest", "--speed", "3"], "--speed"),
+    ],
+)
+def test_bad_usage_is_one_line_and_2(capfd: Captured, arguments: list[str], found: str) -> None:
+    assert main(arguments) == 2
+    assert found in _only_line(capfd)
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (errors.RobotError("expected\n  two feet"), 2),
+        (errors.RunError("expected a run"), 2),
+        (errors.NonFiniteError("loss is NaN"), 1),
+        (PermissionError(13, "Permission denied", "runs"), 2),
+        (ZeroDivisionError("division by zero"), 70),
+        (KeyboardInterrupt(), 130),
+    ],
+)
+def test_errors_have_their_codes(capfd: Captured, answer: Any, error: Any, code: int) -> None:
+    answer(_raise(error))
+    assert main(["robots", "--json"]) == code
+    assert "Traceback" not in _only_line(capfd)
+
+
+@pytest.mark.parametrize("arguments", [["-v", "robots"], ["robots", "--verbose"]])
+def test_verbose_adds_the_traceback(capfd: Captured, answer: Any, arguments: list[str]) -> None:
+    answer(_raise(errors.RunError("expected a run")))
+    assert main(arguments) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "Traceback" in err
+    assert err.splitlines()[-1] == "neuralgaits: expected a run"
+
+
+def test_an_interrupted_training_says_how_to_go_on(capfd: Captured, answer: Any) -> None:
+    answer(_raise(KeyboardInterrupt()))
+    assert main(["train", "amber3m"]) == 130
+    assert "--resume" in _only_line(capfd)
+
+
+@pytest.mark.parametrize(("good", "code"), [(True, 0), (False, 1)])
+def test_json_stands_alone_on_stdout(capfd: Captured, answer: Any, good: bool, code: int) -> None:
+    def chatter() -> Outcome:
+        print("from python")
+        os.write(1, b"from a C library\n")
+        return Outcome({"value": float("nan"), "list": (1, 2)}, good, print)
+
+    answer(chatter)
+    assert main(["robots", "--json"]) == code
+    out, err = capfd.readouterr()
+    assert json.loads(out) == {"value": None, "list": [1, 2]}
+    assert "from python" in err
+    assert "from a C library" in err
+
+
+def test_help_is_on_stdout_and_good(capfd: Captured) -> None:
+    assert main(["--help"]) == 0
+    out, err = capfd.readouterr()
+    assert "simulate" in out
+    assert err == ""
+
+
+def test_environment_keeps_what_the_user_set(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    environment = {"JAX_COMPILATION_CACHE_DIR": "mine", "XDG_CACHE_HOME": str(tmp_path)}
+    monkeypatch.setattr(os, "environ", dict(environment))
+    entry.environment.prepare()
+    assert os.environ["JAX_COMPILATION_CACHE_DIR"] == "mine"
+    assert os.environ["JAX_ENABLE_X64"] == "1"
+    assert entry.environment.cache_folder() == tmp_path / "neuralgaits"

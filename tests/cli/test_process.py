@@ -1,0 +1,64 @@
+"""The program as another program sees it."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import neuralgaits
+
+SOURCE = Path(neuralgaits.__file__).parents[1]
+
+
+def _python(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": str(SOURCE)}
+    environment.pop("JAX_ENABLE_X64", None)
+    return subprocess.run(
+        [sys.executable, *arguments], cwd=cwd, env=environment, capture_output=True, text=True
+    )
+
+
+def test_inspect_as_json(tmp_path: Path) -> None:
+    done = _python("-m", "neuralgaits", "inspect", "amber3m", "--json", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads(done.stdout)
+    assert found["underactuation"] == 1
+    assert len(found["links"]) == 5
+    assert len(found["actuators"]) == 4
+    # Two shins, two thighs and the torso of the URDF.
+    assert found["mass_kg"] == pytest.approx(2 * 0.85216 + 2 * 3.4261 + 13.0)
+    assert found["hip_height_m"] == pytest.approx(0.4667 + 0.4064)
+    assert {found["stance_foot"], found["swing_foot"]} == {"foot_left", "foot_right"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "found"),
+    [
+        (["inspect", "amber9"], "amber3m"),
+        (["simulate", "latest"], "train"),
+        (["simulate", "runs/none"], "runs/none"),
+    ],
+)
+def test_bad_input_is_one_line_and_2(tmp_path: Path, arguments: list[str], found: str) -> None:
+    done = _python("-m", "neuralgaits", *arguments, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count("\n") == 1
+    assert found in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_importing_does_nothing(tmp_path: Path) -> None:
+    code = "import os, sys; e = dict(os.environ); import neuralgaits as ng; ng.__version__; "
+    code += "assert 'jax' not in sys.modules; assert dict(os.environ) == e"
+    done = _python("-W", "error", "-c", code, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_public_names_exist() -> None:
+    for name in neuralgaits.__all__:
+        assert getattr(neuralgaits, name) is not None
+    with pytest.raises(AttributeError, match="walk"):
+        neuralgaits.walk  # noqa: B018
