@@ -1,0 +1,33 @@
+"""Conditions on regions of the zero dynamics, and the specifications built from them."""
+
+from neuralgaits.barriers import functions, specs
+from neuralgaits.barriers.conditions import (
+    AbstractCondition,
+    Barrier,
+    DiscreteBarrier,
+    Equality,
+    Fence,
+    Inlet,
+    Pointwise,
+    TubeWidth,
+)
+from neuralgaits.barriers.regions import Box, Gait, Tube
+from neuralgaits.barriers.spec import GaitSpec, Recipe
+
+__all__ = [
+    "AbstractCondition",
+    "Barrier",
+    "Box",
+    "DiscreteBarrier",
+    "Equality",
+    "Fence",
+    "Gait",
+    "GaitSpec",
+    "Inlet",
+    "Pointwise",
+    "Recipe",
+    "Tube",
+    "TubeWidth",
+    "functions",
+    "specs",
+]

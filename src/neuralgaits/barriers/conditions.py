@@ -1,0 +1,188 @@
+"""The kinds of condition. Each turns a function of the point data into margins g >= 0.
+
+A condition is written once. Training, certificate, simulation metrics and export all read this
+definition; none has a second copy. Kinds and equation numbers are the paper's.
+"""
+
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import jax
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Float
+from neuralgaits.barriers.regions import Gait, Side
+from neuralgaits.errors import SpecError
+from neuralgaits.gait import Point, ZeroDynamics
+
+Quantity = Callable[[Point], Float[Array, "..."]]
+
+
+@dataclass(frozen=True)
+class AbstractCondition:
+    """What all kinds share.
+
+    Attributes:
+        name: unique within a spec.
+        region: key of the spec's regions, where the condition must hold.
+        scale: a typical size of the margin: margins are reported and penalised in its units.
+    """
+
+    name: str
+    region: str
+    scale: float
+
+    @abstractmethod
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """Quantities that must not be negative at this point."""
+
+    @property
+    def absolute_loss(self) -> bool:
+        """True if training penalises the size of the error instead of a hinge."""
+        return False
+
+
+@dataclass(frozen=True)
+class Pointwise(AbstractCondition):
+    """g(z) >= 0 on a region.
+
+    Attributes:
+        function: g, of the point data; a scalar or an array of inequalities.
+    """
+
+    function: Quantity
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """g itself."""
+        del gait, zd
+        return self.function(point)
+
+
+@dataclass(frozen=True)
+class Barrier(AbstractCondition):
+    """dh/dt >= -alpha(h) on a region. Source: paper Eq. 6.
+
+    Attributes:
+        function: h, of the point data; its rate along the flow is formed here.
+        alpha: class-K gain [1/s]. A pair (slope for h > 0, slope for h < 0) with the
+            second not smaller gives a bent gain: both inequalities must then hold.
+    """
+
+    function: Quantity
+    alpha: float | tuple[float, float]
+
+    def __post_init__(self):
+        """Refuse gains that are not class-K, or bent the wrong way."""
+        slopes = self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
+        if min(slopes) <= 0 or list(slopes) != sorted(slopes):
+            raise SpecError(
+                f"barrier {self.name!r}: expected alpha > 0, or (a, b) with 0 < a <= b, "
+                f"found {self.alpha}"
+            )
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """dh/dt + alpha(h)."""
+        del gait
+        value, rate = jax.jvp(lambda z: self.function(zd.point(z)), (point.z,), (point.dz,))
+        slopes = self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
+        return jnp.stack([rate + slope * value for slope in slopes])
+
+
+@dataclass(frozen=True)
+class DiscreteBarrier(AbstractCondition):
+    """h(Delta(z)) - h(z) >= -gamma h(z) on the guard. Source: paper Eq. 8.
+
+    Attributes:
+        function: h, of the point data, read before and after the reset.
+        gamma: in (0, 1].
+    """
+
+    function: Quantity
+    gamma: float
+
+    def __post_init__(self):
+        """Refuse gamma outside (0, 1]."""
+        if not 0.0 < self.gamma <= 1.0:
+            raise SpecError(
+                f"discrete barrier {self.name!r}: expected 0 < gamma <= 1, found {self.gamma}"
+            )
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """h(Delta(z)) - (1 - gamma) h(z)."""
+        del gait, zd
+        return self.function(point.after) - (1.0 - self.gamma) * self.function(point)
+
+
+@dataclass(frozen=True)
+class Equality(AbstractCondition):
+    """|e(z)| <= tolerance on a region, as two inequalities.
+
+    Attributes:
+        function: e, of the point data.
+        tolerance: in the units of e.
+        loss: "hinge" penalises what exceeds the tolerance, "absolute" the error itself.
+    """
+
+    function: Quantity
+    tolerance: float
+    loss: Literal["hinge", "absolute"] = "hinge"
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """Tolerance minus and plus e."""
+        del gait, zd
+        error = jnp.atleast_1d(self.function(point))
+        return jnp.stack([self.tolerance - error, self.tolerance + error])
+
+    @property
+    def absolute_loss(self) -> bool:
+        """Whether the error itself is penalised."""
+        return self.loss == "absolute"
+
+
+@dataclass(frozen=True)
+class Fence(AbstractCondition):
+    """The flow on a fence points into the tube (condition C2 of the walking set).
+
+    The margin is d zeta / d phase along the flow against the fence's own slope, in tube widths.
+    """
+
+    side: Side
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """Inward slope relative to the fence, in tube widths per step."""
+        del zd
+        start, guard = gait.span
+        phase = gait.phase(point.z[0])
+        along = point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
+        inward = along - gait.tube.fence_slope(self.side, phase)
+        return (inward if self.side == "lower" else -inward) / gait.tube.width(phase)
+
+
+@dataclass(frozen=True)
+class Inlet(AbstractCondition):
+    """The reset lands between the fences (condition C5), in tube widths."""
+
+    side: Side
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """Level after the reset above 0 or below 1."""
+        del zd
+        level = gait.level(point.z_after)
+        return level if self.side == "lower" else 1.0 - level
+
+
+@dataclass(frozen=True)
+class TubeWidth(AbstractCondition):
+    """Relative width of the tube in z2, (upper - lower) / mean, at least `least`."""
+
+    least: float
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """Relative width minus the least."""
+        del zd
+        phase = gait.phase(point.z[0])
+        low = jnp.sqrt(2.0 * gait.tube.fence("lower", phase))
+        high = jnp.sqrt(2.0 * gait.tube.fence("upper", phase))
+        return 2.0 * (high - low) / (high + low) - self.least

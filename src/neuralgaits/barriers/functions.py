@@ -1,0 +1,214 @@
+"""Physical quantities of one point of the zero dynamics, to be put into conditions.
+
+Every function takes the point data and returns a scalar, or one entry a joint. Bounds are given
+by the caller: see `at_least` and `at_most`. No abs, max or clip: two inequalities instead.
+"""
+
+from collections.abc import Callable
+
+import jax.numpy as jnp
+
+from neuralgaits._types import Actuated, Array, Float, Planar, Scalar
+from neuralgaits.errors import SpecError
+from neuralgaits.gait import Point
+from neuralgaits.robots.dynamics import (
+    hip_position,
+    hip_velocity,
+    swing_foot_velocity,
+)
+
+Quantity = Callable[[Point], Float[Array, "..."]]
+
+
+def at_least(function: Quantity, bound: float | Float[Array, "..."]) -> Quantity:
+    """The quantity minus a lower bound: g >= 0 keeps it above."""
+    return lambda p: function(p) - bound
+
+
+def at_most(function: Quantity, bound: float | Float[Array, "..."]) -> Quantity:
+    """An upper bound minus the quantity: g >= 0 keeps it below."""
+    return lambda p: bound - function(p)
+
+
+def torso_angle(p: Point) -> Scalar:
+    """Absolute torso angle, positive backwards [rad]."""
+    if p.robot.torso is None:
+        raise SpecError(f"torso_angle: robot {p.robot.name!r} has no torso; leave it out")
+    return p.theta[p.robot.torso]
+
+
+def joint_angles(p: Point) -> Actuated:
+    """Actuated joint angles [rad]. [m]."""
+    return p.q[1:]
+
+
+def joint_rates(p: Point) -> Actuated:
+    """Actuated joint rates [rad/s]. [m]."""
+    return p.dq[1:]
+
+
+def torques(p: Point) -> Actuated:
+    """Joint torques on the zero dynamics [N m]. [m]."""
+    return p.torque
+
+
+def normal_force(p: Point) -> Scalar:
+    """Normal ground force on the stance foot [N]."""
+    return p.force[1]
+
+
+def friction_forward(coefficient: float) -> Quantity:
+    """Slack of the friction cone against forward tangential force [N]."""
+    return lambda p: coefficient * p.force[1] - p.force[0]
+
+
+def friction_backward(coefficient: float) -> Quantity:
+    """Slack of the friction cone against backward tangential force [N]."""
+    return lambda p: coefficient * p.force[1] + p.force[0]
+
+
+def foot_height(p: Point) -> Scalar:
+    """Swing-foot height [m]."""
+    return p.foot[1]
+
+
+def foot_forward(p: Point) -> Scalar:
+    """Swing-foot position ahead of the stance foot; the step length at impact [m]."""
+    return p.foot[0]
+
+
+def foot_vertical_velocity(p: Point) -> Scalar:
+    """Vertical swing-foot velocity [m/s]."""
+    return p.foot_velocity[1]
+
+
+def foot_on_circle(centre: tuple[float, float], radius: float) -> Quantity:
+    """Squared distance of the swing foot from a circle's centre, minus radius^2 [m^2].
+
+    Source: paper Table 1, swing foot clearance.
+    """
+
+    def clearance(p: Point) -> Scalar:
+        x, z = p.foot[0] - centre[0], p.foot[1] - centre[1]
+        return x * x + z * z - radius**2
+
+    return clearance
+
+
+def parabolic_clearance(height: float, half_width: float, slack: float = 0.0) -> Quantity:
+    """Foot height above height (1 - (z1/half_width)^2) - slack [m]."""
+
+    def clearance(p: Point) -> Scalar:
+        x = p.z[0] / half_width
+        return p.foot[1] - height * (1.0 - x * x) + slack
+
+    return clearance
+
+
+def hip_height(p: Point) -> Scalar:
+    """Hip height above the stance foot [m]."""
+    return hip_position(p.robot, p.q)[1]
+
+
+def hip_forward(p: Point) -> Scalar:
+    """Hip position ahead of the stance foot [m]."""
+    return hip_position(p.robot, p.q)[0]
+
+
+def hip_speed(p: Point) -> Scalar:
+    """Forward velocity of the hip [m/s]."""
+    return hip_velocity(p.robot, p.q, p.dq)[0]
+
+
+def forward_rate(p: Point) -> Scalar:
+    """Rate of the linearised hip position dz1 [m/s]."""
+    return p.dz[0]
+
+
+def transversal_inertia(p: Point) -> Scalar:
+    """-J . s, positive where the zero dynamics are well defined [kg m]."""
+    return -p.transversal_inertia
+
+
+def hip_state(p: Point) -> Scalar:
+    """z1 [m], for bounds on z."""
+    return p.z[0]
+
+
+def momentum(p: Point) -> Scalar:
+    """z2 [kg m^2/s], for bounds on z."""
+    return p.z[1]
+
+
+def orbital_energy(height: float, tilt: float = 0.0) -> Quantity:
+    """E - tilt z1 with E = (z2/(m h))^2 - (g/h) z1^2 [m^2/s^2].
+
+    Source: DESIGN, coordinates; Pratt and Drakunov (2007).
+    """
+
+    def energy(p: Point) -> Scalar:
+        speed = p.z[1] / (p.robot.mass * height)
+        return speed * speed - (p.robot.gravity / height) * p.z[0] * p.z[0] - tilt * p.z[0]
+
+    return energy
+
+
+def reset_hip_sum(p: Point) -> Scalar:
+    """z1 after the reset plus z1 before: 0 for a symmetric step [m]. Paper Table 1."""
+    return p.z_after[0] + p.z[0]
+
+
+def reset_hip(p: Point) -> Scalar:
+    """z1 after the reset [m]."""
+    return p.z_after[0]
+
+
+def output_mismatch(p: Point) -> Actuated:
+    """Outputs after the impact, y+ = R q_a - y_d(Delta(z)) [rad]. [m]. Paper: symmetry."""
+    return (p.robot.relabel @ p.q)[1:] - p.after.outputs.y
+
+
+def rate_mismatch(p: Point) -> Actuated:
+    """Output rates after the real impact, dq_a+ - dy_d(z+) [rad/s]. [m].
+
+    z1 moves at the real rate c . dq+, not at the rate the re-zeroed outputs would give.
+    """
+    after, desired = p.impact, p.after.outputs
+    dz1 = p.robot.hip_gradient @ after.dq
+    dz2 = p.robot.mass * p.robot.gravity * p.robot.centre_of_mass(after.q)[0]
+    return after.dq[1:] - desired.d1 * dz1 - desired.d2 * dz2
+
+
+def state_mismatch(p: Point) -> Float[Array, " 2n"]:
+    """Full state after impact minus the zero dynamics state above z+ (rad, rad/s). [2n]."""
+    return jnp.concatenate([p.impact.q - p.after.q, p.impact.dq - p.after.dq])
+
+
+def impulse(p: Point) -> Planar:
+    """Impulse on the new stance foot, (tangential, normal) [N s]. [2]."""
+    return p.impact.impulse
+
+
+def normal_impulse(p: Point) -> Scalar:
+    """Normal impulse of the impact [N s]."""
+    return p.impact.impulse[1]
+
+
+def impulse_cone_forward(coefficient: float) -> Quantity:
+    """Slack of the impulse's friction cone, forward [N s]."""
+    return lambda p: coefficient * p.impact.impulse[1] - p.impact.impulse[0]
+
+
+def impulse_cone_backward(coefficient: float) -> Quantity:
+    """Slack of the impulse's friction cone, backward [N s]."""
+    return lambda p: coefficient * p.impact.impulse[1] + p.impact.impulse[0]
+
+
+def old_foot_lift(p: Point) -> Scalar:
+    """Vertical velocity of the old stance foot just after the impact [m/s]."""
+    return swing_foot_velocity(p.robot, p.impact.q, p.impact.dq)[1]
+
+
+def after_reset(function: Quantity) -> Quantity:
+    """The same quantity read at the point after the reset."""
+    return lambda p: function(p.after)

@@ -1,0 +1,155 @@
+"""Regions of the zero dynamics plane: tubes between two fences, and boxes inside them.
+
+A tube is {z_start <= z1 <= z_guard, zeta_lower(z1) <= z2^2 / 2 <= zeta_upper(z1)} on the branch
+z2 > 0. Its chart u = (phase, level) in [0, 1]^2 makes it a square: phase runs from the start
+of a step to the guard, level from the lower to the upper fence. Boxes in (z1, orbital energy)
+and bands of tilted energy are tubes whose fences are fixed parabolas, so one chart serves all.
+"""
+
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from neuralgaits._types import Array, Float, Scalar, ZeroState
+from neuralgaits.gait.policy import AbstractPolicy
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+Side = Literal["lower", "upper"]
+
+
+class Box(NamedTuple):
+    """A box of the chart: low <= (phase, level) <= high; low == high on an axis is a curve."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+
+class Tube(eqx.Module):
+    """A region of the zero dynamics between two fences.
+
+    Attributes:
+        lower, upper: Chebyshev coefficients of zeta = z2^2 / 2 in units of `unit` over the
+            phase mapped to [-1, 1]. [degree + 1]
+        unit: unit of zeta [(kg m^2/s)^2].
+        span: fixed z1 at phase 0 and 1 [m], or None to follow the policy's z1 range. [2]
+        trained: whether training may move the fences.
+    """
+
+    lower: Float[Array, " k"]
+    upper: Float[Array, " k"]
+    unit: Float[Array, ""]
+    span: Float[Array, "2"] | None
+    trained: bool = eqx.field(static=True)
+
+    @classmethod
+    def between_energies(
+        cls,
+        robot: "PlanarBiped",
+        energies: tuple[float, float],
+        *,
+        height: float,
+        span: tuple[float, float] | None,
+        tilt: float = 0.0,
+        degree: int = 2,
+        start: tuple[float, float] | None = None,
+        trained: bool = False,
+    ) -> "Tube":
+        """Fences of constant orbital energy minus a tilt, E - tilt z1.
+
+        With E = (z2/(m h))^2 - (g/h) z1^2 the fences are parabolas in z1, represented exactly.
+
+        Args:
+            robot: sets mass and gravity.
+            energies: lower and upper value of E - tilt z1 [m^2/s^2].
+            height: h, the height of the linear inverted pendulum [m].
+            span: fixed z1 interval [m]; None follows the policy.
+            tilt: kappa [m/s^2].
+            degree: of the Chebyshev series, at least 2.
+            start: z1 interval the parabolas are laid over [m]; `span` if that is given.
+            trained: whether training may move the fences.
+        """
+        start = span if start is None else start
+        if start is None:
+            raise ValueError("between_energies: give span or start, the z1 interval")
+        middle, half = 0.5 * (start[1] + start[0]), 0.5 * (start[1] - start[0])
+        unit = 0.5 * float(robot.mass * height) ** 2
+        curvature = float(robot.gravity) / height
+        series = []
+        for energy in energies:
+            power = np.array(
+                [
+                    energy + tilt * middle + curvature * middle**2,
+                    (tilt + 2.0 * curvature * middle) * half,
+                    curvature * half**2,
+                ]
+            )
+            series.append(np.pad(chebyshev.poly2cheb(power), (0, degree - 2)))
+        ends = None if span is None else np.asarray(span, dtype=np.float64)
+        return cls(series[0], series[1], np.asarray(unit), ends, trained)
+
+    def fence(self, side: Side, phase: Scalar) -> Scalar:
+        """zeta on a fence [(kg m^2/s)^2]."""
+        series = self.lower if side == "lower" else self.upper
+        return self.unit * _clenshaw(series, 2.0 * phase - 1.0)
+
+    def fence_slope(self, side: Side, phase: Scalar) -> Scalar:
+        """d zeta / d phase on a fence [(kg m^2/s)^2]."""
+        _, slope = jax.jvp(lambda t: self.fence(side, t), (phase,), (jnp.ones_like(phase),))
+        return slope
+
+    def width(self, phase: Scalar) -> Scalar:
+        """zeta_upper - zeta_lower [(kg m^2/s)^2]."""
+        return self.unit * _clenshaw(self.upper - self.lower, 2.0 * phase - 1.0)
+
+
+def _clenshaw(series: Float[Array, " k"], x: Scalar) -> Scalar:
+    ahead, beyond = series[-1], jnp.zeros_like(series[-1])
+    for k in range(series.shape[0] - 2, 0, -1):
+        ahead, beyond = series[k] + 2.0 * x * ahead - beyond, ahead
+    return series[0] + x * ahead - beyond
+
+
+class Gait(eqx.Module):
+    """What is trained: a policy and the tube of the zero dynamics it is meant for."""
+
+    policy: AbstractPolicy
+    tube: Tube
+
+    @property
+    def span(self) -> tuple[Scalar, Scalar]:
+        """z1 at phase 0 and at phase 1 (m)."""
+        if self.tube.span is None:
+            return self.policy.z1_range
+        return self.tube.span[0], self.tube.span[1]
+
+    def phase(self, z1: Scalar) -> Scalar:
+        """Phase of the step at hip position z1."""
+        start, guard = self.span
+        return (z1 - start) / (guard - start)
+
+    def z(self, u: Float[Array, "2"]) -> ZeroState:
+        """Chart: zero dynamics state at (phase, level). Returns: [2] (m, kg m^2/s)."""
+        start, guard = self.span
+        zeta = self.tube.fence("lower", u[0]) + u[1] * self.tube.width(u[0])
+        return jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
+
+    def level(self, z: ZeroState) -> Scalar:
+        """Level of a state between the fences: 0 on the lower, 1 on the upper."""
+        phase = self.phase(z[0])
+        return (0.5 * z[1] * z[1] - self.tube.fence("lower", phase)) / self.tube.width(phase)
+
+    def matched(self, robot: "PlanarBiped") -> "Gait":
+        """The gait with everything that follows from robot and parameters recomputed."""
+        return Gait(self.policy.matched(robot), self.tube)
+
+    def trainable(self) -> "Gait":
+        """A tree of booleans: True where training may move a leaf."""
+        frozen = jax.tree.map(lambda _: False, self.tube)
+        fences = eqx.tree_at(lambda t: (t.lower, t.upper), frozen, (True, True))
+        return Gait(self.policy.trainable(), fences if self.tube.trained else frozen)

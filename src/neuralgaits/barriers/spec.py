@@ -1,0 +1,113 @@
+"""A gait specification: conditions on regions, where training starts and how it proceeds."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits._types import Array, Float
+from neuralgaits.barriers.conditions import AbstractCondition
+from neuralgaits.barriers.regions import Box, Gait
+from neuralgaits.errors import SpecError
+from neuralgaits.gait import ZeroDynamics
+
+Init = Literal["posture", "random"]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a spec is trained. Every number here is a choice, made where the spec is written.
+
+    Attributes:
+        steps: gradient steps.
+        samples: fresh samples a step in each region.
+        learning_rate: of AdamW.
+        weight_decay: of AdamW.
+        milestones: shares of the steps at which the rate drops to a tenth; None for a
+            cosine schedule.
+        overshoot: how far samples reach beyond the chart's edges in (phase, level).
+        aim: margin below which a condition is penalised, in its scale.
+        worst_weight: weight of the worst sample's violation beside the mean.
+        logarithmic: let a condition's penalty grow like a logarithm above one, so that one
+            condition far off cannot drown the rest.
+        effort: weight of the mean squared torque in units of `effort_torque`.
+        effort_torque: [N m].
+        posture_steps: supervised steps towards the nominal posture before training.
+        gradient_clip: largest global norm of the gradient, or None.
+    """
+
+    steps: int
+    samples: Mapping[str, int]
+    learning_rate: float
+    weight_decay: float
+    milestones: tuple[float, ...] | None = None
+    overshoot: tuple[float, float] = (0.0, 0.0)
+    aim: float = 0.0
+    worst_weight: float = 0.0
+    logarithmic: bool = False
+    effort: float = 0.0
+    effort_torque: float = 1.0
+    posture_steps: int = 0
+    gradient_clip: float | None = None
+
+
+@dataclass(frozen=True)
+class GaitSpec:
+    """Conditions that make a policy walk, with everything needed to train for them.
+
+    Attributes:
+        name: of the spec.
+        conditions: with unique names.
+        regions: name to boxes of the tube's chart.
+        new_gait: (key, init, hidden widths or None) to an untrained gait.
+        recipe: training settings.
+        weights: factor of each condition's loss; 1 where absent.
+    """
+
+    name: str
+    conditions: tuple[AbstractCondition, ...]
+    regions: Mapping[str, tuple[Box, ...]]
+    new_gait: Callable[[PRNGKeyArray, Init, tuple[int, ...] | None], Gait]
+    recipe: Recipe
+    weights: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self):
+        """Refuse duplicate names, unknown regions and regions without samples."""
+        names = [condition.name for condition in self.conditions]
+        repeated = sorted({name for name in names if names.count(name) > 1})
+        if repeated:
+            raise SpecError(f"spec {self.name!r}: condition names must differ, found {repeated}")
+        for condition in self.conditions:
+            if condition.region not in self.regions:
+                known = ", ".join(self.regions)
+                raise SpecError(
+                    f"condition {condition.name!r}: unknown region {condition.region!r}; "
+                    f"the regions of spec {self.name!r} are {known}"
+                )
+            if not condition.scale > 0:
+                raise SpecError(
+                    f"condition {condition.name!r}: expected scale > 0, found {condition.scale}"
+                )
+        missing = sorted({c.region for c in self.conditions} - set(self.recipe.samples))
+        if missing:
+            raise SpecError(f"spec {self.name!r}: recipe.samples has no entry for {missing}")
+
+    def with_conditions(self, *more: AbstractCondition) -> "GaitSpec":
+        """The same spec with further conditions."""
+        return replace(self, conditions=(*self.conditions, *more))
+
+    def without(self, *names: str) -> "GaitSpec":
+        """The same spec without the named conditions."""
+        unknown = sorted(set(names) - {condition.name for condition in self.conditions})
+        if unknown:
+            raise SpecError(f"spec {self.name!r} has no conditions {unknown}")
+        kept = tuple(c for c in self.conditions if c.name not in names)
+        return replace(self, conditions=kept)
+
+    def margins(
+        self, gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]
+    ) -> dict[str, Float[Array, "..."]]:
+        """Margins of all conditions at one chart point, each in its own units."""
+        point = zd.point(gait.z(u))
+        return {c.name: c.margins(gait, zd, point) for c in self.conditions}

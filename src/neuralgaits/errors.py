@@ -1,0 +1,28 @@
+"""Every error a caller can meet: one root, few leaves.
+
+A message is one line and says what was expected, what came, and what to do.
+"""
+
+
+class NeuralGaitsError(Exception):
+    """Root of all errors raised on purpose by this package."""
+
+
+class InputError(NeuralGaitsError):
+    """The caller passed something that cannot be used: a value, shape, name or flag."""
+
+
+class RobotError(InputError):
+    """A robot file is malformed, or describes a robot the planar theory cannot treat."""
+
+
+class SpecError(InputError):
+    """A gait specification is unknown, malformed, or cannot be traced into a Program."""
+
+
+class RunError(InputError):
+    """A run folder is missing, half-written, from another version, or inconsistent."""
+
+
+class NonFiniteError(NeuralGaitsError):
+    """A computation met NaN or infinity; the message names the file that reproduces it."""

@@ -1,0 +1,34 @@
+"""Policies, coordinates and the hybrid zero dynamics they induce."""
+
+from neuralgaits.gait.bezier import BezierPolicy
+from neuralgaits.gait.hybrid_invariant import HybridInvariantPolicy
+from neuralgaits.gait.mlp import MLPPolicy
+from neuralgaits.gait.network import Network
+from neuralgaits.gait.poincare import Orbit, poincare
+from neuralgaits.gait.point import Point
+from neuralgaits.gait.policy import (
+    AbstractPolicy,
+    OutputJet,
+    output_curvature,
+    output_slopes,
+)
+from neuralgaits.gait.posture import Posture, posture_path, walking_posture
+from neuralgaits.gait.zero_dynamics import ZeroDynamics
+
+__all__ = [
+    "AbstractPolicy",
+    "BezierPolicy",
+    "HybridInvariantPolicy",
+    "MLPPolicy",
+    "Network",
+    "Orbit",
+    "OutputJet",
+    "Point",
+    "Posture",
+    "ZeroDynamics",
+    "output_curvature",
+    "output_slopes",
+    "poincare",
+    "posture_path",
+    "walking_posture",
+]

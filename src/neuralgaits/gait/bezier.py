@@ -1,0 +1,84 @@
+"""Bezier virtual constraints: the classical parametrisation, y_d a function of z1 alone."""
+
+from math import comb
+from typing import TYPE_CHECKING
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
+from neuralgaits.errors import InputError
+from neuralgaits.gait.policy import AbstractPolicy
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+
+class BezierPolicy(AbstractPolicy):
+    """Desired outputs as a Bezier curve of the phase (z1 - start) / (guard - start).
+
+    Inside the phase interval the outputs stay in the convex hull of the coefficients.
+    Source: Westervelt et al. (2007), section 6.2.
+
+    Attributes:
+        coefficients: control points [rad]. [m, degree + 1]
+        start_and_guard: z1 at the start of a step and at the guard [m]. [2]
+    """
+
+    coefficients: Float[Array, "m k"]
+    start_and_guard: Float[Array, "2"]
+
+    def __init__(self, coefficients: Float[Array, "m k"], z1_range: tuple[float, float]):
+        """Check and keep the control points and the z1 interval."""
+        # Under a transformation the leaves are placeholders: only real arrays are checked.
+        self.coefficients = _finite("coefficients", coefficients, 2)
+        self.start_and_guard = _finite("z1_range", z1_range, 1)
+        start, guard = self.start_and_guard
+        if self.coefficients.shape[1] < 2 or not start < guard:
+            raise InputError(
+                "expected coefficients [m, degree + 1] with degree >= 1 and z1_range with "
+                f"start < guard, found shape {self.coefficients.shape} and {z1_range}"
+            )
+
+    def __call__(self, z: ZeroState) -> Actuated:
+        """Desired actuated joint angles. Returns: [m] (rad)."""
+        start, guard = self.start_and_guard
+        phase = (z[0] - start) / (guard - start)
+        monomials = self.coefficients @ _bernstein_in_monomials(self.coefficients.shape[1] - 1)
+        value = monomials[:, -1]
+        for k in range(monomials.shape[1] - 2, -1, -1):
+            value = monomials[:, k] + phase * value
+        return value
+
+    @property
+    def z1_range(self) -> tuple[Scalar, Scalar]:
+        """z1 at the start of a step and at the guard (m)."""
+        return self.start_and_guard[0], self.start_and_guard[1]
+
+    def matched(self, robot: "PlanarBiped") -> "BezierPolicy":
+        """Nothing follows from the robot: the policy itself."""
+        del robot
+        return self
+
+    def trainable(self) -> "BezierPolicy":
+        """The control points may move; the z1 interval is fixed."""
+        return jax.tree.map(lambda leaf: leaf is self.coefficients, self)
+
+
+def _finite(name: str, values, ndim: int) -> Float[Array, "..."]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim != ndim or not np.all(np.isfinite(array)):
+        raise InputError(
+            f"{name}: expected {ndim}-dimensional finite numbers, found shape {array.shape}"
+        )
+    return array
+
+
+def _bernstein_in_monomials(degree: int) -> Float[np.ndarray, "k k"]:
+    """Row i: coefficients of the i-th Bernstein polynomial in powers of the phase."""
+    table = np.zeros((degree + 1, degree + 1))
+    for i in range(degree + 1):
+        for k in range(i, degree + 1):
+            table[i, k] = (-1) ** (k - i) * comb(degree, k) * comb(k, i)
+    return table

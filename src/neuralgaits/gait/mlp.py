@@ -1,0 +1,85 @@
+"""The paper's policy: a network from z straight to bounded joint angles."""
+
+from typing import TYPE_CHECKING
+
+import equinox as eqx
+import jax
+import numpy as np
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
+from neuralgaits.gait.activations import logistic
+from neuralgaits.gait.network import Network, scaled_inputs
+from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.posture import walking_posture
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+
+class MLPPolicy(AbstractPolicy):
+    """Desired outputs y_d = lower + (upper - lower) logistic(N(z)).
+
+    Attributes:
+        network: N, inputs z / input_scale - input_shift, outputs [m].
+        lower, upper: output bounds [rad]. [m]
+        input_scale, input_shift: network input scaling. [2]
+        start_and_guard: nominal z1 at the start of a step and at the guard [m]. [2]
+    """
+
+    network: Network
+    lower: Float[Array, " m"]
+    upper: Float[Array, " m"]
+    input_scale: Float[Array, "2"]
+    input_shift: Float[Array, "2"]
+    start_and_guard: Float[Array, "2"]
+
+    @classmethod
+    def init(
+        cls,
+        robot: "PlanarBiped",
+        *,
+        key: PRNGKeyArray,
+        hidden: tuple[int, ...] = (64, 64),
+        activation: str = "tanh",
+        bounds: tuple[Float[Array, " m"], Float[Array, " m"]] | None = None,
+        inputs: tuple[Float[Array, "2"], Float[Array, "2"]] | None = None,
+    ) -> "MLPPolicy":
+        """Draw a random network; bounds and scales come from the robot.
+
+        Args:
+            robot: sets bounds and scales.
+            key: random key.
+            hidden: widths of the hidden layers.
+            activation: "tanh" or "softplus" (provable), or the paper's "relu".
+            bounds: lower and upper output bounds [rad]; the robot's walking bounds if None.
+            inputs: scale and shift of the network inputs; the robot's if None.
+        """
+        posture = walking_posture(robot)
+        network = Network.init((2, *hidden, robot.n - 1), activation=activation, key=key)
+        lower, upper = (posture.lower, posture.upper) if bounds is None else bounds
+        scale, shift = (posture.input_scale, posture.input_shift) if inputs is None else inputs
+        ends = np.array([-posture.z_guard, posture.z_guard])
+        return cls(network, lower, upper, scale, shift, ends)
+
+    def __call__(self, z: ZeroState) -> Actuated:
+        """Desired actuated joint angles. Returns: [m] (rad)."""
+        share = logistic(self.network(scaled_inputs(z, self.input_scale, self.input_shift)))
+        return self.lower + (self.upper - self.lower) * share
+
+    @property
+    def z1_range(self) -> tuple[Scalar, Scalar]:
+        """Nominal z1 at the start of a step and at the guard (m)."""
+        return self.start_and_guard[0], self.start_and_guard[1]
+
+    def matched(self, robot: "PlanarBiped") -> "MLPPolicy":
+        """Nothing follows from the robot: the policy itself."""
+        del robot
+        return self
+
+    def trainable(self) -> "MLPPolicy":
+        """The network may move; bounds and scales are fixed."""
+        frozen = jax.tree.map(lambda _: False, self)
+        return eqx.tree_at(
+            lambda p: p.network, frozen, jax.tree.map(lambda _: True, self.network)
+        )

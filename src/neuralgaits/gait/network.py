@@ -1,0 +1,61 @@
+"""A fully connected network: the only learned function in the package."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits._types import Array, Float
+from neuralgaits.errors import InputError
+from neuralgaits.gait.activations import ACTIVATIONS
+
+
+class Network(eqx.Module):
+    """A fully connected network with one activation and a linear last layer.
+
+    Attributes:
+        weights: one [out, in] matrix a layer.
+        biases: one [out] vector a layer.
+        activation: key of `activations.ACTIVATIONS`.
+    """
+
+    weights: tuple[Float[Array, "out in"], ...]
+    biases: tuple[Float[Array, " out"], ...]
+    activation: str = eqx.field(static=True)
+
+    @classmethod
+    def init(
+        cls, sizes: tuple[int, ...], *, activation: str, key: PRNGKeyArray
+    ) -> "Network":
+        """Draw weights and biases uniformly in +-1/sqrt(fan-in).
+
+        Args:
+            sizes: widths from input to output.
+            activation: one of `activations.ACTIVATIONS`.
+            key: random key.
+        """
+        if activation not in ACTIVATIONS:
+            known = ", ".join(ACTIVATIONS)
+            raise InputError(f"unknown activation {activation!r}: use one of {known}")
+        weights, biases = [], []
+        for layer, (fan_in, fan_out) in enumerate(zip(sizes[:-1], sizes[1:], strict=True)):
+            weight_key, bias_key = jax.random.split(jax.random.fold_in(key, layer))
+            bound = fan_in**-0.5
+            shape = (fan_out, fan_in)
+            weights.append(jax.random.uniform(weight_key, shape, minval=-bound, maxval=bound))
+            biases.append(jax.random.uniform(bias_key, (fan_out,), minval=-bound, maxval=bound))
+        return cls(tuple(weights), tuple(biases), activation)
+
+    def __call__(self, x: Float[Array, " in"]) -> Float[Array, " out"]:
+        """Evaluate at one input. Returns: [out]."""
+        activate = ACTIVATIONS[self.activation]
+        for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
+            x = activate(weight @ x + bias)
+        return self.weights[-1] @ x + self.biases[-1]
+
+
+def scaled_inputs(
+    z: Float[Array, "2"], scale: Float[Array, "2"], shift: Float[Array, "2"]
+) -> Float[Array, "2"]:
+    """Network inputs of order one, z / scale - shift. Returns: [2]."""
+    return jnp.asarray(z) / scale - shift

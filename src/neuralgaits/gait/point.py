@@ -1,0 +1,168 @@
+"""Everything that follows from one zero dynamics state, each quantity computed once.
+
+On the zero dynamics manifold the outputs are zero, so z alone fixes positions, rates,
+accelerations, torques and contact forces. Nothing needs a linear solve: rates are affine in
+dz1, the momentum row is one scalar equation for it, and its time derivative one for ddz1 with
+the same denominator. Source: LESSONS 7; CERTIFICATE.md section 1.
+"""
+
+from functools import cached_property
+
+import jax
+import jax.numpy as jnp
+
+from neuralgaits._types import Actuated, Coordinates, Planar, Scalar, ZeroState
+from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_curvature, output_slopes
+from neuralgaits.robots import Impact, PlanarBiped, dynamics
+from neuralgaits.robots.impact import momentum_after
+
+
+class Point:
+    """The robot on the zero dynamics manifold at one z; attributes are evaluated on demand.
+
+    Not a pytree: build it inside the function that is transformed, return arrays.
+    """
+
+    def __init__(self, robot: PlanarBiped, policy: AbstractPolicy, residual, z: ZeroState):
+        """Fix robot, policy, optional residual (a function z -> [2]) and state."""
+        self.robot = robot
+        self.policy = policy
+        self.residual = residual
+        self.z = jnp.asarray(z)
+
+    @cached_property
+    def outputs(self) -> OutputJet:
+        """Desired outputs and their partial derivatives."""
+        return output_slopes(self.policy, self.z)
+
+    @cached_property
+    def q(self) -> Coordinates:
+        """Coordinates [rad]. [n]."""
+        return lift(self.robot, self.z[0], self.outputs.y)
+
+    @cached_property
+    def theta(self) -> Coordinates:
+        """Absolute link angles [rad]. [n]."""
+        return self.robot.link_angles @ self.q
+
+    @cached_property
+    def along_z1(self) -> Coordinates:
+        """Coordinate rates per unit dz1 [rad/m]. [n]."""
+        return lift(self.robot, jnp.ones_like(self.z[0]), self.outputs.d1)
+
+    @cached_property
+    def along_z2(self) -> Coordinates:
+        """Coordinate rates per unit dz2 [rad s/(kg m^2)]. [n]."""
+        return lift(self.robot, jnp.zeros_like(self.z[0]), self.outputs.d2)
+
+    @cached_property
+    def momentum_row(self) -> Coordinates:
+        """Row of the mass matrix with z2 = -(row . dq), [kg m^2]. [n]."""
+        links = dynamics.link_mass_matrix(self.robot, self.theta)
+        return jnp.sum(links, axis=0) @ self.robot.link_angles
+
+    @cached_property
+    def transversal_inertia(self) -> Scalar:
+        """J . s: dz2 momentum per unit dz1, the denominator of every rate [kg m].
+
+        Negative in forward walking; the zero dynamics exist where it is not zero.
+        """
+        return self.momentum_row @ self.along_z1
+
+    @cached_property
+    def centre_of_mass(self) -> Planar:
+        """Centre of mass from the stance foot [m]. [2]."""
+        return dynamics.centre_of_mass(self.robot, self.q)
+
+    @cached_property
+    def nominal_dz(self) -> ZeroState:
+        """Rate omega(0, z) of the rigid model, residual left out (m/s, N m). [2]."""
+        dz2 = self.robot.mass * self.robot.gravity * self.centre_of_mass[0]
+        dz1 = -(self.z[1] + (self.momentum_row @ self.along_z2) * dz2)
+        return jnp.stack([dz1 / self.transversal_inertia, dz2])
+
+    @cached_property
+    def dz(self) -> ZeroState:
+        """Rate of the zero dynamics, residual included (m/s, N m). [2]. Source: paper Eq. 4."""
+        if self.residual is None:
+            return self.nominal_dz
+        return self.nominal_dz + self.residual(self.z)
+
+    @cached_property
+    def dq(self) -> Coordinates:
+        """Coordinate rates [rad/s]. [n]."""
+        return self.along_z1 * self.dz[0] + self.along_z2 * self.dz[1]
+
+    @cached_property
+    def _curvature(self) -> Actuated:
+        return output_curvature(self.policy, self.z, self.dz, self.dz)
+
+    @cached_property
+    def ddz(self) -> ZeroState:
+        """Second rate of the zero dynamics (m/s^2, N m/s). [2].
+
+        Differentiates the momentum row along the flow. With a residual, the row holds for the
+        nominal rate while everything else moves at the corrected one.
+        """
+        robot, turn = self.robot, self.robot.link_angles
+        dtheta = turn @ self.dq
+        weight = robot.mass * robot.gravity
+        ddz2 = weight * dynamics.centre_of_mass_velocity(robot, self.q, self.dq)[0]
+        nominal_dq, curvature = self.dq, self._curvature
+        residual_rate = jnp.zeros_like(self.z)
+        if self.residual is not None:
+            nominal_dq = self.along_z1 * self.nominal_dz[0] + self.along_z2 * self.nominal_dz[1]
+            curvature = output_curvature(self.policy, self.z, self.nominal_dz, self.dz)
+            _, residual_rate = jax.jvp(self.residual, (self.z,), (self.dz,))
+        table = dynamics.relative_angles(robot, self.theta)
+        spin = robot.coupling * jnp.sin(table)
+        moving = dtheta[:, None] - dtheta[None, :]
+        row_rate = -jnp.sum(spin * moving, axis=0) @ turn
+        known = lift(robot, jnp.zeros_like(self.z[0]), curvature) + self.along_z2 * ddz2
+        ddz1 = -(self.dz[1] + row_rate @ nominal_dq + self.momentum_row @ known)
+        return jnp.stack([ddz1 / self.transversal_inertia, ddz2]) + residual_rate
+
+    @cached_property
+    def ddq(self) -> Coordinates:
+        """Coordinate accelerations [rad/s^2]. [n]."""
+        curved = lift(self.robot, jnp.zeros_like(self.z[0]), self._curvature)
+        return self.along_z1 * self.ddz[0] + self.along_z2 * self.ddz[1] + curved
+
+    @cached_property
+    def torque(self) -> Actuated:
+        """Joint torques that keep the outputs at zero [N m]. [m]."""
+        balance = self.robot.mass_matrix(self.q) @ self.ddq + self.robot.bias(self.q, self.dq)
+        return balance[1:]
+
+    @cached_property
+    def force(self) -> Planar:
+        """Ground force on the stance foot, (tangential, normal) [N]. [2]."""
+        return self.robot.ground_reaction_force(self.q, self.dq, self.ddq)
+
+    @cached_property
+    def foot(self) -> Planar:
+        """Swing foot from the stance foot, (x, z) [m]. [2]."""
+        return dynamics.swing_foot(self.robot, self.q)
+
+    @cached_property
+    def foot_velocity(self) -> Planar:
+        """Swing-foot velocity, (x, z) [m/s]. [2]."""
+        return dynamics.swing_foot_velocity(self.robot, self.q, self.dq)
+
+    @cached_property
+    def impact(self) -> Impact:
+        """Full state after an impact in this state, and its impulse."""
+        return self.robot.impact(self.q, self.dq)
+
+    @cached_property
+    def z_after(self) -> ZeroState:
+        """Reset map: zero coordinates after an impact in this state. [2]. No solve."""
+        q_new = self.robot.relabel @ self.q
+        momentum = momentum_after(self.robot, self.q, self.dq)
+        return jnp.stack([self.robot.hip_gradient @ q_new, -momentum[0]])
+
+    @cached_property
+    def after(self) -> "Point":
+        """The point of the zero dynamics manifold above `z_after`, outputs re-zeroed."""
+        return Point(self.robot, self.policy, self.residual, self.z_after)

@@ -1,0 +1,140 @@
+"""A nominal walking posture: where training starts, and the bounds of the outputs.
+
+With random initial weights every run falls into the minimum with both feet together; from a
+rough posture none does (LESSONS 13). Angles are the same for every robot; lengths scale with
+leg length, z2 with m l sqrt(g l).
+"""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from neuralgaits._types import Actuated, Float
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+# Found on AMBER-3M (leg 0.8731 m; LESSONS 42), then divided by leg length.
+GUARD = 0.17 / 0.8731
+"""z1 at the guard, in leg lengths."""
+HIP_HEIGHT = 0.835 / 0.8731
+"""Hip height of the inverse kinematics path, in leg lengths."""
+CLEARANCE = 0.03 / 0.8731
+"""Swing-foot height in mid-step on that path, in leg lengths."""
+MOMENTUM = 0.363
+"""Typical z2 of a walk, in m l sqrt(g l)."""
+TORSO_LEAN = -0.05
+"""Torso angle of the path [rad]: slightly forward."""
+KNEE_BEND = 0.30
+"""Knee angle of both legs at the guard [rad]."""
+SWING_THIGH = 0.35
+"""Up-angle of the swing thigh at the guard [rad]."""
+KNEE_SLACK = 0.02
+"""Distance of the output bounds from a knee's stop [rad]."""
+KNEE_RANGE, HIP_RANGE = 1.5, (-1.2, 0.6)
+"""Widest bounds of knees (away from straight) and hips [rad]."""
+
+
+class Posture(NamedTuple):
+    """Output bounds and a starting point for a policy."""
+
+    lower: Actuated
+    """Lower output bounds [rad]. [m]"""
+    upper: Actuated
+    """Upper output bounds [rad]. [m]"""
+    guard_outputs: Actuated
+    """Joint angles at the guard [rad]. [m]"""
+    guard_slopes: Actuated
+    """Their slopes in z1 [rad/m]. [m]"""
+    bend: Actuated
+    """Bias of the network's last layer: lifts the swing foot in mid-step. [m]"""
+    z_guard: float
+    """z1 at the guard [m]."""
+    input_scale: Float[np.ndarray, "2"]
+    """Scale of network inputs, (m, kg m^2/s). [2]"""
+    input_shift: Float[np.ndarray, "2"]
+    """Shift of scaled network inputs. [2]"""
+
+
+def momentum_unit(robot: "PlanarBiped") -> float:
+    """Natural unit of z2, m l sqrt(g l) (kg m^2/s)."""
+    length = robot.leg_length
+    return float(robot.mass) * length * float(np.sqrt(robot.gravity * length))
+
+
+def hip_indices(robot: "PlanarBiped") -> tuple[int, ...]:
+    """Indices of the hips among the actuated joints: stance and swing, or the only one."""
+    middle = (robot.n - 1) // 2
+    return (middle,) if robot.torso is None else (middle - 1, middle)
+
+
+def walking_posture(robot: "PlanarBiped") -> Posture:
+    """Bounds and starting point for a walking policy on this robot."""
+    m, hips, length = robot.n - 1, hip_indices(robot), robot.leg_length
+    # A knee bends away from its closer stop: forwards like a human's, or backwards.
+    side = np.where(robot.joint_upper >= -robot.joint_lower, 1.0, -1.0)
+    lower, upper = robot.joint_lower + KNEE_SLACK, robot.joint_upper - KNEE_SLACK
+    lower = np.maximum(lower, np.where(side > 0, KNEE_SLACK, -KNEE_RANGE))
+    upper = np.minimum(robot.joint_upper, np.where(side > 0, KNEE_RANGE, -KNEE_SLACK))
+    guard, slopes, bend = KNEE_BEND * side, np.zeros(m), np.zeros(m)
+    slopes[hips[-1] + 1 :], bend[hips[-1] + 1 :] = -0.3, 0.2
+    slopes, bend = slopes * side, bend * side
+    hip_range = (-max(HIP_RANGE), -min(HIP_RANGE)) if robot.torso is None else HIP_RANGE
+    for hip in hips:
+        lower[hip] = max(robot.joint_lower[hip], hip_range[0])
+        upper[hip] = min(robot.joint_upper[hip], hip_range[1])
+    z_guard = GUARD * length
+    legs = float(np.sum(guard[: hips[0]]))
+    first = (z_guard - robot.hip_gradient[1 : 1 + hips[0]] @ guard[: hips[0]]) / float(
+        robot.hip_gradient[0]
+    )
+    stance_thigh = float(first) + legs
+    if robot.torso is None:
+        guard[hips[0]], slopes[hips[0]], bend[hips[0]] = SWING_THIGH - stance_thigh, 2.2, 0.05
+    else:
+        guard[list(hips)] = -stance_thigh, -SWING_THIGH
+        slopes[list(hips)] = 1.1, -1.1
+        bend[list(hips)] = 0.0, -0.05
+    slopes *= 0.8731 / length
+    guard = np.clip(guard, lower, upper)
+    scale = np.array([0.2 / 0.8731 * length, MOMENTUM * momentum_unit(robot) / 3.0])
+    return Posture(lower, upper, guard, slopes, bend, z_guard, scale, np.array([0.0, 2.7]))
+
+
+def posture_path(robot: "PlanarBiped", z1: Float[np.ndarray, " N"]) -> Float[np.ndarray, "N m"]:
+    """Joint angles of a rough step by inverse kinematics, as a function of z1.
+
+    Hip at constant height, torso slightly forward, swing foot at twice the hip's position and
+    a little above the ground. Returns: [N, m] (rad).
+    """
+    posture, turn = walking_posture(robot), robot.link_angles
+    length = robot.leg_length
+
+    def angles(position: float, outputs: np.ndarray) -> np.ndarray:
+        first = (position - robot.hip_gradient[1:] @ outputs) / robot.hip_gradient[0]
+        return turn @ np.concatenate([[first], outputs])
+
+    def misfit(outputs: np.ndarray, position: float) -> np.ndarray:
+        theta = angles(position, outputs)
+        phase = position / posture.z_guard
+        clearance = CLEARANCE * length * max(0.0, 1.0 - phase * phase)
+        lean = 0.0 if robot.torso is None else theta[robot.torso] - TORSO_LEAN
+        return np.concatenate(
+            [
+                [
+                    robot.hip @ np.cos(theta) - HIP_HEIGHT * length,
+                    -(robot.foot @ np.sin(theta)) - 2.0 * position,
+                    robot.foot @ np.cos(theta) - clearance,
+                    0.3 * lean,
+                ],
+                1e-3 * (outputs - posture.guard_outputs),
+            ]
+        )
+
+    inside = 0.05 * (posture.upper - posture.lower)
+    bounds = (posture.lower + inside, posture.upper - inside)
+    guess = np.clip(posture.guard_outputs, bounds[0] + 1e-6, bounds[1] - 1e-6)
+    return np.stack(
+        [least_squares(misfit, guess, bounds=bounds, args=(float(value),)).x for value in z1]
+    )
