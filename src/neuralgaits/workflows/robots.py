@@ -15,5 +15,5 @@ def robots() -> dict[str, Any]:
         "robots": [
             {"name": name, "about": registry.describe(name)} for name in registry.built_in()
         ],
-        "specs": [{"name": name, "about": specs.describe(name)} for name in specs.built_in()],
+        "specs": [{"name": name, "about": about} for name, about in specs.DESCRIPTIONS.items()],
     }
