@@ -80,7 +80,7 @@ def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
                 f"body {tree.links[links[-1]].name} carries {names} on joints: a leg is a chain; "
                 "weld all but one of them"
             )
-        links.append(below[0])
+        links.extend(below)
     return tuple(reversed(links))
 
 

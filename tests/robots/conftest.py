@@ -1,0 +1,38 @@
+"""Robots to test on: all that come with the package, and random ones."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from neuralgaits.robots import PlanarBiped, built_in, load_robot
+from neuralgaits.robots.loader import robot_from_text
+
+# Tests of this folder share the helper modules beside them.
+sys.path.insert(0, str(Path(__file__).parent))
+
+from random_biped import catalogue
+
+_RANDOM = catalogue(20)
+ALL = (*built_in(), *_RANDOM)
+
+
+def make(name: str) -> PlanarBiped:
+    return robot_from_text(_RANDOM[name], name) if name in _RANDOM else load_robot(name)
+
+
+@pytest.fixture(scope="session", params=ALL)
+def robot(request: pytest.FixtureRequest) -> PlanarBiped:
+    """Each built-in robot and each of 20 random bipeds with 1 to 6 actuators."""
+    return make(request.param)
+
+
+@pytest.fixture(scope="session", params=("amber3m", "amber3m-tail", "random2-6", "random4-3"))
+def few(request: pytest.FixtureRequest) -> PlanarBiped:
+    """A few robots, for the tests that compile or integrate."""
+    return make(request.param)
+
+
+@pytest.fixture(scope="session")
+def amber() -> PlanarBiped:
+    return load_robot("amber3m")
