@@ -87,10 +87,17 @@ class Builder:
         owners = self._owners(elements[elements >= 0])
         return not any(self._nodes[owner].varies for owner in owners)
 
+    def unmoved(self, elements: Elements) -> bool:
+        """Whether these elements are one vector as it stands, one scalar, or constants."""
+        if np.all(elements < 0) or np.all(elements == elements[0]):
+            return True
+        owners = self._owners(elements[elements >= 0][:1])
+        return np.array_equal(elements, self._whole(owners[0]))
+
     def apply(
         self, kind: str, operands: Sequence[Elements], size: int, columns: int = 1
     ) -> Elements:
-        """Add one operation on flat operands. Returns: elements of the result. [size]"""
+        """Add one operation on flat operands. Returns: elements of the result. [size]."""
         numbers = tuple(self._gather(operand, KINDS[kind].elementwise) for operand in operands)
         if KINDS[kind].commutative:
             # a + b is b + a to the last bit, so the order can be canonical.
@@ -117,8 +124,7 @@ class Builder:
             tuple(self._constant(self._nodes[i]) for i in constants),
             tuple(self._operation(self._nodes[i], numbers) for i in operations),
             tuple(
-                ir.Output(name, outputs[name].shape, numbers[node])
-                for name, node in named.items()
+                ir.Output(name, outputs[name].shape, numbers[node]) for name, node in named.items()
             ),
         )
 
@@ -168,16 +174,12 @@ class Builder:
             offset += self._nodes[source].size
         fixed = elements < 0
         if np.any(fixed):
-            _, first, inverse = np.unique(
-                elements[fixed], return_index=True, return_inverse=True
-            )
+            _, first, inverse = np.unique(elements[fixed], return_index=True, return_inverse=True)
             # Constants stand in order of first appearance, not of their arbitrary numbers.
             rank = np.argsort(np.argsort(first))
             index[fixed] = rank[inverse] + offset
             sources.append(self._unnamed(self.values(elements[fixed][np.sort(first)])))
-        return self._add(
-            "move", tuple(sources), elements.size, index=tuple(int(i) for i in index)
-        )
+        return self._add("move", tuple(sources), elements.size, index=tuple(int(i) for i in index))
 
     def _unnamed(self, values: np.ndarray) -> int:
         return self._add(_CONSTANT, (), values.size, shape=values.shape, array=values)

@@ -52,10 +52,7 @@ def function_file(equation: Any) -> str:
 
 
 def calls_library(equation: Any) -> bool:
-    """Whether an equation calls a function of JAX itself.
-
-    JAX caches those: the lines inside may be those of an earlier caller.
-    """
+    """Whether an equation calls a function of JAX itself."""
     return function_file(equation).startswith(str(Path(jax.__file__).parent))
 
 

@@ -52,11 +52,13 @@ def reduce_sum(build: Builder, a: Elements, axes: tuple[int, ...]) -> Elements:
     axes = tuple(int(axis) for axis in axes)
     moved = np.moveaxis(a, axes, tuple(range(a.ndim - len(axes), a.ndim)))
     kept = moved.shape[: a.ndim - len(axes)]
-    return simplify.row_sums(build, moved.reshape(*kept, -1))
+    terms = int(np.prod(moved.shape[len(kept) :]))
+    return simplify.row_sums(build, moved.reshape(*kept, terms))
 
 
-def dot_general(build: Builder, a: Elements, b: Elements, dimensions) -> Elements:
+def dot_general(build: Builder, arrays: list[Elements], dimensions: Any) -> Elements:
     """Batched, contracted product in the sense of `jax.lax.dot_general`."""
+    a, b = arrays
     (contract_a, contract_b), (batch_a, batch_b) = dimensions
 
     def arranged(array: Elements, batch, contract) -> tuple[Elements, tuple[int, ...]]:
@@ -96,5 +98,5 @@ ARITHMETIC: dict[str, Rule] = {
     "tan": lambda build, arrays, _: tangent(build, arrays[0]),
     "integer_pow": lambda build, arrays, p: integer_power(build, arrays[0], p["y"]),
     "reduce_sum": lambda build, arrays, p: reduce_sum(build, arrays[0], p["axes"]),
-    "dot_general": lambda build, arrays, p: dot_general(build, *arrays, p["dimension_numbers"]),
+    "dot_general": lambda build, arrays, p: dot_general(build, arrays, p["dimension_numbers"]),
 }

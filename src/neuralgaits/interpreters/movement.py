@@ -94,6 +94,11 @@ def transpose(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
     return [np.transpose(arrays[0], params["permutation"])]
 
 
+def unstack(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
+    """Cut into arrays without the axis `axis`."""
+    return list(np.moveaxis(arrays[0], params["axis"], 0))
+
+
 def unchanged(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
     """Give every operand back."""
     return arrays
@@ -115,6 +120,7 @@ MOVEMENT: dict[str, Callable[[Arrays, Mapping[str, Any]], Arrays]] = {
     "stack": stack,
     "tile": tile,
     "transpose": transpose,
+    "unstack": unstack,
 }
 
 INDEXED = frozenset({"gather", "dynamic_slice"})

@@ -21,9 +21,7 @@ class PointAlgebra:
     without a batch axis are shared by the whole batch.
     """
 
-    def enter(
-        self, program: Program, inputs: Mapping[str, np.ndarray]
-    ) -> dict[str, np.ndarray]:
+    def enter(self, program: Program, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Flatten inputs to [size, batch]. Raises: InputError on names or shapes."""
         names = [item.name for item in program.inputs]
         if sorted(inputs) != names:

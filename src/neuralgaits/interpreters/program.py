@@ -80,7 +80,7 @@ class Program:
             constant.array.setflags(write=False)
         problem = _problem(self)
         if problem:
-            raise SpecError(f"a Program must be well formed, found {problem}; trace it again")
+            raise SpecError(f"a Program must be well formed, found {problem}")
 
     def __eq__(self, other: object) -> bool:
         """Whether the other is a Program with the same hash."""
@@ -182,8 +182,7 @@ def _read(table: dict) -> Program:
     return Program(
         tuple(Input(name, tuple(shape)) for name, shape in table["inputs"]),
         tuple(
-            Constant(name, _decode(data, tuple(shape)))
-            for name, shape, data in table["constants"]
+            Constant(name, _decode(data, tuple(shape))) for name, shape, data in table["constants"]
         ),
         tuple(operations),
         tuple(Output(name, tuple(shape), value) for name, shape, value in table["outputs"]),
@@ -204,7 +203,7 @@ def _problem(program: Program) -> str | None:
     """The first thing that makes the Program unusable, or None."""
     for constant in program.constants:
         if constant.array.dtype != np.float64 or not np.all(np.isfinite(constant.array)):
-            return f"constant {constant.name or ''} that is not finite float64 numbers"
+            return f"NaN, infinity or no float64 in the constant {constant.name or 'of a formula'}"
     for group in (program.inputs, program.outputs):
         names = [item.name for item in group]
         if sorted(set(names)) != names:

@@ -11,8 +11,12 @@ from typing import Any
 
 _TWO = "write two inequalities, each its own condition"
 _BRANCH = (
-    "a condition has one formula: split the region into two conditions; ReLU trains and walks but"
-    " cannot be proved, use tanh or softplus from gait.activations"
+    "a condition has one formula for every point: split the region and write one condition for"
+    " each part"
+)
+_KINK = (
+    "a condition has no kink: write two inequalities; a ReLU policy trains and walks but cannot be"
+    " proved, use tanh or softplus from gait.activations"
 )
 _STATIC = "build the array with jnp.stack or jnp.concatenate"
 _UNROLL = "write the terms out in a Python loop, which is unrolled"
@@ -23,15 +27,15 @@ _ROUND = "a condition is smooth; round nothing"
 
 ADVICE = {
     "abs": _TWO,
-    "max": _BRANCH,
-    "min": _TWO,
-    "clamp": _TWO,
+    "max": _KINK,
+    "min": _KINK,
+    "clamp": _KINK,
     "reduce_max": "write one inequality for each element: a condition may return a vector",
     "reduce_min": "write one inequality for each element: a condition may return a vector",
     "argmax": _BRANCH,
     "argmin": _BRANCH,
     "sort": _BRANCH,
-    "sign": _BRANCH,
+    "sign": _KINK,
     "select_n": _BRANCH,
     "gt": _BRANCH,
     "ge": _BRANCH,
@@ -76,7 +80,7 @@ ADVICE = {
 }
 
 FLOAT32 = "enable x64 before any array is made: jax.config.update('jax_enable_x64', True)"
-CAST = "every number of a condition is float64: remove the cast"
+CAST = "every number of a condition is float64: remove the cast, make constants in float64"
 PYTHON = "a condition is traced with symbols: no `if`, float() or NumPy call on what depends on z"
 
 

@@ -45,6 +45,9 @@ def binary(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
     shape, a, b = a.shape, a.reshape(-1), b.reshape(-1)
     result = _exact_binary(build, kind, a, b)
     todo = result == _UNSET
+    if np.mean(todo) > 0.5:
+        # Taking a few elements out of a vector costs more moves than it saves arithmetic.
+        todo[:] = True
     if np.any(todo):
         result[todo] = _once(build, kind, a[todo], b[todo])
     return result.reshape(shape)
@@ -79,6 +82,8 @@ def _exact_binary(build: Builder, kind: str, a: Elements, b: Elements) -> Elemen
 
 def _once(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
     """One operation on the distinct pairs, in an order that leaves an operand unmoved."""
+    if a.size == 1:
+        return build.apply(kind, [a, b], 1)
     if kind in ("add", "mul"):
         keys = np.stack([np.minimum(a, b), np.maximum(a, b)])
     else:
@@ -86,9 +91,9 @@ def _once(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
     _, first, inverse = np.unique(keys, axis=1, return_index=True, return_inverse=True)
     inverse = inverse.reshape(-1)
     a, b = a[first], b[first]
-    # The operand with more distinct elements keeps its order, so a transposed array costs nothing.
-    major, minor = (a, b) if np.unique(a).size >= np.unique(b).size else (b, a)
-    order = np.lexsort((minor, major))
+    # An order in which an operand need not be moved: a transposed array then costs nothing.
+    orders = [np.argsort(first), np.lexsort((b, a)), np.lexsort((a, b))]
+    order = max(orders, key=lambda order: build.unmoved(a[order]) + build.unmoved(b[order]))
     place = np.empty(order.size, dtype=np.int64)
     place[order] = np.arange(order.size)
     return build.apply(kind, [a[order], b[order]], order.size)[place[inverse]]
@@ -96,7 +101,7 @@ def _once(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
 
 def row_sums(build: Builder, a: Elements) -> Elements:
     """Sums over the last axis; constant zeros are left out."""
-    shape, rows = a.shape[:-1], a.reshape(-1, a.shape[-1])
+    shape, rows = a.shape[:-1], a.reshape(_count(a), a.shape[-1])
     (rows,) = _without(build, build.values(rows) == 0.0, rows)
     if rows.shape[1] <= 1:
         return rows.reshape(shape)
@@ -108,7 +113,7 @@ def inner(build: Builder, a: Elements, b: Elements) -> Elements:
     """Inner products over the last axis; products with a constant zero are left out."""
     a, b = np.broadcast_arrays(a, b)
     shape, length = a.shape[:-1], a.shape[-1]
-    a, b = a.reshape(-1, length), b.reshape(-1, length)
+    a, b = a.reshape(_count(a), length), b.reshape(_count(b), length)
     vanishing = (build.values(a) == 0.0) | (build.values(b) == 0.0)
     a, b = _without(build, vanishing, a, b)
     if a.shape[1] <= 1:
@@ -139,13 +144,8 @@ def product(build: Builder, a: Elements, b: Elements) -> Elements:
 
 def _affine(build: Builder, matrix: Elements, right: Elements) -> Elements:
     """Product of a constant matrix [rows, inner] and right [columns, inner] transposed."""
-    zero = np.all(build.values(right) == 0.0, axis=0)
-    if np.all(zero):
-        return np.full((matrix.shape[0], right.shape[0]), _zero(build))
     rows, columns = matrix.shape[0], right.shape[0]
-    flat = build.apply(
-        "affine", [matrix.reshape(-1), right.T.reshape(-1)], rows * columns, columns
-    )
+    flat = build.apply("affine", [matrix.reshape(-1), right.T.reshape(-1)], rows * columns, columns)
     return flat.reshape(rows, columns)
 
 
@@ -176,6 +176,11 @@ def _distinct(rows: Elements) -> tuple[Elements, Elements]:
     _, first, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
     return rows[first[order]], np.argsort(order)[inverse.reshape(-1)]
+
+
+def _count(rows: Elements) -> int:
+    """Number of rows along all axes but the last."""
+    return int(np.prod(rows.shape[:-1]))
 
 
 def _zero(build: Builder) -> int:

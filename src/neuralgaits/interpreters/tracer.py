@@ -161,8 +161,8 @@ class _Tracer:
 
     def _known(self, value: Any) -> _Value:
         """A constant of the function."""
-        if jax.dtypes.issubdtype(getattr(value, "dtype", None), jax.dtypes.extended):
-            return value
+        if not isinstance(getattr(value, "dtype", np.dtype(int)), np.dtype):
+            return value  # A random key, which no rule takes.
         array = np.asarray(value)
         if array.dtype != np.float64:
             return array
@@ -182,7 +182,9 @@ class _Tracer:
         inner = jaxprs.called(equation, operands)
         if inner is not None:
             if "linalg" in jaxprs.function_file(equation):
-                raise self._refusal(calls, refusals.linalg(params["name"]), "jnp.linalg")
+                function = str(params.get("name", "")).lstrip("_")
+                text = refusals.linalg(function)
+                raise self._refusal(calls, text, f"jnp.linalg.{function}")
             jaxpr, consts, operands = inner
             return self._follow(jaxpr, [self._known(c) for c in consts], operands, calls)
         if name == "platform_index":
@@ -249,8 +251,10 @@ class _Tracer:
 
     def _refusal(self, calls: Sequence[Any], text: str, what: str) -> SpecError:
         """The error for the innermost of the calls, at the user's own line."""
+        # JAX caches its own functions: the lines inside one may be those of an earlier caller.
         outer = next((call for call in calls if jaxprs.calls_library(call)), calls[-1])
-        where = refusals.source_line(jaxprs.frames(outer)) or "the spec"
-        name = str(outer.params.get("name", "")).lstrip("_")
-        within = f" inside {name}" if name and outer is not calls[-1] else f" {name}".rstrip()
+        places = (refusals.source_line(jaxprs.frames(call)) for call in (outer, *reversed(calls)))
+        where = next((place for place in places if place), "the spec")
+        name = str(outer.params.get("name", "")).lstrip("_") if outer is not calls[-1] else ""
+        within = f" inside {name}" if name not in ("", what) else ""
         return SpecError(f"{where}: cannot trace {what}{within}: {text}")

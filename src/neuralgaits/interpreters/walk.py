@@ -34,7 +34,7 @@ class Algebra(Protocol[V]):
         ...
 
     def constant(self, array: np.ndarray) -> V:
-        """Value of exactly these doubles, flat. [size]"""
+        """Value of exactly these doubles, flat. [size]."""
         ...
 
     def move(self, operands: Sequence[V], index: np.ndarray) -> V:
