@@ -30,7 +30,7 @@ def main(arguments: list[str]) -> int:
     except SystemExit as stop:
         return GOOD if stop.code is None else int(stop.code)
     except KeyboardInterrupt as error:
-        hint = "; its last whole checkpoint stays, --resume RUN continues it"
+        hint = "; --resume RUN continues from its last checkpoint"
         training = "train" in arguments[:2]
         return _fail(f"interrupted{hint if training else ''}", error, INTERRUPTED, verbose)
     except BrokenPipeError:
