@@ -106,7 +106,9 @@ class _Writer:
         along = _rotate(1j, angle - tilt)
         upper = -shift
         lower = upper - along * design.length[link]
-        joints = self.root_joints() if is_root else self.joint(leg, link, upper, parent_angle, angle)
+        joints = (
+            self.root_joints() if is_root else self.joint(leg, link, upper, parent_angle, angle)
+        )
         inertial = self.inertial(
             lower + along * design.com[link], design.mass[link], design.inertia[link]
         )

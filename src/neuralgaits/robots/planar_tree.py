@@ -97,7 +97,8 @@ def read_tree(model: mujoco.MjModel) -> PlanarTree:
     data = mujoco.MjData(model)
     data.qpos[:] = 0.0
     if model.nq != model.nv:
-        bad = next(i for i in range(model.njnt) if model.jnt_type[i] < mujoco.mjtJoint.mjJNT_SLIDE)
+        plain = (int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE))
+        bad = next(i for i in range(model.njnt) if int(model.jnt_type[i]) not in plain)
         raise RobotError(
             f"joint {joint_name(model, bad)} turns in space: a planar robot has a root of slide x, "
             "slide z and hinge y, and hinges along y elsewhere"

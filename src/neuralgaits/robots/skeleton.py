@@ -105,9 +105,11 @@ def _legs(
         )
     if len(first) == len(second):
         return 0, (first, second), _common_hip(tree, first[-1], second[-1])
-    if abs(len(first) - len(second)) == 1:
-        own, other = sorted((first, second), key=len)
-        return None, ((*own, 0), other), tree.links[other[-1]].joint.anchor
+    own, other = sorted((first, second), key=len)
+    hip = tree.links[other[-1]].joint.anchor
+    one_point = bool(own) and abs(tree.links[own[-1]].joint.anchor - hip) <= _HIP_TOLERANCE_M
+    if len(other) - len(own) == 1 and not one_point:
+        return None, ((*own, 0), other), hip
     raise RobotError(
         f"legs of unequal data: below root body {root} hang chains of {len(first)} and "
         f"{len(second)} links; make the legs equal"
