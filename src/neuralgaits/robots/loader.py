@@ -29,6 +29,13 @@ from neuralgaits.robots.skeleton import Skeleton, read_skeleton
 def load_robot(name_or_path: str | Path) -> PlanarBiped:
     """Load a built-in robot by name, or any planar biped from an MJCF file.
 
+    A file must hold one robot over a level floor plane: a root body with joints slide x,
+    slide z and hinge y, which is the torso or, in a biped without one, the top link of a leg;
+    two equal legs of one to three links on hinges along y, each joint with a range and one plain
+    motor with a torque limit; on each lowest link one sphere that collides with the floor and
+    nothing else that does. Frames, offsets along y, axis signs and gears are free, and bodies
+    without joints count as part of what they are welded to. A torso is upright at zero pitch.
+
     Returns: `PlanarBiped` with float64 constants.
     Raises: RobotError if the file cannot be used, naming the body or joint and the remedy;
         InputError if JAX runs in single precision.
