@@ -52,8 +52,8 @@ class Simulate:
     """Run folder, or latest."""
     plant: Annotated[str | None, arg(metavar="ROBOT")] = None
     """Robot to simulate; the one the gait was trained for if not given."""
-    controller: Literal["pd", "fblin"] = "pd"
-    """Joint PD towards the policy, or input-output linearisation."""
+    controller: Literal["pd", "fblin", "paper"] = "pd"
+    """Joint PD, input-output linearisation, or the PD of the paper (soft, z2 = 0)."""
     steps: Annotated[int, arg(metavar="N")] = 50
     """Walking steps an episode."""
     start: Literal["centre", "region", "fixed-point"] = "centre"
