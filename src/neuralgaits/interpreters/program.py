@@ -208,10 +208,15 @@ def _problem(program: Program) -> str | None:
         names = [item.name for item in group]
         if sorted(set(names)) != names:
             return f"names {names} that are not unique and sorted"
-    sizes, varies = program.sizes, program.varies
     for number, operation in enumerate(program.operations, start=program.first_operation):
         if any(not 0 <= operand < number for operand in operation.operands):
             return f"operation {number} with operands {operation.operands} that come later"
+    return _problem_of_operations(program)
+
+
+def _problem_of_operations(program: Program) -> str | None:
+    sizes, varies = program.sizes, program.varies
+    for number, operation in enumerate(program.operations, start=program.first_operation):
         operands = [sizes[operand] for operand in operation.operands]
         found = complaint(
             operation.kind, operands, operation.size, operation.index, operation.columns
