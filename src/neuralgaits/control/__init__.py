@@ -1,0 +1,22 @@
+"""Controllers as pure step functions: simulated and exported from here."""
+
+from neuralgaits.control.controller import Command, Controller, ControllerState, start, step
+from neuralgaits.control.fblin import Fblin
+from neuralgaits.control.law import AbstractLaw
+from neuralgaits.control.measurement import Measurement
+from neuralgaits.control.pd import PAPER, Pd
+from neuralgaits.control.stance import StanceConfig
+
+__all__ = [
+    "PAPER",
+    "AbstractLaw",
+    "Command",
+    "Controller",
+    "ControllerState",
+    "Fblin",
+    "Measurement",
+    "Pd",
+    "StanceConfig",
+    "start",
+    "step",
+]

@@ -1,0 +1,177 @@
+"""One control tick as a pure function: sensors in, joint torques and the next state out.
+
+`step` is what a simulation, a firmware and a proof all run. It can be jitted, and vmapped over
+controllers (their policies), states and measurements.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
+from neuralgaits.control import stance
+from neuralgaits.control.law import AbstractLaw, Desired, Reading
+from neuralgaits.control.measurement import (
+    Measurement,
+    coordinates,
+    leg_joints,
+    stance_foot_velocity,
+)
+from neuralgaits.control.momentum import zero_state
+from neuralgaits.control.saturation import ZeroStateBounds, saturate, zero_state_bounds
+from neuralgaits.control.stance import StanceConfig, StanceState
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.robots import PlanarBiped
+
+
+class Controller(eqx.Module):
+    """Everything a control tick needs that does not change from tick to tick.
+
+    Attributes:
+        robot: the model the controller believes in.
+        policy: desired outputs y_d(z).
+        law: how torques follow from them.
+        bounds: of the z that the policy is asked about.
+        torque_limit: of each actuated joint, stance leg first [N m]. [m]
+        stance: thresholds of the stance machine.
+        period_s: time between two ticks [s].
+    """
+
+    robot: PlanarBiped
+    policy: AbstractPolicy
+    law: AbstractLaw
+    bounds: ZeroStateBounds
+    torque_limit: Float[Array, " m"]
+    stance: StanceConfig = eqx.field(static=True)
+    period_s: float = eqx.field(static=True)
+
+    @classmethod
+    def init(
+        cls,
+        robot: PlanarBiped,
+        policy: AbstractPolicy,
+        law: AbstractLaw,
+        *,
+        z2_range: tuple[float, float] | None = None,
+        torque_limit: Actuated | None = None,
+        stance: StanceConfig | None = None,
+        period_s: float = 1e-3,
+    ) -> "Controller":
+        """Put a controller together, bounds and limits taken from policy and robot.
+
+        Args:
+            robot: the model the controller believes in.
+            policy: desired outputs.
+            law: `Pd()`, `PAPER` or `Fblin()`.
+            z2_range: momenta the policy was trained on (kg m^2/s), wide bounds if None.
+            torque_limit: [m] (N m), the robot's own if None.
+            stance: thresholds, the defaults if None.
+            period_s: time between two ticks (s).
+        """
+        limit = robot.torque_limit if torque_limit is None else torque_limit
+        return cls(
+            robot=robot,
+            policy=policy,
+            law=law,
+            bounds=zero_state_bounds(robot, policy, z2_range),
+            torque_limit=np.asarray(limit, dtype=np.float64),
+            stance=StanceConfig() if stance is None else stance,
+            period_s=period_s,
+        )
+
+
+class ControllerState(NamedTuple):
+    """What a controller remembers from tick to tick."""
+
+    stance: StanceState
+    """Stance leg and time since touchdown."""
+    ticks_to_policy: Int[Array, ""]
+    """Ticks until the policy is asked again."""
+    held: Desired
+    """The policy's last answer."""
+
+
+class Command(NamedTuple):
+    """What a tick decided, and what it saw."""
+
+    torque: Float[Array, "2 k"]
+    """Joint torques per leg, from the lowest joint up, legs as in the robot file [N m]."""
+    actuated: Actuated
+    """The same torques in the order of the actuated coordinates [N m]. [m]"""
+    q: Coordinates
+    """Measured coordinates [rad]. [n]"""
+    dq: Coordinates
+    """Measured rates [rad/s]. [n]"""
+    y_d: Actuated
+    """Desired outputs [rad]. [m]"""
+    dy_d: Actuated
+    """Desired output rates [rad/s]. [m]"""
+    z: ZeroState
+    """Measured zero dynamics state (m, kg m^2/s). [2]"""
+    leg: Int[Array, ""]
+    """Stance leg."""
+    since_touchdown: Scalar
+    """Time since the last touchdown [s], infinite before the first."""
+    touchdown: Bool[Array, ""]
+    """Whether the stance leg has just changed."""
+    saturated: Bool[Array, ""]
+    """Whether any torque was clipped."""
+
+
+def start(controller: Controller, leg: Int[Array, ""] | int = 0) -> ControllerState:
+    """The state before the first tick, standing on `leg`."""
+    n = controller.robot.n
+    at_rest = Reading(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
+    shapes = jax.eval_shape(_ask, controller, at_rest)
+    held = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
+    return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), held)
+
+
+def step(
+    controller: Controller, state: ControllerState, measurement: Measurement
+) -> tuple[ControllerState, Command]:
+    """One control tick. Returns: the next state, and the `Command`."""
+    robot, law = controller.robot, controller.law
+    q_before, _ = coordinates(robot, measurement, state.stance.leg)
+    standing, touchdown = stance.advance(
+        controller.stance,
+        robot,
+        state.stance,
+        q_before,
+        measurement.normal_force,
+        controller.period_s,
+    )
+    q, dq = coordinates(robot, measurement, standing.leg)
+    foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
+    reading = Reading(q, dq, *zero_state(robot, q, dq, foot_velocity))
+    # After a touchdown the held outputs belong to the wrong legs.
+    ask = touchdown | (state.ticks_to_policy <= 0)
+    held = jax.tree.map(
+        lambda new, old: jnp.where(ask, new, old), _ask(controller, reading), state.held
+    )
+    remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
+    torque, saturated = saturate(law.torque(robot, reading, held), controller.torque_limit)
+    command = Command(
+        torque=leg_joints(robot, torque, standing.leg),
+        actuated=torque,
+        q=q,
+        dq=dq,
+        y_d=held.y,
+        dy_d=held.dy,
+        z=reading.z,
+        leg=standing.leg,
+        since_touchdown=standing.since_touchdown,
+        touchdown=touchdown,
+        saturated=saturated,
+    )
+    return ControllerState(standing, remaining, held), command
+
+
+def _ask(controller: Controller, reading: Reading) -> Desired:
+    def outputs(z: ZeroState) -> Actuated:
+        return controller.policy(controller.bounds(z))
+
+    return controller.law.desired(controller.robot, outputs, reading)

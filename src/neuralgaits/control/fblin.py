@@ -1,0 +1,68 @@
+"""Input-output linearisation: the outputs obey ddy = -w^2 y - 2 w dy, with no linear solve.
+
+With ddq_a = slope ddz1 + known and ddq_1 from c . ddq = ddz1, the unactuated row of the dynamics
+is one scalar equation for ddz1; the actuated rows then give the torque. Source: LESSONS 7;
+Westervelt et al. (2007), section 5.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from neuralgaits._types import Actuated, Coordinates
+from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
+from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.policy import output_jet_and_change
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.dynamics import centre_of_mass_velocity
+
+# Smallest |momentum per unit ddz1| [kg m] that is divided by. Gaits are trained to stay above 5;
+# below this the robot is falling in a posture where hip and momentum move independently.
+SMALLEST_DENOMINATOR = 0.5
+
+
+class Fblin(AbstractLaw):
+    """Critically damped outputs on the model's own dynamics.
+
+    Attributes:
+        bandwidth: w, the double pole of the output errors [rad/s].
+        hold_ticks: control ticks between two questions to the policy.
+    """
+
+    bandwidth: float = eqx.field(default=30.0, static=True)
+    hold_ticks: int = eqx.field(default=1, static=True)
+
+    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+        """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
+        z, dz = reading.z, reading.dz
+        jet, change = output_jet_and_change(outputs, z)
+        along = change(dz)
+        curvature = along.d1 * dz[0] + along.d2 * dz[1]
+        speed = centre_of_mass_velocity(robot, reading.q, reading.dq)[0]
+        ddz2 = robot.mass * robot.gravity * speed
+        drift = curvature + jet.d2 * ddz2
+        return Desired(jet.y, jet.d1 * dz[0] + jet.d2 * dz[1], jet.d1, drift)
+
+    def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
+        """Joint torques before saturation. Returns: [m] (N m)."""
+        error, rate = errors(reading, desired)
+        pull = -(self.bandwidth**2) * error - 2.0 * self.bandwidth * rate
+        ddq = consistent_acceleration(robot, reading, desired.slope, desired.drift + pull)
+        balance = robot.mass_matrix(reading.q) @ ddq + robot.bias(reading.q, reading.dq)
+        return balance[1:]
+
+
+def consistent_acceleration(
+    robot: PlanarBiped, reading: Reading, slope: Actuated, known: Actuated
+) -> Coordinates:
+    """The acceleration with ddq_a = slope ddz1 + known that needs no torque at the foot.
+
+    Returns: [n] (rad/s^2).
+    """
+    row = robot.mass_matrix(reading.q)[0]
+    along = lift(robot, jnp.ones(()), slope)
+    rest = lift(robot, jnp.zeros(()), known)
+    denominator = row @ along
+    size = jnp.maximum(jnp.abs(denominator), SMALLEST_DENOMINATOR)
+    ddz1 = -(robot.bias(reading.q, reading.dq)[0] + row @ rest)
+    ddz1 = ddz1 / jnp.where(denominator < 0.0, -size, size)
+    return along * ddz1 + rest

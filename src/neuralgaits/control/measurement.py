@@ -1,0 +1,90 @@
+"""What the controller measures, and the coordinates of the current stance leg."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Coordinates, Float, Int, Planar, Scalar
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.dynamics import hip_velocity
+
+
+class Measurement(NamedTuple):
+    """One reading of a robot's sensors, signs and zeros those of the robot's coordinates.
+
+    Legs are in the order of the robot file. The k joints of a leg go from the lowest up to the
+    hip; the one hip joint of a biped without a torso stands in both rows, each as seen when
+    that leg is the stance leg.
+    """
+
+    time: Scalar
+    """Time of the reading [s]."""
+    pitch: Scalar
+    """Absolute up-angle of the link that the robot file's root moves (the torso) [rad]."""
+    dpitch: Scalar
+    """Its rate [rad/s]."""
+    angles: Float[Array, "2 k"]
+    """Joint angles per leg [rad]."""
+    rates: Float[Array, "2 k"]
+    """Joint rates per leg [rad/s]."""
+    hip_velocity: Planar
+    """Velocity of the hip in the world, (x, z) [m/s]."""
+    normal_force: Float[Array, "2"]
+    """Normal force of the ground on each foot [N]."""
+
+
+def stance_joints(
+    robot: PlanarBiped, by_leg: Float[Array, "2 k"], stance: Int[Array, ""]
+) -> Float[Array, " m"]:
+    """Joint values per leg in the order of the actuated coordinates. Returns: [m]."""
+    swing = by_leg[1 - stance][::-1]
+    if robot.torso is None:
+        swing = swing[1:]
+    return jnp.concatenate([by_leg[stance], swing])
+
+
+def leg_joints(
+    robot: PlanarBiped, actuated: Float[Array, " m"], stance: Int[Array, ""]
+) -> Float[Array, "2 k"]:
+    """Inverse of `stance_joints`. Returns: [2, k], legs in the order of the robot file."""
+    k = robot.n // 2
+    swing = actuated[-k:][::-1] if robot.torso is not None else _with_shared_hip(actuated, k)
+    rows = jnp.stack([actuated[:k], swing])
+    return rows[jnp.stack([stance, 1 - stance])]
+
+
+def _with_shared_hip(actuated: Float[Array, " m"], k: int) -> Float[Array, " k"]:
+    # Exchanging the legs turns the one hip angle around.
+    return jnp.concatenate([actuated[k:][::-1], -actuated[k - 1 : k]])
+
+
+def coordinates(
+    robot: PlanarBiped, measurement: Measurement, stance: Int[Array, ""]
+) -> tuple[Coordinates, Coordinates]:
+    """Coordinates and rates of the robot standing on leg `stance`.
+
+    Returns: q, dq: [n] (rad), [n] (rad/s).
+    """
+    n = robot.n
+    # The root is the torso, or the top link of leg 0: then leg 1 in stance counts the same
+    # links from the other end.
+    root = n // 2 - 1 if robot.torso is None else robot.torso
+    row = jnp.where(stance == 0, robot.link_angles[root], robot.link_angles[n - 1 - root])
+    actuated = stance_joints(robot, measurement.angles, stance)
+    rates = stance_joints(robot, measurement.rates, stance)
+    first = measurement.pitch - row[1:] @ actuated
+    dfirst = measurement.dpitch - row[1:] @ rates
+    return (
+        jnp.concatenate([first[None], actuated]),
+        jnp.concatenate([dfirst[None], rates]),
+    )
+
+
+def stance_foot_velocity(
+    robot: PlanarBiped, q: Coordinates, dq: Coordinates, measurement: Measurement
+) -> Planar:
+    """Velocity of the stance foot, zero where it neither slips nor settles.
+
+    Returns: [2], (x, z) (m/s).
+    """
+    return measurement.hip_velocity - hip_velocity(robot, q, dq)

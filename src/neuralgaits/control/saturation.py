@@ -1,0 +1,71 @@
+"""What keeps commands and policy inputs inside sane bounds. Control, not traced conditions."""
+
+from typing import TYPE_CHECKING
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Actuated, Array, Bool, Float, ZeroState
+from neuralgaits.robots import PlanarBiped
+
+if TYPE_CHECKING:
+    from neuralgaits.gait import AbstractPolicy
+
+# How far beyond the step's own interval z1 may still move the desired outputs, as a share of
+# the interval: training covers two per cent, and a policy is not to be trusted far outside.
+Z1_MARGIN = 0.04
+# The same for z2, as a share of the interval of momenta.
+Z2_MARGIN = 0.1
+# Hip speeds, in units of sqrt(g l), whose momenta bound z2 where no tube is known: from nearly
+# standing to the speed at which walking turns into running (Froude number 1).
+SPEED_BOUNDS = (0.05, 1.0)
+
+
+def saturate(torque: Actuated, limit: Actuated) -> tuple[Actuated, Bool[Array, ""]]:
+    """Clip joint torques to +-limit. Returns: [m] (N m), and whether any was clipped."""
+    return jnp.clip(torque, -limit, limit), jnp.any(jnp.abs(torque) > limit)
+
+
+class ZeroStateBounds(eqx.Module):
+    """The z a policy is asked about: unchanged inside, levelling off smoothly outside.
+
+    A late touchdown carries z1 past the guard and a fall carries z2 anywhere. The bounded z is
+    twice differentiable in z, so desired rates and accelerations die out with it.
+
+    Attributes:
+        lower, upper: interval of (z1, z2) (m, kg m^2/s). [2]
+        margin: how far the bounded z can leave that interval. [2]
+    """
+
+    lower: Float[Array, "2"]
+    upper: Float[Array, "2"]
+    margin: Float[Array, "2"]
+
+    def __call__(self, z: ZeroState) -> ZeroState:
+        """The bounded zero dynamics state. Returns: [2]."""
+        over = jnp.maximum(z - self.upper, 0.0)
+        under = jnp.maximum(self.lower - z, 0.0)
+        inside = z - over + under
+        return inside + self.margin * (jnp.tanh(over / self.margin) - jnp.tanh(under / self.margin))
+
+
+def zero_state_bounds(
+    robot: PlanarBiped,
+    policy: "AbstractPolicy",
+    z2_range: tuple[float, float] | None = None,
+) -> ZeroStateBounds:
+    """Bounds for a policy: its own z1 interval, and momenta of a walk.
+
+    Args:
+        robot: sets the scale of z2 where `z2_range` is None.
+        policy: its `z1_range` is the step's interval.
+        z2_range: smallest and largest momentum the policy was trained on (kg m^2/s).
+    """
+    if z2_range is None:
+        pendulum = robot.mass * robot.leg_length * np.sqrt(robot.gravity * robot.leg_length)
+        z2_range = (SPEED_BOUNDS[0] * float(pendulum), SPEED_BOUNDS[1] * float(pendulum))
+    start, guard = (np.asarray(value, dtype=np.float64) for value in policy.z1_range)
+    lower = np.stack([start, np.asarray(z2_range[0])])
+    upper = np.stack([guard, np.asarray(z2_range[1])])
+    return ZeroStateBounds(lower, upper, np.array([Z1_MARGIN, Z2_MARGIN]) * (upper - lower))

@@ -1,0 +1,73 @@
+"""Which leg stands: the stance leg changes when the swing foot loads up."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from neuralgaits._types import Bool, Coordinates, Float, Int, Scalar
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.dynamics import swing_foot
+
+
+@dataclass(frozen=True)
+class StanceConfig:
+    """When a contact of the swing foot is a touchdown.
+
+    Attributes:
+        force_share: of the robot's weight that the swing foot must carry.
+        lockout_s: after a touchdown, contacts count for nothing: the old stance foot is still
+            loaded while the new one takes over [s]. A fifth of a step of AMBER-3M.
+        advance_share: how far the swing foot must be ahead of the stance foot, as a share of
+            the leg length: a scuff behind the stance foot ends no step.
+    """
+
+    force_share: float = 0.05
+    lockout_s: float = 0.1
+    advance_share: float = 0.1
+
+
+class StanceState(NamedTuple):
+    """The stance leg, and how long it has been that."""
+
+    leg: Int[jnp.ndarray, ""]
+    """0 or 1, legs in the order of the robot file."""
+    since_touchdown: Scalar
+    """Time since the last touchdown [s]; infinite before the first."""
+
+
+def start(leg: int = 0) -> StanceState:
+    """Standing on `leg`, no touchdown seen yet.
+
+    A lockout that ran from the start of an episode would be blind to the touchdown of a robot
+    that starts late in a step, so none does.
+    """
+    return StanceState(jnp.asarray(leg, jnp.int32), jnp.asarray(jnp.inf))
+
+
+def advance(
+    config: StanceConfig,
+    robot: PlanarBiped,
+    state: StanceState,
+    q: Coordinates,
+    normal_force: Float[jnp.ndarray, "2"],
+    dt: float,
+) -> tuple[StanceState, Bool[jnp.ndarray, ""]]:
+    """Let `dt` pass and look for a touchdown.
+
+    Args:
+        config: thresholds.
+        robot: for weight and leg length.
+        state: before.
+        q: coordinates in the old stance [n].
+        normal_force: on each foot, legs in the order of the robot file [2] (N).
+        dt: control period (s).
+
+    Returns: the new state, and whether the swing foot touched down just now.
+    """
+    since = state.since_touchdown + dt
+    loaded = normal_force[1 - state.leg] > config.force_share * robot.mass * robot.gravity
+    ahead = swing_foot(robot, q)[0] > config.advance_share * jnp.sum(robot.hip)
+    touchdown = loaded & ahead & (since >= config.lockout_s)
+    leg = jnp.where(touchdown, 1 - state.leg, state.leg)
+    return StanceState(leg, jnp.where(touchdown, jnp.zeros_like(since), since)), touchdown

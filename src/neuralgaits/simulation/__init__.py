@@ -1,0 +1,1 @@
+"""Full-order simulation in MuJoCo."""

@@ -1,0 +1,99 @@
+"""Named differences between the plant and the model: what `--disturb NAME=VALUE,...` means."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+
+from neuralgaits.errors import InputError
+
+
+def _quantity(default: float | None, lowest: float, highest: float, meaning: str):
+    about = {"lowest": lowest, "highest": highest, "meaning": meaning}
+    return field(default=default, metadata=about)
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """How the plant differs from its robot file; the defaults are no difference.
+
+    Attributes:
+        friction: sliding friction coefficient between feet and floor; None keeps the file's.
+        torque_limit: of every joint, known to the controller [N m]; None keeps the file's.
+        delay_ms: from reading the sensors to the torque, whole milliseconds.
+        floor_height: the floor goes up or down by this much, or not at all, from one foothold
+            to the next, each with probability 1/3 [m].
+        slope_deg: of the floor, positive uphill.
+        mass_scale: factor on all masses and inertias.
+        torso_shift_m: the torso's centre of mass moves forward by this [m].
+        joint_friction: dry friction of every actuated joint [N m].
+        encoder_noise: standard deviation of every measured angle, pitch included [rad].
+        rate_noise: standard deviation of every measured rate, pitch included [rad/s].
+    """
+
+    friction: float | None = _quantity(None, 0.0, 10.0, "friction coefficient of the feet")
+    torque_limit: float | None = _quantity(None, 0.0, 1e6, "torque limit of every joint [N m]")
+    delay_ms: float = _quantity(0.0, 0.0, 100.0, "delay of the torques [ms]")
+    floor_height: float = _quantity(0.0, 0.0, 0.5, "random steps of the floor, +- [m]")
+    slope_deg: float = _quantity(0.0, -45.0, 45.0, "slope of the floor, uphill positive [deg]")
+    mass_scale: float = _quantity(1.0, 0.01, 100.0, "factor on masses and inertias")
+    torso_shift_m: float = _quantity(0.0, -1.0, 1.0, "torso centre of mass moved forward [m]")
+    joint_friction: float = _quantity(0.0, 0.0, 1e3, "dry friction of every joint [N m]")
+    encoder_noise: float = _quantity(0.0, 0.0, 1.0, "noise of angles, standard deviation [rad]")
+    rate_noise: float = _quantity(0.0, 0.0, 10.0, "noise of rates, standard deviation [rad/s]")
+
+    def __post_init__(self):
+        """Check every value against its range."""
+        for entry in fields(self):
+            value, about = getattr(self, entry.name), entry.metadata
+            if value is None:
+                continue
+            low, high = about["lowest"], about["highest"]
+            if not (math.isfinite(value) and low <= value <= high):
+                raise InputError(
+                    f"disturbance {entry.name}: expected {low:g} to {high:g} "
+                    f"({about['meaning']}), found {value:g}"
+                )
+        if self.delay_ms != int(self.delay_ms):
+            raise InputError(
+                f"disturbance delay_ms: expected whole milliseconds, found {self.delay_ms:g}"
+            )
+
+
+def existing() -> str:
+    """Every name with its meaning, for messages and help."""
+    return "; ".join(f"{entry.name}: {entry.metadata['meaning']}" for entry in fields(Disturbance))
+
+
+def parse(disturb: "str | Mapping[str, float] | Disturbance | None") -> Disturbance:
+    """Read `NAME=VALUE,...`, or a mapping of names to values.
+
+    Raises: InputError for a name that does not exist, a value that is no number, out of its
+    range or given twice; the message lists what exists.
+    """
+    if isinstance(disturb, Disturbance):
+        return disturb
+    if not disturb:
+        return Disturbance()
+    pairs = _pairs(disturb) if isinstance(disturb, str) else list(disturb.items())
+    known = {entry.name for entry in fields(Disturbance)}
+    values: dict[str, float] = {}
+    for name, text in pairs:
+        if name not in known:
+            raise InputError(f"unknown disturbance {name!r}: expected one of {existing()}")
+        if name in values:
+            raise InputError(f"disturbance {name} is given twice: give it once")
+        try:
+            values[name] = float(text)
+        except (TypeError, ValueError):
+            raise InputError(f"disturbance {name}: expected a number, found {text!r}") from None
+    return Disturbance(**values)
+
+
+def _pairs(text: str) -> list[tuple[str, str]]:
+    pairs = []
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, equals, value = part.partition("=")
+        if not equals:
+            raise InputError(f"disturbances: expected NAME=VALUE,..., found {part!r}")
+        pairs.append((name.strip(), value.strip()))
+    return pairs

@@ -1,0 +1,87 @@
+"""When an episode has ended, and why. Alive is not walking: standing still is a fall."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Int, Scalar
+from neuralgaits.robots import PlanarBiped
+
+
+class Ending(IntEnum):
+    """State of an episode."""
+
+    RUNNING = 0
+    WALKED = 1
+    LOW_HIP = 2
+    TORSO = 3
+    NOT_FINITE = 4
+    STALLED = 5
+
+    @property
+    def fell(self) -> bool:
+        """Whether the episode ended before its steps were walked."""
+        return self > Ending.WALKED
+
+    @property
+    def reason(self) -> str | None:
+        """Why the episode fell, in words; None if it did not."""
+        return _REASONS.get(self)
+
+
+_REASONS = {
+    Ending.LOW_HIP: "hip too low",
+    Ending.TORSO: "torso tipped over",
+    Ending.NOT_FINITE: "state not finite",
+    Ending.STALLED: "stalled: no touchdown ahead in time",
+}
+
+
+@dataclass(frozen=True)
+class FallConfig:
+    """Thresholds of a fall.
+
+    Attributes:
+        hip_share: lowest hip height above the floor, as a share of the leg length.
+        torso_rad: largest torso angle either way [rad].
+        stall: longest time from touchdown to touchdown, in units of sqrt(leg length / g):
+            five steps of a usual gait.
+    """
+
+    hip_share: float = 0.65
+    torso_rad: float = 1.0
+    stall: float = 10.0
+
+
+def ending(
+    config: FallConfig,
+    robot: PlanarBiped,
+    *,
+    hip_height: Scalar,
+    pitch: Scalar,
+    since_touchdown: Scalar,
+    steps_left: Int[Array, ""],
+    finite: Array,
+) -> Int[Array, ""]:
+    """Judge one state.
+
+    Args:
+        config: thresholds.
+        robot: for leg length, gravity, and whether there is a torso.
+        hip_height: above the floor (m).
+        pitch: of the torso (rad); a biped without one does not fall by it.
+        since_touchdown: or since the start of the episode (s).
+        steps_left: walking steps still to go.
+        finite: whether the plant's state is finite.
+
+    Returns: an `Ending` as an integer.
+    """
+    leg_length = jnp.sum(robot.hip)
+    patience = config.stall * jnp.sqrt(leg_length / robot.gravity)
+    verdict = jnp.where(steps_left <= 0, Ending.WALKED, Ending.RUNNING)
+    verdict = jnp.where(since_touchdown > patience, Ending.STALLED, verdict)
+    if robot.torso is not None:
+        verdict = jnp.where(jnp.abs(pitch) > config.torso_rad, Ending.TORSO, verdict)
+    verdict = jnp.where(hip_height < config.hip_share * leg_length, Ending.LOW_HIP, verdict)
+    return jnp.where(finite, verdict, Ending.NOT_FINITE).astype(jnp.int32)

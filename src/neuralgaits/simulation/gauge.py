@@ -1,0 +1,153 @@
+"""Running figures of one episode, updated tick by tick inside the compiled loop.
+
+Extremes count for completed steps only: a fall's last, unfinished step is not part of the gait.
+The first steps of an episode carry the transients of its start and are left out.
+"""
+
+from typing import NamedTuple, TypeVar
+
+import jax
+import jax.numpy as jnp
+
+from neuralgaits._types import Actuated, Array, Float, Int, Scalar
+from neuralgaits.control import Command
+
+_Figures = TypeVar("_Figures")
+
+START_UP_STEPS = 2
+"""Steps at the start of an episode that steady figures leave out."""
+SETTLING_S = 0.02
+"""Time after touchdown that tracking and force figures leave out: the contact settles."""
+
+
+class Extremes(NamedTuple):
+    """Largest and smallest values over some time."""
+
+    output_error: Scalar
+    """Largest |q_a - y_d| from SETTLING_S after touchdown [rad]."""
+    settled_torque: Scalar
+    """Largest |torque| from SETTLING_S after touchdown [N m]."""
+    torque: Scalar
+    """Largest |torque| at any time [N m]."""
+    joint_rate: Scalar
+    """Largest |rate| of an actuated joint from SETTLING_S after touchdown [rad/s]."""
+    normal_force: Scalar
+    """Smallest normal force on the stance foot from SETTLING_S after touchdown [N]."""
+
+    @classmethod
+    def none(cls) -> "Extremes":
+        """Of no time at all."""
+        zero = jnp.zeros(())
+        return cls(zero, zero, zero, zero, jnp.asarray(jnp.inf))
+
+    def with_(self, other: "Extremes") -> "Extremes":
+        """Of both times together."""
+        *largest, smallest = zip(self, other, strict=True)
+        return Extremes(*(jnp.maximum(a, b) for a, b in largest), jnp.minimum(*smallest))
+
+
+class Milestone(NamedTuple):
+    """Where an episode was at a touchdown."""
+
+    time: Scalar
+    """[s]"""
+    hip: Scalar
+    """Hip position forward [m]."""
+    energy: Scalar
+    """Mechanical work so far, the integral of sum |torque rate| [J]."""
+
+    @classmethod
+    def origin(cls) -> "Milestone":
+        """Before any touchdown."""
+        return cls(jnp.zeros(()), jnp.zeros(()), jnp.zeros(()))
+
+
+class Gauge(NamedTuple):
+    """Running figures of one episode."""
+
+    steps: Int[Array, ""]
+    """Touchdowns so far."""
+    energy: Scalar
+    """Mechanical work so far [J]."""
+    first: Milestone
+    """At the end of the start-up steps."""
+    last: Milestone
+    """At the last touchdown."""
+    steady: Extremes
+    """Over the completed steps after start-up."""
+    running: Extremes
+    """Over the step under way."""
+    peak_torque: Scalar
+    """Largest |torque| of the whole episode [N m]."""
+    saturated: Int[Array, ""]
+    """Ticks with a clipped torque."""
+    ticks: Int[Array, ""]
+    """Ticks so far."""
+
+    @classmethod
+    def start(cls) -> "Gauge":
+        """Before the first tick."""
+        none, origin, zero = Extremes.none(), Milestone.origin(), jnp.zeros((), jnp.int32)
+        power = jnp.zeros(())
+        return cls(zero, power, origin, origin, none, none, power, zero, zero)
+
+
+def update(
+    gauge: Gauge,
+    command: Command,
+    *,
+    time: Scalar,
+    hip: Scalar,
+    normal_force: Float[Array, "2"],
+    period_s: float,
+) -> Gauge:
+    """Account for one tick.
+
+    Args:
+        gauge: before.
+        command: of the tick.
+        time: of the tick (s).
+        hip: hip position forward (m).
+        normal_force: on each foot, legs in the order of the robot file [2] (N).
+        period_s: length of the tick (s).
+    """
+    down = command.touchdown
+    steps = gauge.steps + down
+    done = down & (gauge.steps >= START_UP_STEPS)
+    here = Milestone(time, hip, gauge.energy)
+    steady = _choose(done, gauge.steady.with_(gauge.running), gauge.steady)
+    running = _choose(down, Extremes.none(), gauge.running)
+    power = jnp.sum(jnp.abs(command.actuated * command.dq[1:]))
+    now = _extremes(command, normal_force)
+    return Gauge(
+        steps=steps,
+        energy=gauge.energy + period_s * power,
+        first=_choose(down & (steps == START_UP_STEPS), here, gauge.first),
+        last=_choose(down, here, gauge.last),
+        steady=steady,
+        running=running.with_(now),
+        peak_torque=jnp.maximum(gauge.peak_torque, now.torque),
+        saturated=gauge.saturated + command.saturated,
+        ticks=gauge.ticks + 1,
+    )
+
+
+def _extremes(command: Command, normal_force: Float[Array, "2"]) -> Extremes:
+    """Of one tick."""
+    settled = command.since_touchdown >= SETTLING_S
+
+    def largest(values: Actuated) -> Scalar:
+        return jnp.max(jnp.abs(values))
+
+    torque = largest(command.actuated)
+    return Extremes(
+        output_error=jnp.where(settled, largest(command.q[1:] - command.y_d), 0.0),
+        settled_torque=jnp.where(settled, torque, 0.0),
+        torque=torque,
+        joint_rate=jnp.where(settled, largest(command.dq[1:]), 0.0),
+        normal_force=jnp.where(settled, normal_force[command.leg], jnp.inf),
+    )
+
+
+def _choose(which: Array, new: _Figures, old: _Figures) -> _Figures:
+    return jax.tree.map(lambda a, b: jnp.where(which, a, b), new, old)

@@ -1,0 +1,185 @@
+"""Many episodes in lock-step: one compiled control tick for all, then MuJoCo's thread pool.
+
+All episodes of a batch share one compiled model; what differs between them (floor levels,
+pushes, torques) is input. MuJoCo steps them on all cores without Python in between, and an
+episode's course does not depend on which others run beside it.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import time as clock
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+from mujoco import rollout
+
+from neuralgaits._types import Float
+from neuralgaits.simulation.batch import Batch, pack
+from neuralgaits.simulation.falls import Ending
+from neuralgaits.simulation.gauge import Gauge
+from neuralgaits.simulation.plant import CONTROL_SPEC, SUBSTEPS, Plant
+from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.terrain import Terrain
+from neuralgaits.simulation.tick import Reading, Record
+
+# Episodes below which waking threads costs more than it saves.
+_MIN_EPISODES_PER_THREAD = 16
+
+
+class Episodes(NamedTuple):
+    """What became of a batch of episodes."""
+
+    endings: list[Ending]
+    """How each ended."""
+    gauge: Gauge
+    """Running figures at each one's last tick, with a leading axis of episodes."""
+    record: Record | None
+    """Of episode 0, with a leading axis of ticks, if it was asked for."""
+    states: Float[np.ndarray, "T s"]
+    """MuJoCo states of episode 0, one a tick, if they were asked for."""
+    floors: Float[np.ndarray, "T 2"]
+    """Floor levels under the feet of episode 0, one a tick, if they were asked for [m]."""
+    plant_steps: int
+    """MuJoCo steps taken, all episodes together."""
+    wall_s: float
+    """Time of the loop [s], compilation left out."""
+
+
+class Noise:
+    """Standard normal draws for the sensors of each episode, by seed and episode number."""
+
+    def __init__(self, shape: tuple[int, int], seed: int, episodes: int, *, silent: bool):
+        """Draws of `shape` per episode; zeros if `silent`."""
+        self._draws = [np.random.default_rng([seed, i, 3]) for i in range(episodes)]
+        self._silent = silent
+        self._values = np.zeros((episodes, *shape))
+
+    def next(self) -> Float[np.ndarray, "B 2 j"]:
+        """The draws of one tick."""
+        if not self._silent:
+            for values, draws in zip(self._values, self._draws, strict=True):
+                values[:] = draws.standard_normal(values.shape)
+        return self._values
+
+
+def run(
+    plant: Plant,
+    batch: Batch,
+    states: Float[np.ndarray, "B s"],
+    *,
+    terrain: Terrain,
+    push: Push,
+    noise: Noise,
+    threads: int,
+    record: bool = False,
+) -> Episodes:
+    """Run every episode to its end.
+
+    Args:
+        plant: of all episodes.
+        batch: the compiled control tick.
+        states: MuJoCo states to start from (time, qpos, qvel).
+        terrain: floor levels.
+        push: of each hip.
+        noise: of the sensors.
+        threads: at most this many threads step MuJoCo.
+        record: keep records and states of episode 0.
+
+    Returns: `Episodes`.
+    """
+    world = _World(plant, states, threads)
+    carry, endings = batch.carry, np.zeros(len(states), dtype=int)
+    kept = np.array(carry)
+    records, seen, levels = [], [], []
+    # The first call compiles; its result is thrown away.
+    batch.tick(batch.arrays, carry, pack(world.reading(terrain.levels, noise.next())))
+    began = clock.perf_counter()
+    active = np.arange(len(states))
+    while active.size:
+        reading = pack(world.reading(terrain.levels, noise.next()))
+        carry, packed, found = batch.tick(batch.arrays, carry, reading)
+        verdict = batch.verdict_of(packed)
+        if record and endings[0] == Ending.RUNNING:
+            records.append(np.asarray(found)[0])
+            seen.append(world.states[0].copy())
+            levels.append(terrain.levels[0].copy())
+        ended = active[verdict.ending[active] != Ending.RUNNING]
+        if ended.size:
+            endings[ended] = verdict.ending[ended]
+            kept[ended] = np.asarray(carry)[ended]
+            active = np.flatnonzero(endings == Ending.RUNNING)
+        force = push.at(world.time, verdict.touchdown, verdict.steps)
+        terrain.advance(verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
+        world.advance(active, verdict.controls, force, terrain.levels)
+    wall = clock.perf_counter() - began
+    return Episodes(
+        [Ending(value) for value in endings],
+        batch.carry_of(kept).gauge,
+        batch.record_of(np.array(records)) if record else None,
+        np.array(seen),
+        np.array(levels),
+        world.steps,
+        wall,
+    )
+
+
+class _World:
+    """The plants of all episodes: states in one array, stepped together."""
+
+    def __init__(self, plant: Plant, states: Float[np.ndarray, "B s"], threads: int):
+        model = plant.model
+        episodes = len(states)
+        threads = min(threads, episodes // _MIN_EPISODES_PER_THREAD)
+        self.states = np.array(states)
+        self.time = 0.0
+        self.steps = 0
+        self._plant = plant
+        self._pool = rollout.Rollout(nthread=threads if threads > 1 else 0)
+        self._data = [mujoco.MjData(model) for _ in range(max(1, threads))]
+        self._models = [model] * episodes
+        self._touch = np.zeros((episodes, model.nsensordata))
+        size = mujoco.mj_stateSize(model, CONTROL_SPEC)
+        self._inputs = np.zeros((episodes, SUBSTEPS, size))
+        self._out = np.zeros((episodes, SUBSTEPS, states.shape[1]))
+        self._sensed = np.zeros((episodes, SUBSTEPS, model.nsensordata))
+        self._late = np.zeros((plant.delay_ticks + 1, episodes, model.nu))
+        self._ticks = 0
+
+    def reading(self, floors: np.ndarray, noise: np.ndarray) -> Reading:
+        """What the tick finds now."""
+        return Reading(self.states, self._touch[:, -2:], floors, noise)
+
+    def advance(
+        self, active: np.ndarray, controls: np.ndarray, force: np.ndarray, floors: np.ndarray
+    ) -> None:
+        """Step the active episodes through one control tick."""
+        model, count = self._plant.model, active.size
+        self._late[self._ticks % len(self._late)] = controls
+        self._ticks += 1
+        due = self._late[self._ticks % len(self._late)] if len(self._late) > 1 else controls
+        nu, nv = model.nu, model.nv
+        self._inputs[:, :, :nu] = due[:, None]
+        self._inputs[:, :, nu + self._plant.wires.root[0]] = force[:, None]
+        self._inputs[:, :, nu + nv :] = self._plant.floor_positions(floors)[:, None]
+        everyone = count == len(self.states)
+        inputs = self._inputs if everyone else self._inputs[active]
+        before = self.states if everyone else self.states[active]
+        out, sensed = self._out[:count], self._sensed[:count]
+        if count:
+            self._pool.rollout(
+                self._models[:count],
+                self._data,
+                before,
+                inputs,
+                control_spec=CONTROL_SPEC,
+                skip_checks=True,
+                nstep=SUBSTEPS,
+                state=out,
+                sensordata=sensed,
+            )
+        self.states[active] = out[:, -1]
+        self._touch[active] = sensed[:, -1]
+        self.steps += SUBSTEPS * count
+        self.time += SUBSTEPS * model.opt.timestep

@@ -1,0 +1,79 @@
+"""What a simulation says about a gait: the figures of `simulate --json`."""
+
+from typing import Any
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.gait import Orbit
+from neuralgaits.simulation.gauge import START_UP_STEPS
+from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.walk import Walk
+
+
+def summary(walk: Walk, orbit: Orbit | None = None) -> dict[str, Any]:
+    """The figures of a simulation.
+
+    Gait figures are over completed steps, the first START_UP_STEPS of an episode left out; they
+    are None if no episode has walked further. Extremes are over all episodes, means over the
+    episodes that have the figure.
+
+    `cost_of_transport` is mechanical: the integral of sum |torque rate| over the actuated joints,
+    divided by weight times distance. Output error, normal force, joint rate and
+    `steady_peak_torque_nm` leave out the first SETTLING_S after touchdown; `peak_torque_nm` is
+    over everything.
+
+    Args:
+        walk: what was simulated.
+        orbit: of the zero dynamics, if it was looked for.
+    """
+    episodes, gauge = walk.episodes, walk.episodes.gauge
+    counted = gauge.steps > START_UP_STEPS
+    time = gauge.last.time - gauge.first.time
+    distance = gauge.last.hip - gauge.first.hip
+    work = gauge.last.energy - gauge.first.energy
+    weight = float(walk.robot.mass * walk.robot.gravity)
+    steady = gauge.steady
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed, step_time = distance / time, time / (gauge.steps - START_UP_STEPS)
+        cost = work / (weight * distance)
+    simulated = float(np.sum(gauge.ticks)) * SUBSTEPS * TIMESTEP_S
+    return {
+        "steps_walked": [int(steps) for steps in gauge.steps],
+        "fell": [ending.fell for ending in episodes.endings],
+        "fall_reasons": [ending.reason for ending in episodes.endings],
+        "speed_m_s": _mean(speed, counted),
+        "step_time_s": _mean(step_time, counted),
+        "cost_of_transport": _mean(cost, counted),
+        "max_output_error_rad": _largest(steady.output_error, counted),
+        "peak_torque_nm": _largest(gauge.peak_torque, gauge.ticks > 0),
+        "steady_peak_torque_nm": _largest(steady.settled_torque, counted),
+        "max_joint_rate_rad_s": _largest(steady.joint_rate, counted),
+        "min_normal_force_n": _smallest(steady.normal_force, counted),
+        "saturated_fraction": float(np.sum(gauge.saturated) / max(1, np.sum(gauge.ticks))),
+        "poincare": None if orbit is None else _orbit(orbit),
+        "sim_steps_per_s": episodes.plant_steps / episodes.wall_s,
+        "real_time_factor": simulated / episodes.wall_s,
+    }
+
+
+def _orbit(orbit: Orbit) -> dict[str, Any]:
+    if orbit.result != "found":
+        return {"multiplier": None, "period_s": None, "step_length_m": None, "result": orbit.result}
+    return {
+        "multiplier": float(orbit.multiplier),
+        "period_s": float(orbit.period_s),
+        "step_length_m": float(orbit.step_length_m),
+    }
+
+
+def _mean(values: Float[np.ndarray, " B"], counted: np.ndarray) -> float | None:
+    return float(np.mean(values[counted])) if counted.any() else None
+
+
+def _largest(values: Float[np.ndarray, " B"], counted: np.ndarray) -> float | None:
+    return float(np.max(values[counted])) if counted.any() else None
+
+
+def _smallest(values: Float[np.ndarray, " B"], counted: np.ndarray) -> float | None:
+    return float(np.min(values[counted])) if counted.any() else None

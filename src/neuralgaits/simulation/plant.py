@@ -1,0 +1,178 @@
+"""A robot file as a MuJoCo plant: half-millisecond steps, a floor of its own under each foot.
+
+The planes under the feet ride on mocap bodies, so floor height and slope are part of a
+simulation's input, not of its model: one compiled model serves every episode.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.errors import InputError, RobotError
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.simulation.disturbance import Disturbance
+
+TIMESTEP_S = 5e-4
+SUBSTEPS = 2
+"""MuJoCo steps per control tick: control runs at 1 kHz."""
+
+CONTROL_SPEC = (
+    mujoco.mjtState.mjSTATE_CTRL
+    | mujoco.mjtState.mjSTATE_QFRC_APPLIED
+    | mujoco.mjtState.mjSTATE_MOCAP_POS
+)
+"""What a tick sets: actuator controls, the push, the floors."""
+
+# Bits of the collision masks: each foot meets its own plane and nothing else does.
+_FLOOR_BITS = (1 << 20, 1 << 21)
+# Size of the touch sensors around the foot spheres, in foot radii.
+_TOUCH_ZONE = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A compiled MuJoCo model and where the robot's quantities live in it.
+
+    Attributes:
+        robot: whose file this is; disturbances are not in its numbers.
+        model: compiled, with two floor planes on mocap bodies 0 and 1.
+        disturbance: what was changed.
+        wires: where the robot's coordinates live in the model.
+        torque_limit: of the actuated coordinates as disturbed [N m]. [m]
+        slope: rise of the floor per metre forward.
+    """
+
+    robot: PlanarBiped
+    model: mujoco.MjModel
+    disturbance: Disturbance
+    wires: StateMap
+    torque_limit: Float[np.ndarray, " m"]
+    slope: float
+
+    @property
+    def delay_ticks(self) -> int:
+        """Control ticks from a reading to its torque."""
+        return round(self.disturbance.delay_ms * 1e-3 / (SUBSTEPS * TIMESTEP_S))
+
+    def floor_positions(self, levels: Float[np.ndarray, "B 2"]) -> Float[np.ndarray, "B 6"]:
+        """Mocap positions that put the floors at these levels at x = 0. Returns: [B, 6] (m)."""
+        positions = np.zeros((levels.shape[0], 2, 3))
+        positions[:, :, 2] = levels
+        return positions.reshape(-1, 6)
+
+
+def build(robot: PlanarBiped, disturbance: Disturbance | None = None) -> Plant:
+    """Compile the plant of a robot.
+
+    Raises: RobotError if MuJoCo refuses the file, InputError if a disturbance does not apply.
+    """
+    disturbance = Disturbance() if disturbance is None else disturbance
+    layout = robot.layout
+    slope = math.tan(math.radians(disturbance.slope_deg))
+    try:
+        spec = mujoco.MjSpec.from_string(layout.xml)
+        geometry = spec.compile()
+        _add_floors(spec, geometry, robot, disturbance)
+        model = spec.compile()
+    except ValueError as error:
+        raise RobotError(f"robot {robot.name}: MuJoCo cannot build its plant: {error}") from error
+    _disturb(model, robot, disturbance)
+    limit = robot.torque_limit
+    if disturbance.torque_limit is not None:
+        limit = np.minimum(limit, disturbance.torque_limit)
+    return Plant(
+        robot=robot,
+        model=model,
+        disturbance=disturbance,
+        wires=StateMap.build(model, layout),
+        torque_limit=limit,
+        slope=slope,
+    )
+
+
+def _add_floors(
+    spec: mujoco.MjSpec, geometry: mujoco.MjModel, robot: PlanarBiped, disturbance: Disturbance
+) -> None:
+    """Give each foot a plane, take every other contact away, and put sensors on the feet.
+
+    The feet keep the contact parameters of the file; priority makes them count alone.
+    """
+    spec.option.timestep = TIMESTEP_S
+    pictures = [(geom.rgba.copy(), geom.material) for geom in _planes(spec)][:1]
+    for geom in list(_planes(spec)):
+        spec.delete(geom)
+    for geom in spec.geoms:
+        geom.contype, geom.conaffinity = 0, 0
+    tilt = math.radians(disturbance.slope_deg)
+    for leg, (name, bit) in enumerate(zip(robot.layout.feet, _FLOOR_BITS, strict=True)):
+        body = spec.worldbody.add_body(name=f"_floor_{leg}", mocap=True)
+        body.quat = [math.cos(tilt / 2), 0.0, -math.sin(tilt / 2), 0.0]
+        plane = body.add_geom(
+            name=f"_floor_{leg}",
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=[0.0, 0.0, 0.1],
+            contype=bit,
+            conaffinity=bit,
+        )
+        if pictures:
+            plane.rgba, plane.material = pictures[0]
+        foot = spec.geom(name)
+        foot.contype, foot.conaffinity, foot.priority = bit, bit, 1
+        place = geometry.geom(name)
+        site = foot.parent.add_site(
+            name=f"_touch_{leg}", pos=place.pos, size=[_TOUCH_ZONE * place.size[0]] * 3
+        )
+        sensor = spec.add_sensor(name=f"_touch_{leg}", type=mujoco.mjtSensor.mjSENS_TOUCH)
+        sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_SITE, site.name
+
+
+def _planes(spec: mujoco.MjSpec):
+    return (geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE)
+
+
+def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: Disturbance) -> None:
+    layout = robot.layout
+    joints = sorted({name for leg in layout.leg_joints for name in leg})
+    friction = robot.friction if disturbance.friction is None else disturbance.friction
+    for name in layout.feet:
+        model.geom(name).friction[0] = friction
+    if disturbance.torque_limit is not None:
+        for leg in layout.actuators:
+            for name in leg:
+                actuator = model.actuator(name)
+                reach = disturbance.torque_limit / abs(actuator.gear[0])
+                low, high = actuator.ctrlrange if actuator.ctrllimited[0] else (-reach, reach)
+                actuator.ctrlrange[:] = (max(low, -reach), min(high, reach))
+                actuator.ctrllimited[0] = True
+    for name in joints:
+        model.dof_frictionloss[model.joint(name).dofadr[0]] += disturbance.joint_friction
+    model.body_mass[:] *= disturbance.mass_scale
+    model.body_inertia[:] *= disturbance.mass_scale
+    if disturbance.torso_shift_m:
+        _shift_torso(model, robot, disturbance.torso_shift_m)
+    # Derived inertial constants follow the edited ones.
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def _shift_torso(model: mujoco.MjModel, robot: PlanarBiped, shift: float) -> None:
+    if robot.torso is None:
+        raise InputError(f"disturbance torso_shift_m: robot {robot.name} has no torso to shift")
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.0
+    mujoco.mj_kinematics(model, data)
+    root = int(model.jnt_bodyid[model.joint(robot.layout.root_joints[2]).id])
+    bodies = [
+        i for i in range(model.nbody) if i and model.body_weldid[i] == model.body_weldid[root]
+    ]
+    total = sum(float(model.body_mass[i]) for i in bodies)
+    # Moving one body of the welded torso moves the whole torso's centre of mass.
+    heaviest = max(bodies, key=lambda i: float(model.body_mass[i]))
+    ahead = np.array([shift * total / float(model.body_mass[heaviest]), 0.0, 0.0])
+    model.body_ipos[heaviest] += data.xmat[heaviest].reshape(3, 3).T @ ahead

@@ -1,0 +1,41 @@
+"""A horizontal push at the hip, the same impulse for every episode, each at its own moment."""
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float
+
+DURATION_S = 0.1
+# Touchdowns before the push: transients of the start have died out.
+STEPS_BEFORE = 5
+# The push starts within this time after that touchdown: about one step, so all phases occur [s].
+WINDOW_S = 0.5
+
+
+class Push:
+    """When each episode is pushed.
+
+    Attributes:
+        force: forward force while the push lasts [N].
+    """
+
+    def __init__(self, impulse: float, steps: int, seed: int, episodes: int):
+        """Spread `impulse` (N s) over `DURATION_S`, at a moment drawn from seed and episode.
+
+        `steps` is the length of the episodes: a short one is pushed half-way.
+        """
+        self.force = impulse / DURATION_S
+        self._before = min(STEPS_BEFORE, steps // 2)
+        draws = [np.random.default_rng([seed, i, 2]).uniform() for i in range(episodes)]
+        self._wait = WINDOW_S * np.array(draws)
+        self._start = np.where(self._before == 0, self._wait, np.inf)
+
+    def at(
+        self, time: float, touchdown: Bool[np.ndarray, " B"], count: Float[np.ndarray, " B"]
+    ) -> Float[np.ndarray, " B"]:
+        """Forward force on each hip at this time. Returns: [B] (N)."""
+        if not self.force:
+            return np.zeros(len(touchdown))
+        due = touchdown & (count == self._before)
+        self._start[due] = time + self._wait[due]
+        pushing = (time >= self._start) & (time < self._start + DURATION_S)
+        return self.force * pushing

@@ -1,0 +1,61 @@
+"""Where an episode starts: on the zero dynamics manifold of a gait, standing on leg 0."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.barriers import Gait
+from neuralgaits.errors import InputError
+from neuralgaits.gait import Orbit, ZeroDynamics, poincare
+from neuralgaits.robots import PlanarBiped
+
+KINDS = ("centre", "region", "fixed-point")
+# Phases at which the fences are read to find the momenta of a tube.
+_FENCE_SAMPLES = 101
+
+
+def full_states(
+    robot: PlanarBiped, gait: Gait, kind: str, *, seed: int, episodes: int
+) -> Float[np.ndarray, "B 2n"]:
+    """Full states x = (q, dq) to start from (rad, rad/s).
+
+    Args:
+        robot: of the gait.
+        gait: policy and region.
+        kind: `centre` of the region; `region`: anywhere in it, by seed and episode number;
+            `fixed-point` of the Poincare map, at mid-step.
+        seed: of `region`.
+        episodes: number of states.
+
+    Raises: InputError for another kind, or if there is no periodic orbit.
+    """
+    if kind == "centre":
+        charts = np.full((episodes, 2), 0.5)
+    elif kind == "region":
+        charts = np.array(
+            [np.random.default_rng([seed, i, 0]).uniform(size=2) for i in range(episodes)]
+        )
+    elif kind == "fixed-point":
+        orbit = periodic_orbit(robot, gait)
+        if orbit.result != "found":
+            raise InputError(f"start fixed-point: {orbit.result}; start from the centre instead")
+        x = ZeroDynamics(robot, gait.policy).phi_inv(jnp.asarray(orbit.fixed_point))
+        return np.tile(np.asarray(x), (episodes, 1))
+    else:
+        raise InputError(f"unknown start {kind!r}: expected one of {', '.join(KINDS)}")
+    lift = jax.jit(jax.vmap(lambda u: ZeroDynamics(robot, gait.policy).phi_inv(gait.z(u))))
+    return np.asarray(lift(charts))
+
+
+def periodic_orbit(robot: PlanarBiped, gait: Gait) -> Orbit:
+    """The gait's periodic orbit, looked for from the centre of its region."""
+    return poincare(ZeroDynamics(robot, gait.policy), gait.z(jnp.array([0.5, 0.5])))
+
+
+def momentum_range(gait: Gait) -> tuple[float, float]:
+    """Smallest and largest z2 of a gait's region (kg m^2/s)."""
+    phases = jnp.linspace(0.0, 1.0, _FENCE_SAMPLES)
+    lower = jax.vmap(lambda t: gait.tube.fence("lower", t))(phases)
+    upper = jax.vmap(lambda t: gait.tube.fence("upper", t))(phases)
+    return float(jnp.sqrt(2.0 * jnp.min(lower))), float(jnp.sqrt(2.0 * jnp.max(upper)))

@@ -1,0 +1,52 @@
+"""A floor that changes height at random steps: one plane under each foot."""
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float, Int
+
+# A floor is raised only once the foot above it is this much higher, lest it be born inside [m].
+ROOM_UNDER_FOOT = 0.002
+
+
+class Terrain:
+    """Floor levels under the two feet of every episode.
+
+    At touchdown the level of the next foothold is drawn: `height` above the present one, below
+    it or equal, each with probability 1/3. At mid-step the swing foot's plane moves there.
+
+    Attributes:
+        levels: of the plane under foot 0 and foot 1 [m]. [B, 2]
+    """
+
+    def __init__(self, height: float, seed: int, episodes: int):
+        """All floors at zero. Draws depend on seed and episode number alone."""
+        self.levels = np.zeros((episodes, 2))
+        self._height = height
+        self._next_rise = np.zeros(episodes)
+        self._pending = np.zeros(episodes, dtype=bool)
+        self._draws = [np.random.default_rng([seed, i, 1]) for i in range(episodes)]
+
+    def advance(
+        self,
+        touchdown: Bool[np.ndarray, " B"],
+        leg: Int[np.ndarray, " B"],
+        z1: Float[np.ndarray, " B"],
+        clearance: Float[np.ndarray, " B"],
+    ) -> bool:
+        """One tick. `clearance` is the swing foot's height above the stance foothold (m).
+
+        Returns: whether any level has changed.
+        """
+        if not self._height:
+            return False
+        for i in np.flatnonzero(touchdown):
+            self._next_rise[i] = self._height * self._draws[i].integers(-1, 2)
+            self._pending[i] = True
+        ready = self._pending & (z1 > 0.0) & (clearance > self._next_rise + ROOM_UNDER_FOOT)
+        if not ready.any():
+            return False
+        episodes = np.flatnonzero(ready)
+        stance, swing = leg[episodes], 1 - leg[episodes]
+        self.levels[episodes, swing] = self.levels[episodes, stance] + self._next_rise[episodes]
+        self._pending[episodes] = False
+        return True

@@ -1,0 +1,217 @@
+"""One control tick of one episode, plant readings in, controls and verdict out: compiled once.
+
+`batch` vmaps it over episodes. Numbers are arguments, so policies and plants of the same
+structure share one compilation; addresses and the shape of the controller are constants.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Bool, Float, Int, Scalar, ZeroState
+from neuralgaits.control import Command, Controller, ControllerState, Measurement, start, step
+from neuralgaits.control.measurement import coordinates, stance_foot_velocity
+from neuralgaits.control.momentum import zero_state
+from neuralgaits.robots import MjcfLayout, PlanarBiped
+from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.simulation import gauge as gauges
+from neuralgaits.simulation.falls import FallConfig, ending
+from neuralgaits.simulation.gauge import Gauge
+from neuralgaits.simulation.plant import Plant
+from neuralgaits.simulation.wiring import controls, hip_arm, measure
+
+
+class Carry(NamedTuple):
+    """What an episode takes from tick to tick."""
+
+    controller: ControllerState
+    gauge: Gauge
+    age: Scalar
+    """Time since the last touchdown, or since the start of the episode [s]."""
+
+
+class Reading(NamedTuple):
+    """The plant as one tick finds it."""
+
+    state: Float[Array, " s"]
+    """Time, qpos and qvel."""
+    touch: Float[Array, "2"]
+    """Normal force on each foot [N]."""
+    floor: Float[Array, "2"]
+    """Floor level under each foot at x = 0 [m]."""
+    noise: Float[Array, "2 j"]
+    """Standard normal noise of angles and rates: pitch first, then the joints of both legs."""
+
+
+class Verdict(NamedTuple):
+    """What the loop outside must know after a tick."""
+
+    controls: Float[Array, " u"]
+    """Actuator controls."""
+    ending: Int[Array, ""]
+    """An `Ending`."""
+    touchdown: Bool[Array, ""]
+    """Whether a step has just ended."""
+    steps: Int[Array, ""]
+    """Touchdowns so far."""
+    leg: Int[Array, ""]
+    """Stance leg."""
+    z1: Scalar
+    """Measured z1 [m]."""
+    clearance: Scalar
+    """Swing foot above the floor through the stance foothold [m]."""
+
+
+class Record(NamedTuple):
+    """What a log holds of a tick."""
+
+    time: Scalar
+    command: Command
+    pitch: Scalar
+    dpitch: Scalar
+    z_plant: ZeroState
+    """z with the plant's own masses, without noise (m, kg m^2/s). [2]"""
+
+
+class Scene(eqx.Module):
+    """Everything a tick needs that stays fixed during a simulation.
+
+    Attributes:
+        controller: of all episodes; unless they share a policy, `policy` and `bounds` have a
+            leading axis of episodes.
+        plant_robot: the plant's own numbers, disturbances left out.
+        slope: rise of the floor per metre forward.
+        noise: standard deviation of angles and of rates [rad], [rad/s]. [2]
+        steps: walking steps of an episode.
+        layout: of the plant's file.
+        sizes: of the plant's qpos and ctrl.
+        addresses: of root, joints and motors in the plant's arrays, as in `StateMap`.
+        falls: thresholds of a fall.
+    """
+
+    controller: Controller
+    plant_robot: PlanarBiped
+    slope: Float[Array, ""]
+    noise: Float[Array, "2"]
+    steps: Int[Array, ""]
+    layout: MjcfLayout = eqx.field(static=True)
+    sizes: tuple[int, int] = eqx.field(static=True)
+    addresses: tuple[tuple, tuple, tuple] = eqx.field(static=True)
+    falls: FallConfig = eqx.field(static=True)
+
+    @classmethod
+    def of(cls, plant: Plant, controller: Controller, steps: int, falls: FallConfig) -> "Scene":
+        """The scene of a plant and a controller."""
+        wires, disturbance = plant.wires, plant.disturbance
+        return cls(
+            controller=controller,
+            plant_robot=plant.robot,
+            slope=np.asarray(plant.slope),
+            noise=np.array([disturbance.encoder_noise, disturbance.rate_noise]),
+            steps=np.asarray(steps, dtype=np.int32),
+            layout=wires.layout,
+            sizes=(wires.nq, wires.nu),
+            addresses=(_frozen(wires.root), _frozen(wires.joints), _frozen(wires.actuators)),
+            falls=falls,
+        )
+
+    @property
+    def wires(self) -> StateMap:
+        """Where the robot's coordinates live in the plant."""
+        return StateMap(self.layout, *self.sizes, *(np.array(part) for part in self.addresses))
+
+    @property
+    def reading_size(self) -> int:
+        """Length of a packed `Reading`."""
+        return sum(int(np.prod(shape)) for shape in self._reading_shapes())
+
+    def reading(self, packed: Float[Array, " r"]) -> Reading:
+        """Unpack a `Reading`."""
+        parts, at = [], 0
+        for shape in self._reading_shapes():
+            size = int(np.prod(shape))
+            parts.append(packed[at : at + size].reshape(shape))
+            at += size
+        return Reading(*parts)
+
+    def _reading_shapes(self) -> tuple[tuple[int, ...], ...]:
+        nq, _ = self.sizes
+        joints = sum(len(leg) for leg in self.addresses[1])
+        return ((1 + 2 * nq,), (2,), (2,), (2, 1 + joints))
+
+
+def _frozen(addresses: np.ndarray) -> tuple:
+    nested = addresses.tolist()
+    return tuple(tuple(part) if isinstance(part, list) else part for part in nested)
+
+
+def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
+    """The carry of an episode that starts on `leg`."""
+    return Carry(start(scene.controller, leg), Gauge.start(), jnp.zeros(()))
+
+
+def tick(scene: Scene, carry: Carry, reading: Reading) -> tuple[Carry, Verdict, Record]:
+    """One tick of one episode. Returns: the next carry, the verdict, and the record."""
+    controller, wires = scene.controller, scene.wires
+    robot, period = controller.robot, controller.period_s
+    time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
+    sensors = wires.sensors(qpos, qvel)
+    arm, swept = hip_arm(wires, sensors.pitch)
+    truth = measure(sensors, swept, time, reading.touch)
+    state, command = step(controller, carry.controller, _noisy(truth, reading.noise, scene.noise))
+    age = jnp.where(command.touchdown, 0.0, carry.age + period)
+    hip = sensors.base + arm
+    gauge = gauges.update(
+        carry.gauge,
+        command,
+        time=time,
+        hip=hip[0],
+        normal_force=reading.touch,
+        period_s=period,
+    )
+    verdict = ending(
+        scene.falls,
+        robot,
+        hip_height=hip[1] - reading.floor[command.leg] - scene.slope * hip[0],
+        pitch=sensors.pitch,
+        since_touchdown=age,
+        steps_left=scene.steps - gauge.steps,
+        finite=jnp.all(jnp.isfinite(reading.state)),
+    )
+    ahead, up = swing_foot(robot, command.q)
+    return (
+        Carry(state, gauge, age),
+        Verdict(
+            controls=controls(wires, command.torque),
+            ending=verdict,
+            touchdown=command.touchdown,
+            steps=gauge.steps,
+            leg=command.leg,
+            z1=command.z[0],
+            clearance=up - scene.slope * ahead,
+        ),
+        Record(time, command, truth.pitch, truth.dpitch, _true_z(scene, truth, command)),
+    )
+
+
+def _noisy(
+    truth: Measurement, draws: Float[Array, "2 j"], deviation: Float[Array, "2"]
+) -> Measurement:
+    angles, rates = deviation[:, None] * draws
+    shape = truth.angles.shape
+    return truth._replace(
+        pitch=truth.pitch + angles[0],
+        dpitch=truth.dpitch + rates[0],
+        angles=truth.angles + angles[1:].reshape(shape),
+        rates=truth.rates + rates[1:].reshape(shape),
+    )
+
+
+def _true_z(scene: Scene, truth: Measurement, command: Command) -> ZeroState:
+    robot = scene.plant_robot
+    q, dq = coordinates(robot, truth, command.leg)
+    z, _ = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, truth))
+    return z

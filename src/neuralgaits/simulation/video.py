@@ -1,0 +1,106 @@
+"""A video of one episode, at real-time speed. Needs the `video` extra and OpenGL."""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import importlib.util
+import os
+import tempfile
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.errors import InputError
+from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant
+
+FRAMES_PER_S = 50
+SIZE = (480, 640)
+"""Height and width of a frame in pixels; a robot file's own off-screen size may cut it."""
+_SUFFIX = ".mp4"
+
+
+def check(path: Path) -> None:
+    """Refuse what cannot work before an episode is simulated.
+
+    Raises: InputError with the remedy, if the extra is missing or the file is no MP4.
+    """
+    if path.suffix != _SUFFIX:
+        raise InputError(f"video {path}: expected a file name that ends in {_SUFFIX}")
+    for name in ("imageio", "imageio_ffmpeg"):
+        if importlib.util.find_spec(name) is None:
+            raise InputError(
+                f"video needs {name}, which is not installed: pip install 'neuralgaits[video]'"
+            )
+
+
+def write(
+    path: Path,
+    plant: Plant,
+    states: Float[np.ndarray, "T s"],
+    floors: Float[np.ndarray, "T 2"],
+) -> None:
+    """Render an episode to an MP4 file, whole or not at all.
+
+    Args:
+        path: of the file.
+        plant: that was simulated.
+        states: time, qpos and qvel, one a control tick.
+        floors: level under each foot (m), one a control tick.
+
+    Raises: InputError with the remedy, if the extra or OpenGL is missing.
+    """
+    check(path)
+    import imageio.v2 as imageio
+
+    ticks = round(1.0 / (FRAMES_PER_S * SUBSTEPS * TIMESTEP_S))
+    renderer = _renderer(plant.model)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=_SUFFIX)
+    os.close(handle)
+    try:
+        with imageio.get_writer(name, fps=FRAMES_PER_S, macro_block_size=None) as film:
+            for state, levels in zip(states[::ticks], floors[::ticks], strict=True):
+                film.append_data(_frame(renderer, plant, state, levels))
+        Path(name).replace(path)
+    finally:
+        Path(name).unlink(missing_ok=True)
+        renderer.close()
+
+
+def _frame(renderer, plant: Plant, state: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    model = plant.model
+    data = mujoco.MjData(model)
+    data.qpos[:] = state[1 : 1 + model.nq]
+    data.mocap_pos[:] = plant.floor_positions(levels[None])[0].reshape(-1, 3)
+    mujoco.mj_forward(model, data)
+    renderer.update_scene(data, _camera(plant, data))
+    return renderer.render()
+
+
+def _camera(plant: Plant, data):
+    """The file's own camera if it has one, else one that follows the robot from its side."""
+    if plant.model.ncam:
+        return 0
+    camera = mujoco.MjvCamera()
+    height = plant.robot.leg_length
+    root = int(plant.model.joint(plant.robot.layout.root_joints[2]).bodyid[0])
+    camera.lookat[:] = (data.xpos[root][0], 0.0, 0.7 * height)
+    camera.distance, camera.azimuth, camera.elevation = 4.0 * height, 90.0, -8.0
+    return camera
+
+
+def _renderer(model):
+    height, width = SIZE
+    # A robot file that says nothing about its off-screen buffer gets one that is large enough.
+    visual = model.vis.global_
+    visual.offheight, visual.offwidth = max(height, visual.offheight), max(width, visual.offwidth)
+    try:
+        return mujoco.Renderer(model, height=height, width=width)
+    except Exception as error:  # each OpenGL back end fails in its own way
+        reason = " ".join(str(error).split())[:120]
+        raise InputError(
+            f"video needs OpenGL, which does not start ({reason}): on a machine without a screen "
+            "set MUJOCO_GL=egl, or MUJOCO_GL=osmesa with Mesa installed"
+        ) from None

@@ -1,0 +1,185 @@
+"""Walk in MuJoCo at full order: robot, policies and starts in, what became of each episode out."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Float, FullState
+from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
+from neuralgaits.errors import InputError
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation import lockstep
+from neuralgaits.simulation.batch import compile_batch
+from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.falls import FallConfig
+from neuralgaits.simulation.lockstep import Episodes, Noise
+from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant, build
+from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.terrain import Terrain
+from neuralgaits.simulation.tick import Scene
+
+LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
+"""Control laws by name: `paper` is the PD of the paper's deployment."""
+
+
+@dataclass(frozen=True)
+class Walk:
+    """What was simulated, and what became of it.
+
+    Attributes:
+        robot: the model the controller believed in.
+        plant: what it walked on.
+        law: of control.
+        episodes: outcome of every episode.
+    """
+
+    robot: PlanarBiped
+    plant: Plant
+    law: AbstractLaw
+    episodes: Episodes
+
+
+def law_named(controller: str | AbstractLaw) -> AbstractLaw:
+    """A control law by name, or the law itself. Raises: InputError listing the names."""
+    if isinstance(controller, AbstractLaw):
+        return controller
+    if controller not in LAWS:
+        raise InputError(f"unknown controller {controller!r}: expected one of {', '.join(LAWS)}")
+    return LAWS[controller]
+
+
+def walk(
+    robot: PlanarBiped,
+    policies: AbstractPolicy | Sequence[AbstractPolicy],
+    starts: Float[np.ndarray, "B 2n"],
+    *,
+    plant: PlanarBiped | None = None,
+    controller: str | AbstractLaw = "pd",
+    steps: int = 50,
+    z2_range: tuple[float, float] | None = None,
+    disturbance: Disturbance | None = None,
+    push: float = 0.0,
+    seed: int = 0,
+    falls: FallConfig | None = None,
+    record: bool = False,
+    threads: int | None = None,
+) -> Walk:
+    """Walk from each start.
+
+    Args:
+        robot: the model the controller believes in.
+        policies: one for all episodes, or one of the same structure for each.
+        starts: full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]
+        plant: robot to simulate, `robot` if None; it must have the same joints.
+        controller: `pd`, `fblin`, `paper`, or a law.
+        steps: walking steps of an episode.
+        z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
+        disturbance: of the plant.
+        push: impulse at the root, forward (N s).
+        seed: of everything random.
+        falls: thresholds of a fall.
+        record: keep records and states of episode 0.
+        threads: threads that step MuJoCo, all cores if None.
+
+    Raises: InputError if something does not fit.
+    """
+    starts = _checked_starts(robot, starts)
+    count = len(starts)
+    _check_same_joints(robot, plant)
+    _positive_whole("steps", steps)
+    shared = isinstance(policies, AbstractPolicy)
+    each = [policies] if shared else list(policies)
+    if not shared and len(each) != count:
+        raise InputError(f"expected one policy or {count}, one a start; found {len(each)}")
+    if not np.isfinite(push):
+        raise InputError(f"push: expected a finite impulse in N s, found {push}")
+    law = law_named(controller)
+    field = build(robot if plant is None else plant, disturbance)
+    controllers = [
+        Controller.init(
+            robot,
+            policy,
+            law,
+            z2_range=z2_range,
+            torque_limit=np.minimum(robot.torque_limit, field.torque_limit),
+            period_s=SUBSTEPS * TIMESTEP_S,
+        )
+        for policy in each
+    ]
+    scene = Scene.of(
+        field,
+        controllers[0] if shared else _stacked(controllers),
+        steps,
+        FallConfig() if falls is None else falls,
+    )
+    batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
+    silent = not (field.disturbance.encoder_noise or field.disturbance.rate_noise)
+    episodes = lockstep.run(
+        field,
+        batch,
+        _states(field, robot, starts),
+        terrain=Terrain(field.disturbance.floor_height, seed, count),
+        push=Push(push, steps, seed, count),
+        noise=Noise((2, 1 + field.wires.joints.size), seed, count, silent=silent),
+        threads=_cores() if threads is None else threads,
+        record=record,
+    )
+    return Walk(robot, field, law, episodes)
+
+
+def _states(plant: Plant, robot: PlanarBiped, starts: Float[np.ndarray, "B 2n"]) -> np.ndarray:
+    """MuJoCo states of the starts, the stance foot resting on the floor at x = 0."""
+    q, dq = np.split(starts, 2, axis=1)
+    # On a slope the sphere touches beside its lowest point.
+    height = plant.robot.foot_radius * np.sqrt(1.0 + plant.slope**2)
+    qpos, qvel = plant.wires.to_mjcf(q, dq, 0, (0.0, float(height)))
+    return np.concatenate([np.zeros((len(starts), 1)), qpos, qvel], axis=1)
+
+
+def _stacked(controllers: list[Controller]) -> Controller:
+    """One controller whose policy and bounds have a leading axis of episodes."""
+
+    def stack(*leaves):
+        return jnp.stack([jnp.asarray(leaf) for leaf in leaves])
+
+    parts = [(c.policy, c.bounds) for c in controllers]
+    if len({str(jax.tree.structure(part)) for part in parts}) > 1:
+        raise InputError("policies of different structure cannot walk in one batch: split them")
+    arrays = [eqx.filter(part, eqx.is_array) for part in parts]
+    stacked = jax.tree.map(stack, *arrays)
+    own = eqx.combine(stacked, eqx.filter(parts[0], eqx.is_array, inverse=True))
+    return eqx.tree_at(lambda c: (c.policy, c.bounds), controllers[0], own)
+
+
+def _checked_starts(robot: PlanarBiped, starts: FullState) -> Float[np.ndarray, "B 2n"]:
+    array = np.asarray(starts, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != 2 * robot.n or not len(array):
+        raise InputError(
+            f"starts: expected full states of shape [episodes, {2 * robot.n}], found {array.shape}"
+        )
+    if not np.all(np.isfinite(array)):
+        raise InputError("starts: expected finite full states, found NaN or infinity")
+    return array
+
+
+def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:
+    if plant is not None and (plant.n, plant.torso) != (robot.n, robot.torso):
+        raise InputError(
+            f"plant {plant.name} has {plant.n} links, the policy's robot {robot.name} has "
+            f"{robot.n}: take a plant with the same joints"
+        )
+
+
+def _positive_whole(name: str, value: int) -> None:
+    if not isinstance(value, int | np.integer) or value < 1:
+        raise InputError(f"{name}: expected a whole number of at least 1, found {value!r}")
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,48 @@
+"""Between a plant's arrays and what a controller speaks: sensors in, controls out.
+
+Written for one episode, with the plant's addresses as constants, so it runs inside the tick.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float, Planar, Scalar
+from neuralgaits.control.measurement import Measurement
+from neuralgaits.robots.mjcf_state import Sensors, StateMap
+
+
+def measure(
+    sensors: Sensors, swept: Planar, time: Scalar, normal: Float[Array, "2"]
+) -> Measurement:
+    """What a robot's sensors would say. Returns: `Measurement`.
+
+    Args:
+        sensors: of the plant's state, without batch axes.
+        swept: derivative of the root-to-hip vector by pitch, from `hip_arm` (m). [2]
+        time: of the reading (s).
+        normal: force on each foot (N).
+    """
+    return Measurement(
+        time=time,
+        pitch=sensors.pitch,
+        dpitch=sensors.dpitch,
+        angles=sensors.joints,
+        rates=sensors.djoints,
+        hip_velocity=sensors.base_velocity + sensors.dpitch * swept,
+        normal_force=normal,
+    )
+
+
+def hip_arm(wires: StateMap, pitch: Scalar) -> tuple[Planar, Planar]:
+    """Vector from the root's pitch axis to the hip (m), and its derivative by pitch."""
+    x, z = wires.layout.root_to_hip
+    turn = pitch - wires.layout.root_angle
+    sine, cosine = jnp.sin(turn), jnp.cos(turn)
+    arm = jnp.stack([x * cosine - z * sine, x * sine + z * cosine])
+    return arm, jnp.stack([-arm[1], arm[0]])
+
+
+def controls(wires: StateMap, torque: Float[Array, "2 k"]) -> Float[Array, " u"]:
+    """Actuator controls that put these torques on the joints. Returns: [nu]."""
+    empty = jnp.zeros(wires.nu, dtype=torque.dtype)
+    return empty.at[wires.actuators].set(torque / np.array(wires.layout.gears))
