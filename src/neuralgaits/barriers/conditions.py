@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
@@ -84,8 +83,8 @@ class Barrier(AbstractCondition):
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
         """dh/dt + alpha(h)."""
-        del gait
-        value, rate = jax.jvp(lambda z: self.function(zd.point(z)), (point.z,), (point.dz,))
+        del gait, zd
+        value, rate = point.rate(self.function)
         slopes = self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
         return jnp.stack([rate + slope * value for slope in slopes])
 
@@ -156,8 +155,10 @@ class Fence(AbstractCondition):
         start, guard = gait.span
         phase = gait.phase(point.z[0])
         along = point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
-        inward = along - gait.tube.fence_slope(self.side, phase)
-        return (inward if self.side == "lower" else -inward) / gait.tube.width(phase)
+        low, high = gait.tube.fences(phase)
+        low_slope, high_slope = gait.tube.fence_slopes(phase)
+        inward = along - low_slope if self.side == "lower" else high_slope - along
+        return inward / (high - low)
 
 
 @dataclass(frozen=True)
@@ -183,6 +184,5 @@ class TubeWidth(AbstractCondition):
         """Relative width minus the least."""
         del zd
         phase = gait.phase(point.z[0])
-        low = jnp.sqrt(2.0 * gait.tube.fence("lower", phase))
-        high = jnp.sqrt(2.0 * gait.tube.fence("upper", phase))
+        low, high = jnp.sqrt(2.0 * gait.tube.fences(phase))
         return 2.0 * (high - low) / (high + low) - self.least

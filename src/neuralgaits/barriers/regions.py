@@ -93,26 +93,26 @@ class Tube(eqx.Module):
         ends = None if span is None else np.asarray(span, dtype=np.float64)
         return cls(series[0], series[1], np.asarray(unit), ends, trained)
 
-    def fence(self, side: Side, phase: Scalar) -> Scalar:
-        """zeta on a fence [(kg m^2/s)^2]."""
-        series = self.lower if side == "lower" else self.upper
-        return self.unit * _clenshaw(series, 2.0 * phase - 1.0)
+    def fences(self, phase: Scalar) -> Float[Array, "2"]:
+        """zeta on the lower and the upper fence [(kg m^2/s)^2]. [2]."""
+        series = jnp.stack([self.lower, self.upper])
+        return self.unit * (series @ _chebyshev(2.0 * phase - 1.0, series.shape[1]))
 
-    def fence_slope(self, side: Side, phase: Scalar) -> Scalar:
-        """d zeta / d phase on a fence [(kg m^2/s)^2]."""
-        _, slope = jax.jvp(lambda t: self.fence(side, t), (phase,), (jnp.ones_like(phase),))
-        return slope
+    def fence_slopes(self, phase: Scalar) -> Float[Array, "2"]:
+        """d zeta / d phase on both fences [(kg m^2/s)^2]. [2]."""
+        series = jnp.stack([self.lower, self.upper])
+        size = series.shape[1]
+        derivative = np.stack([np.pad(chebyshev.chebder(row), (0, 1)) for row in np.eye(size)])
+        basis = _chebyshev(2.0 * phase - 1.0, size)
+        return self.unit * (series @ ((2.0 * derivative).astype(basis.dtype) @ basis))
 
-    def width(self, phase: Scalar) -> Scalar:
-        """zeta_upper - zeta_lower [(kg m^2/s)^2]."""
-        return self.unit * _clenshaw(self.upper - self.lower, 2.0 * phase - 1.0)
 
-
-def _clenshaw(series: Float[Array, " k"], x: Scalar) -> Scalar:
-    ahead, beyond = series[-1], jnp.zeros_like(series[-1])
-    for k in range(series.shape[0] - 2, 0, -1):
-        ahead, beyond = series[k] + 2.0 * x * ahead - beyond, ahead
-    return series[0] + x * ahead - beyond
+def _chebyshev(x: Scalar, size: int) -> Float[Array, " k"]:
+    """Chebyshev polynomials T_0 .. T_(size - 1). Returns: [size]."""
+    values = [jnp.ones_like(x), x]
+    while len(values) < size:
+        values.append(2.0 * x * values[-1] - values[-2])
+    return jnp.stack(values[:size])
 
 
 class Gait(eqx.Module):
@@ -136,13 +136,14 @@ class Gait(eqx.Module):
     def z(self, u: Float[Array, "2"]) -> ZeroState:
         """Chart: zero dynamics state at (phase, level). Returns: [2] (m, kg m^2/s)."""
         start, guard = self.span
-        zeta = self.tube.fence("lower", u[0]) + u[1] * self.tube.width(u[0])
+        low, high = self.tube.fences(u[0])
+        zeta = low + u[1] * (high - low)
         return jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
 
     def level(self, z: ZeroState) -> Scalar:
         """Level of a state between the fences: 0 on the lower, 1 on the upper."""
-        phase = self.phase(z[0])
-        return (0.5 * z[1] * z[1] - self.tube.fence("lower", phase)) / self.tube.width(phase)
+        low, high = self.tube.fences(self.phase(z[0]))
+        return (0.5 * z[1] * z[1] - low) / (high - low)
 
     def matched(self, robot: "PlanarBiped") -> "Gait":
         """The gait with everything that follows from robot and parameters recomputed."""

@@ -142,8 +142,8 @@ def _new_hybrid_invariant(
         policy = eqx.tree_at(
             lambda p: p.network.weights, policy, (*policy.network.weights[:-1], full)
         )
-    start, guard = (float(end) for end in policy.z1_range)
-    return Gait(policy, _start_tube(robot, None, (start, guard)))
+    guard = walking_posture(robot).z_guard
+    return Gait(policy, _start_tube(robot, None, (-guard, guard)))
 
 
 def _new_mlp(
@@ -157,7 +157,7 @@ def _new_mlp(
 
 def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
     """Torso, contact forces, torques, joint rates and knees on the whole tube."""
-    unit, limit = units(robot), TORQUE_SHARE * robot.torque_limit
+    unit = units(robot)
     rate = 4.0 / unit.time
     conditions: list[AbstractCondition] = []
     if robot.torso is not None:
@@ -173,8 +173,8 @@ def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
         ),
         Pointwise("friction-forward", "tube", 0.45 * weight, f.friction_forward(0.45)),
         Pointwise("friction-backward", "tube", 0.45 * weight, f.friction_backward(0.45)),
-        Pointwise("torque-lower", "tube", 1.0, lambda p: 1.0 + p.torque / limit),
-        Pointwise("torque-upper", "tube", 1.0, lambda p: 1.0 - p.torque / limit),
+        Pointwise("torque-lower", "tube", 1.0, lambda p: 1.0 + _torque_share(p)),
+        Pointwise("torque-upper", "tube", 1.0, lambda p: 1.0 - _torque_share(p)),
         Pointwise("rate-lower", "tube", rate, f.at_least(f.joint_rates, -rate)),
         Pointwise("rate-upper", "tube", rate, f.at_most(f.joint_rates, rate)),
         Pointwise("forward", "tube", unit.speed, f.at_least(f.forward_rate, 0.2 * unit.speed)),
@@ -189,6 +189,11 @@ def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
     if len(knees):
         conditions.append(Pointwise("knee", "tube", 0.5, partial(_knee_bend, robot)))
     return conditions
+
+
+def _torque_share(p: Point):
+    """Torques as shares of what the zero dynamics may use. [m]."""
+    return p.torque / (TORQUE_SHARE * p.robot.torque_limit)
 
 
 def _inertia(unit: Units, reference: float) -> float:
@@ -206,7 +211,7 @@ def _knee_bend(robot: "PlanarBiped", p: Point):
     """How much further than 0.05 rad each knee is bent away from straight [rad]."""
     knees = _knees(robot)
     side = np.where(robot.joint_upper[knees] > -robot.joint_lower[knees], 1.0, -1.0)
-    selected = np.zeros((len(knees), robot.n))
+    selected = np.zeros((len(knees), robot.n), dtype=p.z.dtype)
     selected[np.arange(len(knees)), knees + 1] = side
     return selected @ p.q - 0.05
 

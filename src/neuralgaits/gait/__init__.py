@@ -9,8 +9,7 @@ from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import (
     AbstractPolicy,
     OutputJet,
-    output_curvature,
-    output_slopes,
+    output_jet,
 )
 from neuralgaits.gait.posture import Posture, posture_path, walking_posture
 from neuralgaits.gait.zero_dynamics import ZeroDynamics
@@ -26,8 +25,7 @@ __all__ = [
     "Point",
     "Posture",
     "ZeroDynamics",
-    "output_curvature",
-    "output_slopes",
+    "output_jet",
     "poincare",
     "posture_path",
     "walking_posture",

@@ -116,7 +116,7 @@ class HybridInvariantPolicy(AbstractPolicy):
             momentum_ratio=np.ones(()),
             z2_dependence=z2_dependence,
         )
-        return policy.matched(robot)
+        return _match(policy, robot)
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
@@ -180,10 +180,15 @@ class HybridInvariantPolicy(AbstractPolicy):
         )
 
 
+@eqx.filter_jit
+def _match(policy: HybridInvariantPolicy, robot: "PlanarBiped") -> HybridInvariantPolicy:
+    return policy.matched(robot)
+
+
 def _foot_on_ground(robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated) -> Actuated:
     """Move the swing hip until the swing foot is on the ground at the guard."""
     hip = swing_hip_index(robot)
-    direction = np.zeros(robot.n - 1)
+    direction = np.zeros(robot.n - 1, dtype=outputs.dtype)
     direction[hip] = 1.0
 
     def height(angle):

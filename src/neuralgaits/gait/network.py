@@ -3,6 +3,7 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Array, Float
@@ -37,13 +38,16 @@ class Network(eqx.Module):
         if activation not in ACTIVATIONS:
             known = ", ".join(ACTIVATIONS)
             raise InputError(f"unknown activation {activation!r}: use one of {known}")
+        layers = list(zip(sizes[:-1], sizes[1:], strict=True))
+        # One draw for all parameters: many small ones would each be compiled.
+        count = sum((fan_in + 1) * fan_out for fan_in, fan_out in layers)
+        draws = np.asarray(jax.random.uniform(key, (count,), minval=-1.0, maxval=1.0))
         weights, biases = [], []
-        for layer, (fan_in, fan_out) in enumerate(zip(sizes[:-1], sizes[1:], strict=True)):
-            weight_key, bias_key = jax.random.split(jax.random.fold_in(key, layer))
-            bound = fan_in**-0.5
-            shape = (fan_out, fan_in)
-            weights.append(jax.random.uniform(weight_key, shape, minval=-bound, maxval=bound))
-            biases.append(jax.random.uniform(bias_key, (fan_out,), minval=-bound, maxval=bound))
+        for fan_in, fan_out in layers:
+            block, draws = np.split(draws, [(fan_in + 1) * fan_out])
+            block = fan_in**-0.5 * block.reshape(fan_out, fan_in + 1)
+            weights.append(block[:, :-1].copy())
+            biases.append(block[:, -1].copy())
         return cls(tuple(weights), tuple(biases), activation)
 
     def __call__(self, x: Float[Array, " in"]) -> Float[Array, " out"]:

@@ -6,14 +6,15 @@ dz1, the momentum row is one scalar equation for it, and its time derivative one
 the same denominator. Source: LESSONS 7; CERTIFICATE.md section 1.
 """
 
+from collections.abc import Callable
 from functools import cached_property
 
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Coordinates, Planar, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Coordinates, Planar, Scalar, ZeroState
 from neuralgaits.gait.coordinates import lift
-from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_curvature, output_slopes
+from neuralgaits.gait.policy import AbstractPolicy, Curve, OutputJet, output_jet_and_change
 from neuralgaits.robots import Impact, PlanarBiped, dynamics
 from neuralgaits.robots.impact import momentum_after
 
@@ -31,10 +32,36 @@ class Point:
         self.residual = residual
         self.z = jnp.asarray(z)
 
+    def rate(self, function: Callable[["Point"], Array]) -> tuple[Array, Array]:
+        """Value of a function of the point data and its rate along the flow.
+
+        Positions and rates are known here with their rates, so the function is differentiated
+        in them and the network is not traced again. What it reads beyond them follows from z.
+
+        Returns: value and d value / dt, both shaped like the function's result.
+        """
+
+        def moved(z, q, dq, dz):
+            point = Point(self.robot, self.policy, self.residual, z)
+            vars(point).update(q=q, dq=dq, dz=dz)
+            return function(point)
+
+        state = (self.z, self.q, self.dq, self.dz)
+        return jax.jvp(moved, state, (self.dz, self.dq, self.ddq, self.ddz))
+
     @cached_property
+    def _jet_and_change(self) -> tuple[OutputJet, Curve]:
+        return output_jet_and_change(self.policy, self.z)
+
+    @property
     def outputs(self) -> OutputJet:
         """Desired outputs and their partial derivatives."""
-        return output_slopes(self.policy, self.z)
+        return self._jet_and_change[0]
+
+    def _second_derivative(self, then: ZeroState) -> tuple[Actuated, Actuated]:
+        """Derivatives of both partials along a direction: rows of the Hessian times it."""
+        change = self._jet_and_change[1](then)
+        return change.d1, change.d2
 
     @cached_property
     def q(self) -> Coordinates:
@@ -95,8 +122,13 @@ class Point:
         return self.along_z1 * self.dz[0] + self.along_z2 * self.dz[1]
 
     @cached_property
-    def _curvature(self) -> Actuated:
-        return output_curvature(self.policy, self.z, self.dz, self.dz)
+    def _slope_rates(self) -> tuple[Actuated, Actuated]:
+        return self._second_derivative(self.dz)
+
+    def _curvature(self, along: ZeroState) -> Actuated:
+        """D^2 y_d(z)[along, dz]."""
+        first, second = self._slope_rates
+        return first * along[0] + second * along[1]
 
     @cached_property
     def ddz(self) -> ZeroState:
@@ -109,11 +141,10 @@ class Point:
         dtheta = turn @ self.dq
         weight = robot.mass * robot.gravity
         ddz2 = weight * dynamics.centre_of_mass_velocity(robot, self.q, self.dq)[0]
-        nominal_dq, curvature = self.dq, self._curvature
+        nominal_dq, curvature = self.dq, self._curvature(self.nominal_dz)
         residual_rate = jnp.zeros_like(self.z)
         if self.residual is not None:
             nominal_dq = self.along_z1 * self.nominal_dz[0] + self.along_z2 * self.nominal_dz[1]
-            curvature = output_curvature(self.policy, self.z, self.nominal_dz, self.dz)
             _, residual_rate = jax.jvp(self.residual, (self.z,), (self.dz,))
         table = dynamics.relative_angles(robot, self.theta)
         spin = robot.coupling * jnp.sin(table)
@@ -126,7 +157,7 @@ class Point:
     @cached_property
     def ddq(self) -> Coordinates:
         """Coordinate accelerations [rad/s^2]. [n]."""
-        curved = lift(self.robot, jnp.zeros_like(self.z[0]), self._curvature)
+        curved = lift(self.robot, jnp.zeros_like(self.z[0]), self._curvature(self.dz))
         return self.along_z1 * self.ddz[0] + self.along_z2 * self.ddz[1] + curved
 
     @cached_property

@@ -1,13 +1,14 @@
 """What a policy is: desired outputs y_d(z), bounded by the joint ranges, with derivatives."""
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
+import numpy as np
 
-from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
+from neuralgaits._types import Actuated, Scalar, ZeroState
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -42,7 +43,7 @@ class AbstractPolicy(eqx.Module):
 
 
 class OutputJet(NamedTuple):
-    """Desired outputs with derivatives at one z along one direction."""
+    """Desired outputs and both partial derivatives at one z."""
 
     y: Actuated
     """y_d(z) [rad]. [m]"""
@@ -52,20 +53,24 @@ class OutputJet(NamedTuple):
     """Partial derivative in z2 [rad s/(kg m^2)]. [m]"""
 
 
-def output_slopes(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
-    """Desired outputs and both partial derivatives. Returns: `OutputJet`."""
-    along_z1, along_z2 = jnp.eye(2, dtype=z.dtype)
-    y, d1 = jax.jvp(policy, (z,), (along_z1,))
-    _, d2 = jax.jvp(policy, (z,), (along_z2,))
-    return OutputJet(y, d1, d2)
+def output_jet(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
+    """Desired outputs and both partial derivatives, the network traced once.
+
+    Returns: `OutputJet`.
+    """
+    y, push = jax.linearize(policy, z)
+    slopes = jax.vmap(push)(np.eye(2, dtype=z.dtype))
+    return OutputJet(y, slopes[0], slopes[1])
 
 
-def output_curvature(
-    policy: AbstractPolicy, z: ZeroState, along: ZeroState, then: ZeroState
-) -> Actuated:
-    """Second derivative D^2 y_d(z)[along, then]. Returns: [m]."""
+Curve = Callable[[ZeroState], OutputJet]
 
-    def slope(point: Float[Array, "2"]) -> Actuated:
-        return jax.jvp(policy, (point,), (along,))[1]
 
-    return jax.jvp(slope, (z,), (then,))[1]
+def output_jet_and_change(policy: AbstractPolicy, z: ZeroState) -> tuple[OutputJet, Curve]:
+    """The jet, and the map from a direction to the jet's derivative along it.
+
+    The map's `d1 v1 + d2 v2` entries give second derivatives D^2 y_d(z)[v, direction].
+
+    Returns: `OutputJet` and a linear function [2] -> `OutputJet`.
+    """
+    return jax.linearize(lambda point: output_jet(policy, point), z)

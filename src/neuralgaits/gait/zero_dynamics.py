@@ -14,7 +14,7 @@ from neuralgaits._types import Array, Float, FullState, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.coordinates import lift, zero_coordinates
 from neuralgaits.gait.point import Point
-from neuralgaits.gait.policy import AbstractPolicy, output_slopes
+from neuralgaits.gait.policy import AbstractPolicy, output_jet
 from neuralgaits.robots import PlanarBiped, dynamics
 
 
@@ -58,7 +58,7 @@ class ZeroDynamics(eqx.Module):
         x = _checked("x", x, 2 * n)
         q, dq = x[:n], x[n:]
         z = zero_coordinates(self.robot, q, dq)
-        desired = output_slopes(self.policy, z)
+        desired = output_jet(self.policy, z)
         dz = self._rate(q, dq)
         slope = desired.d1 * dz[0] + desired.d2 * dz[1]
         return jnp.concatenate([q[1:] - desired.y, dq[1:] - slope]), z
@@ -71,7 +71,7 @@ class ZeroDynamics(eqx.Module):
         m = self.robot.n - 1
         z = _checked("z", z, 2)
         eta = jnp.zeros(2 * m) + eta if np.ndim(eta) == 0 else _checked("eta", eta, 2 * m)
-        desired = output_slopes(self.policy, z)
+        desired = output_jet(self.policy, z)
         q = lift(self.robot, z[0], desired.y + eta[:m])
         theta = self.robot.link_angles @ q
         dz2 = self._fall(q)

@@ -1,0 +1,142 @@
+"""The Barrier Loss: hinges of all conditions over fresh samples. Source: paper Eq. 10.
+
+One batch holds the samples of every region and every condition is evaluated on all of it; a
+constant table says which rows count for which condition. That wastes a little arithmetic and
+saves most of the compile time, which is what a user waits for.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.training.sampling import Sampler, contains
+
+
+class Layout(NamedTuple):
+    """Which margin columns and sample rows belong to which condition.
+
+    Attributes:
+        columns: condition name to its columns of the margin matrix.
+        scale: of each column's condition. [K]
+        counts: True where a row counts for a column. [N, K]
+        mean_of: averages columns into conditions. [K, C]
+        absolute: True for conditions penalised by the size of their error. [C]
+        weight: of each condition. [C]
+    """
+
+    columns: dict[str, slice]
+    scale: Float[np.ndarray, " K"]
+    counts: np.ndarray
+    mean_of: Float[np.ndarray, "K C"]
+    absolute: np.ndarray
+    weight: Float[np.ndarray, " C"]
+
+
+class Loss(NamedTuple):
+    """The loss and what it is made of."""
+
+    total: Scalar
+    terms: Float[Array, " C"]
+    """Penalty of each condition, weights included. [C]"""
+    effort: Scalar
+    """Mean squared torque in the recipe's unit, weight included."""
+
+
+def lay_out(spec: GaitSpec, robot: PlanarBiped, gait: Gait, sampler: Sampler) -> Layout:
+    """Measure the conditions once and tabulate them."""
+    shapes = jax.eval_shape(
+        lambda u: spec.margins(gait, ZeroDynamics(robot, gait.policy), u),
+        jax.ShapeDtypeStruct((2,), jnp.zeros(0).dtype),
+    )
+    sizes = [int(np.prod(shapes[c.name].shape)) for c in spec.conditions]
+    ends = np.cumsum([0, *sizes])
+    columns = {
+        c.name: slice(int(ends[i]), int(ends[i + 1])) for i, c in enumerate(spec.conditions)
+    }
+    total, rows = int(ends[-1]), len(sampler.low)
+    counts = np.zeros((rows, total), dtype=bool)
+    mean_of = np.zeros((total, len(spec.conditions)))
+    scale = np.ones(total)
+    for i, c in enumerate(spec.conditions):
+        block = columns[c.name]
+        scale[block], mean_of[block, i] = c.scale, 1.0 / sizes[i]
+        for name, part in sampler.rows.items():
+            if contains(spec.regions[c.region], spec.regions[name]):
+                counts[part, block] = True
+    absolute = np.array([c.absolute_loss for c in spec.conditions])
+    weight = np.array([spec.weights.get(c.name, 1.0) for c in spec.conditions])
+    return Layout(columns, scale, counts, mean_of, absolute, weight)
+
+
+def margin_matrix(
+    spec: GaitSpec, robot: PlanarBiped, gait: Gait, u: Float[Array, "N 2"], residual=None
+) -> tuple[Float[Array, "N K"], Float[Array, "N m"]]:
+    """Margins of all conditions at all samples, in their own units, and torques.
+
+    Returns: [N, K], columns in the order of the spec, and [N, m] (N m).
+    """
+    zd = ZeroDynamics(robot, gait.policy, residual)
+
+    def one(sample):
+        point = zd.point(gait.z(sample))
+        margins = [jnp.ravel(c.margins(gait, zd, point)) for c in spec.conditions]
+        return jnp.concatenate(margins), point.torque
+
+    return jax.vmap(one)(u)
+
+
+def barrier_loss(
+    spec: GaitSpec,
+    layout: Layout,
+    margins: Float[Array, "N K"],
+    torque: Float[Array, "N m"],
+) -> Loss:
+    """Penalties of all conditions over one batch, plus the effort term.
+
+    A condition's penalty is the mean hinge below the aim plus a share of the worst, or the mean
+    absolute error.
+
+    Args:
+        spec: conditions and recipe.
+        layout: of the batch.
+        margins: of `margin_matrix`.
+        torque: of `margin_matrix`.
+
+    Returns: `Loss`.
+    """
+    recipe = spec.recipe
+    hinge = jnp.where(layout.counts, jax.nn.relu(recipe.aim - margins / layout.scale), 0.0)
+    per_column = jnp.sum(hinge, axis=0) / np.sum(layout.counts, axis=0)
+    if recipe.worst_weight:
+        per_column = per_column + recipe.worst_weight * jnp.max(hinge, axis=0)
+    terms = per_column @ layout.mean_of
+    if np.any(layout.absolute):
+        terms = _with_absolute(spec, layout, margins, terms)
+    if recipe.logarithmic:
+        terms = jnp.where(terms > 1.0, 1.0 + jnp.log(jnp.maximum(terms, 1.0)), terms)
+    terms = layout.weight * terms
+    effort = jnp.zeros(())
+    if recipe.effort:
+        effort = recipe.effort * jnp.mean(torque * torque) / recipe.effort_torque**2
+    return Loss(jnp.sum(terms) + effort, terms, effort)
+
+
+def _with_absolute(
+    spec: GaitSpec, layout: Layout, margins: Float[Array, "N K"], terms: Float[Array, " C"]
+) -> Float[Array, " C"]:
+    """Replace the terms of equalities under absolute loss by their mean error norm."""
+    for i, c in enumerate(spec.conditions):
+        if c.absolute_loss:
+            block = layout.columns[c.name]
+            rows = layout.counts[:, block.start]
+            # tolerance - e and tolerance + e: half their difference is the error.
+            below, above = jnp.split(margins[np.flatnonzero(rows), block], 2, axis=1)
+            error = 0.5 * (above - below)
+            terms = terms.at[i].set(jnp.mean(jnp.sqrt(jnp.sum(error * error, axis=1) + 1e-18)))
+    return terms

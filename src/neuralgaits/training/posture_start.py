@@ -1,0 +1,61 @@
+"""A few supervised steps that put a free network into a walking posture before training.
+
+From random weights every run falls into the minimum with both feet together (LESSONS 13).
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits.barriers import Gait
+from neuralgaits.gait import posture_path
+from neuralgaits.robots import PlanarBiped
+
+GRID = 33
+"""Hip positions at which inverse kinematics gives a posture."""
+BATCH = 128
+LEARNING_RATE = 3e-3
+
+
+def start_from_posture(robot: PlanarBiped, gait: Gait, steps: int, key: PRNGKeyArray) -> Gait:
+    """Fit y_d(z) to the posture at z1, for z all over the tube.
+
+    Args:
+        robot: sets the posture.
+        gait: with a policy that maps z freely.
+        steps: of Adam.
+        key: random key.
+
+    Returns: the gait with the fitted policy.
+    """
+    phases = np.linspace(0.0, 1.0, GRID)
+    start, guard = (float(end) for end in gait.span)
+    targets = jnp.asarray(posture_path(robot, start + phases * (guard - start)))
+    trained, fixed = eqx.partition(gait.policy, gait.policy.trainable())
+    optimizer = optax.adam(LEARNING_RATE)
+
+    def misfit(policy_part, level_key):
+        policy = eqx.combine(policy_part, fixed)
+        pick_key, level_key = jax.random.split(level_key)
+        pick = jax.random.randint(pick_key, (BATCH,), 0, GRID)
+        levels = jax.random.uniform(level_key, (BATCH,), dtype=float)
+        z = jax.vmap(gait.z)(jnp.stack([jnp.asarray(phases)[pick], levels], axis=1))
+        error = jax.vmap(policy)(z) - targets[pick]
+        return jnp.mean(error * error)
+
+    def step(carry, step_key):
+        policy_part, state = carry
+        update, state = optimizer.update(jax.grad(misfit)(policy_part, step_key), state)
+        return (optax.apply_updates(policy_part, update), state), None
+
+    @jax.jit
+    def fit(policy_part, keys):
+        (policy_part, _), _ = jax.lax.scan(step, (policy_part, optimizer.init(policy_part)), keys)
+        return policy_part
+
+    trained = jax.tree.map(jnp.asarray, trained)
+    policy = eqx.combine(fit(trained, jax.random.split(key, steps)), fixed)
+    return Gait(policy, gait.tube)

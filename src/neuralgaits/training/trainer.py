@@ -1,0 +1,222 @@
+"""Training as an explicit state: init, step, done. One step is a pure jitted function.
+
+The state is a handful of flat arrays, and the samples of step k follow from seed and k alone, so
+a run that was killed continues to the same bits. Training runs in float32; what is kept is
+cast to float64 and matched to the robot once more.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jax.flatten_util import ravel_pytree
+
+from neuralgaits._types import Array, Float
+from neuralgaits.barriers import Gait, GaitSpec, Recipe
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.training.loss import Layout, Loss, barrier_loss, lay_out, margin_matrix
+from neuralgaits.training.precision import cast, cast_named
+from neuralgaits.training.sampling import Sampler
+
+VALIDATE_EVERY = 100
+"""Steps between two looks at the fixed validation samples."""
+VALIDATION_SAMPLES = 8
+"""Validation samples for each training sample."""
+# These kernels run for microseconds; the passes switched off cost seconds and gain nothing here.
+COMPILER = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 1}
+
+
+class TrainState(NamedTuple):
+    """Everything a training needs to continue. Arrays only."""
+
+    step: Array
+    """Gradient steps done. int32 scalar."""
+    parameters: Float[Array, " P"]
+    """Current trainable parameters, flat. float32."""
+    optimizer: Any
+    """State of the optimiser."""
+    best: Float[Array, " P"]
+    """Parameters with the lowest validation loss so far."""
+    best_loss: Array
+    """That loss. float64 scalar."""
+
+
+class Report(NamedTuple):
+    """Conditions on fresh samples, inside the regions, in float64."""
+
+    loss: float
+    margins: dict[str, Float[np.ndarray, "N k"]]
+    """Margins of each condition on the samples of its region, in its own units."""
+
+
+@dataclass(frozen=True)
+class Trainer:
+    """Trains gaits for one robot and one spec; gaits may differ in their weights only.
+
+    Attributes:
+        robot: the biped; spec: what to train for; steps: gradient steps; seed: of the samples.
+        residual: optional residual zero dynamics z -> [2].
+    """
+
+    robot: PlanarBiped
+    spec: GaitSpec
+    steps: int
+    seed: int
+    sampler: Sampler
+    validation: Sampler
+    _step: Callable
+    _evaluate: Callable
+    _unflatten: Callable
+    _optimizer: optax.GradientTransformation
+    _template: Gait
+    _layout: Layout
+
+    @classmethod
+    def build(
+        cls,
+        robot: PlanarBiped,
+        spec: GaitSpec,
+        template: Gait,
+        *,
+        steps: int,
+        seed: int,
+        residual=None,
+    ) -> "Trainer":
+        """Lay out samples and margins and prepare the jitted functions.
+
+        Args:
+            robot: the biped.
+            spec: conditions, regions and recipe.
+            template: a gait of the structure to be trained.
+            steps: gradient steps in all; the schedule depends on it.
+            seed: of the samples.
+            residual: optional residual zero dynamics.
+        """
+        recipe = spec.recipe
+        sampler = Sampler.plan(spec.regions, recipe.samples, recipe.overshoot)
+        more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
+        validation = Sampler.plan(spec.regions, more)
+        layout = lay_out(spec, robot, template, sampler)
+        trained, fixed = eqx.partition(template, template.trainable())
+        _, unflatten = ravel_pytree(cast(trained, jnp.float32))
+        optimizer = _optimizer(recipe, steps)
+        light = (
+            cast(robot, np.float32),
+            cast_named(layout, np.float32),
+            cast_named(sampler, np.float32),
+            cast(fixed, np.float32),
+            cast(residual, np.float32),
+        )
+        step = _make_step(spec, light, unflatten, optimizer)
+        checked = lay_out(spec, robot, template, validation)
+        evaluate = _make_evaluate(spec, robot, checked, residual)
+        return cls(
+            robot,
+            spec,
+            steps,
+            seed,
+            sampler,
+            validation,
+            step,
+            evaluate,
+            unflatten,
+            optimizer,
+            template,
+            checked,
+        )
+
+    def init(self, gait: Gait) -> TrainState:
+        """State before the first step."""
+        trained, _ = eqx.partition(gait, gait.trainable())
+        flat, _ = ravel_pytree(cast(trained, jnp.float32))
+        start = jnp.zeros((), jnp.int32)
+        worst = jnp.full((), jnp.inf, jnp.float64)
+        return TrainState(start, flat, self._optimizer.init(flat), flat, worst)
+
+    def step(self, state: TrainState) -> tuple[TrainState, Loss]:
+        """One gradient step on fresh samples. Not synchronised: results arrive when read."""
+        key = jax.random.key(self.seed)
+        parameters, optimizer, loss = self._step(
+            state.parameters, state.optimizer, key, state.step
+        )
+        state = state._replace(
+            step=state.step + 1, parameters=parameters, optimizer=optimizer
+        )
+        return state, loss
+
+    def validate(self, state: TrainState) -> TrainState:
+        """Keep the parameters if their loss on the validation samples is the lowest."""
+        loss = self.report(self.gait(state.parameters), seed=0).loss
+        if loss < float(state.best_loss):
+            return state._replace(
+                best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64)
+            )
+        return state
+
+    def gait(self, parameters: Float[Array, " P"]) -> Gait:
+        """The gait with these parameters, in float64 and matched to the robot."""
+        trained = cast(self._unflatten(parameters), np.float64)
+        return _matched(eqx.combine(trained, self._template), self.robot)
+
+    def report(self, gait: Gait, *, seed: int) -> Report:
+        """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch)."""
+        u = self.validation.draw(jax.random.key(seed))
+        loss, margins = self._evaluate(gait, u)
+        margins, rows = np.asarray(margins), self._layout.counts
+        named = {
+            name: margins[rows[:, block.start]][:, block]
+            for name, block in self._layout.columns.items()
+        }
+        return Report(float(loss.total), named)
+
+    def done(self, state: TrainState) -> bool:
+        """Whether all steps are taken."""
+        return int(state.step) >= self.steps
+
+
+def _optimizer(recipe: Recipe, steps: int) -> optax.GradientTransformation:
+    if recipe.milestones is None:
+        schedule = optax.cosine_decay_schedule(recipe.learning_rate, max(steps, 1))
+    else:
+        drops = {round(share * steps): 0.1 for share in recipe.milestones}
+        schedule = optax.piecewise_constant_schedule(recipe.learning_rate, drops)
+    adamw = optax.adamw(schedule, weight_decay=recipe.weight_decay)
+    if recipe.gradient_clip is None:
+        return adamw
+    return optax.chain(optax.clip_by_global_norm(recipe.gradient_clip), adamw)
+
+
+def _make_step(spec: GaitSpec, light, unflatten, optimizer) -> Callable:
+    robot, layout, sampler, fixed, residual = light
+
+    def loss(parameters, u):
+        gait = eqx.combine(unflatten(parameters), fixed).matched(robot)
+        margins, torque = margin_matrix(spec, robot, gait, u, residual)
+        result = barrier_loss(spec, layout, margins, torque)
+        return result.total, result
+
+    def step(parameters, state, key, index):
+        u = sampler.draw(jax.random.fold_in(key, index)).astype(jnp.float32)
+        (_, result), gradient = jax.value_and_grad(loss, has_aux=True)(parameters, u)
+        update, state = optimizer.update(gradient, state, parameters)
+        return optax.apply_updates(parameters, update), state, result
+
+    return jax.jit(step, compiler_options=COMPILER)
+
+
+def _make_evaluate(spec: GaitSpec, robot: PlanarBiped, layout: Layout, residual) -> Callable:
+    def evaluate(gait, u):
+        margins, torque = margin_matrix(spec, robot, gait, u, residual)
+        return barrier_loss(spec, layout, margins, torque), margins
+
+    return eqx.filter_jit(evaluate, compiler_options=COMPILER)
+
+
+@eqx.filter_jit
+def _matched(gait: Gait, robot: PlanarBiped) -> Gait:
+    return gait.matched(robot)
