@@ -6,18 +6,18 @@ Westervelt et al. (2007), section 5.
 """
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Coordinates
+from neuralgaits._types import Actuated, Coordinates, ZeroState
 from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
 from neuralgaits.gait.coordinates import lift
-from neuralgaits.gait.policy import output_jet_and_change
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import centre_of_mass_velocity
 
-# Smallest |momentum per unit ddz1| [kg m] that is divided by. Gaits are trained to stay above 5;
-# below this the robot is falling in a posture where hip and momentum move independently.
-SMALLEST_DENOMINATOR = 0.5
+# Smallest |momentum per unit ddz1| that is divided by, in units of mass times leg length. A walk
+# stays near 1; below this the robot falls in a posture where hip and momentum part company.
+SMALLEST_DENOMINATOR = 0.03
 
 
 class Fblin(AbstractLaw):
@@ -34,13 +34,13 @@ class Fblin(AbstractLaw):
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
         """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
         z, dz = reading.z, reading.dz
-        jet, change = output_jet_and_change(outputs, z)
-        along = change(dz)
-        curvature = along.d1 * dz[0] + along.d2 * dz[1]
+        (y, d1, d2), change = jax.linearize(lambda point: _with_slopes(outputs, point), z)
+        _, d1_rate, d2_rate = change(dz)
+        curvature = d1_rate * dz[0] + d2_rate * dz[1]
         speed = centre_of_mass_velocity(robot, reading.q, reading.dq)[0]
         ddz2 = robot.mass * robot.gravity * speed
-        drift = curvature + jet.d2 * ddz2
-        return Desired(jet.y, jet.d1 * dz[0] + jet.d2 * dz[1], jet.d1, drift)
+        drift = curvature + d2 * ddz2
+        return Desired(y, d1 * dz[0] + d2 * dz[1], d1, drift)
 
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
@@ -62,7 +62,15 @@ def consistent_acceleration(
     along = lift(robot, jnp.ones(()), slope)
     rest = lift(robot, jnp.zeros(()), known)
     denominator = row @ along
-    size = jnp.maximum(jnp.abs(denominator), SMALLEST_DENOMINATOR)
+    smallest = SMALLEST_DENOMINATOR * robot.mass * jnp.sum(robot.hip)
+    size = jnp.maximum(jnp.abs(denominator), smallest)
     ddz1 = -(robot.bias(reading.q, reading.dq)[0] + row @ rest)
     ddz1 = ddz1 / jnp.where(denominator < 0.0, -size, size)
     return along * ddz1 + rest
+
+
+def _with_slopes(outputs: Outputs, z: ZeroState) -> tuple[Actuated, Actuated, Actuated]:
+    """Desired outputs and both partial derivatives."""
+    y, push = jax.linearize(outputs, z)
+    along_z1, along_z2 = jnp.eye(2)
+    return y, push(along_z1), push(along_z2)

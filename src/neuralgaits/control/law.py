@@ -1,7 +1,8 @@
 """What a control law is: desired outputs from the policy, and joint torques towards them."""
 
 from abc import abstractmethod
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import NamedTuple
 
 import equinox as eqx
 
@@ -22,12 +23,8 @@ class Reading(NamedTuple):
     """Its rate (m/s, N m). [2]"""
 
 
-class Outputs(Protocol):
-    """Desired outputs as a function of z: a policy, its input bounded."""
-
-    def __call__(self, z: ZeroState, /) -> Actuated:
-        """Desired actuated joint angles. Returns: [m] (rad)."""
-        ...
+Outputs = Callable[[ZeroState], Actuated]
+"""Desired outputs [m] (rad) as a function of z: a policy, its input bounded."""
 
 
 class Desired(NamedTuple):
@@ -37,10 +34,10 @@ class Desired(NamedTuple):
     """Desired outputs [rad]. [m]"""
     dy: Actuated
     """Desired output rates [rad/s]. [m]"""
-    slope: Actuated | None = None
-    """d y_d / d z1 [rad/m], for laws that need desired accelerations. [m]"""
-    drift: Actuated | None = None
-    """The desired accelerations that ddz1 = 0 would leave [rad/s^2]. [m]"""
+    slope: Actuated
+    """d y_d / d z1 [rad/m]; zero from laws that use no accelerations. [m]"""
+    drift: Actuated
+    """Desired accelerations that ddz1 = 0 would leave [rad/s^2]; zero likewise. [m]"""
 
 
 class AbstractLaw(eqx.Module):
@@ -51,7 +48,7 @@ class AbstractLaw(eqx.Module):
 
     @abstractmethod
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
-        """Ask the policy. Returns: `Desired`, with the same fields filled every time."""
+        """Ask the policy. Returns: `Desired`."""
 
     @abstractmethod
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:

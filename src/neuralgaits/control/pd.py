@@ -32,7 +32,7 @@ class Pd(AbstractLaw):
         if not self.measure_z2:
             z, dz = z * jnp.array([1.0, 0.0]), dz * jnp.array([1.0, 0.0])
         y, dy = jax.jvp(outputs, (z,), (dz,))
-        return Desired(y, dy)
+        return Desired(y, dy, jnp.zeros_like(y), jnp.zeros_like(y))
 
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""

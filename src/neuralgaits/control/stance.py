@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
-from neuralgaits._types import Bool, Coordinates, Float, Int, Scalar
+from neuralgaits._types import Array, Bool, Coordinates, Float, Int, Scalar
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
 
@@ -30,13 +30,13 @@ class StanceConfig:
 class StanceState(NamedTuple):
     """The stance leg, and how long it has been that."""
 
-    leg: Int[jnp.ndarray, ""]
+    leg: Int[Array, ""]
     """0 or 1, legs in the order of the robot file."""
     since_touchdown: Scalar
     """Time since the last touchdown [s]; infinite before the first."""
 
 
-def start(leg: int = 0) -> StanceState:
+def start(leg: Int[Array, ""] | int = 0) -> StanceState:
     """Standing on `leg`, no touchdown seen yet.
 
     A lockout that ran from the start of an episode would be blind to the touchdown of a robot
@@ -50,9 +50,9 @@ def advance(
     robot: PlanarBiped,
     state: StanceState,
     q: Coordinates,
-    normal_force: Float[jnp.ndarray, "2"],
+    normal_force: Float[Array, "2"],
     dt: float,
-) -> tuple[StanceState, Bool[jnp.ndarray, ""]]:
+) -> tuple[StanceState, Bool[Array, ""]]:
     """Let `dt` pass and look for a touchdown.
 
     Args:

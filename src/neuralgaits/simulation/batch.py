@@ -5,7 +5,7 @@ arithmetic on one robot. Carries, readings, verdicts and records are therefore p
 each, at this edge.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -51,11 +51,12 @@ class Unpack:
     def __call__(self, packed: Array) -> Any:
         """The tree. Its leaves are NumPy arrays."""
         array = np.asarray(packed)
-        return self._tree.unflatten(
+        return jax.tree.unflatten(
+            self._tree,
             [
                 array[:, part].reshape(shape).astype(dtype, copy=False)
                 for part, shape, dtype in self._parts
-            ]
+            ],
         )
 
 
@@ -110,18 +111,18 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
     def one_start(own: Any, common: Scene, leg: Array):
         return ravel_pytree(begin(whole(own, common), leg))[0]
 
-    every_tick = jax.vmap(one_tick, in_axes=(own_axis, None, 0, 0))
-    every_start = jax.vmap(one_start, in_axes=(own_axis, None, 0))
+    every_tick: Callable[..., Any] = jax.vmap(one_tick, in_axes=(own_axis, None, 0, 0))
+    every_start: Callable[..., Any] = jax.vmap(one_start, in_axes=(own_axis, None, 0))
 
     @jax.jit
-    def run(leaves: list[Array], packed: Array, reading: Array):
+    def run(leaves: Sequence[Array], packed: Array, reading: Array):
         return every_tick(*jax.tree.unflatten(tree, leaves), packed, reading)
 
     @jax.jit
-    def first(leaves: list[Array], legs: Array):
+    def first(leaves: Sequence[Array], legs: Array):
         return every_start(*jax.tree.unflatten(tree, leaves), legs)
 
-    def shapes_of(leaves: list[Array], carry: Array, reading: Array) -> tuple[Any, Any, Any]:
+    def shapes_of(leaves: Sequence[Array], carry: Array, reading: Array) -> tuple[Any, Any, Any]:
         own, common = jax.tree.unflatten(tree, leaves)
         if not shared:
             own = jax.tree.map(lambda leaf: leaf[0], own)

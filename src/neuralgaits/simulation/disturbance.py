@@ -3,11 +3,12 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 from neuralgaits.errors import InputError
 
 
-def _quantity(default: float | None, lowest: float, highest: float, meaning: str):
+def _quantity(default: float | None, lowest: float, highest: float, meaning: str) -> Any:
     about = {"lowest": lowest, "highest": highest, "meaning": meaning}
     return field(default=default, metadata=about)
 

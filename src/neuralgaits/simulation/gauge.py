@@ -42,8 +42,8 @@ class Extremes(NamedTuple):
 
     def with_(self, other: "Extremes") -> "Extremes":
         """Of both times together."""
-        *largest, smallest = zip(self, other, strict=True)
-        return Extremes(*(jnp.maximum(a, b) for a, b in largest), jnp.minimum(*smallest))
+        largest = jax.tree.map(jnp.maximum, self, other)
+        return largest._replace(normal_force=jnp.minimum(self.normal_force, other.normal_force))
 
 
 class Milestone(NamedTuple):

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits._types import Float
+from neuralgaits._types import Array
 from neuralgaits.gait import Orbit
 from neuralgaits.simulation.gauge import START_UP_STEPS
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
@@ -67,13 +67,13 @@ def _orbit(orbit: Orbit) -> dict[str, Any]:
     }
 
 
-def _mean(values: Float[np.ndarray, " B"], counted: np.ndarray) -> float | None:
+def _mean(values: Array, counted: Array) -> float | None:
     return float(np.mean(values[counted])) if counted.any() else None
 
 
-def _largest(values: Float[np.ndarray, " B"], counted: np.ndarray) -> float | None:
+def _largest(values: Array, counted: Array) -> float | None:
     return float(np.max(values[counted])) if counted.any() else None
 
 
-def _smallest(values: Float[np.ndarray, " B"], counted: np.ndarray) -> float | None:
+def _smallest(values: Array, counted: Array) -> float | None:
     return float(np.min(values[counted])) if counted.any() else None

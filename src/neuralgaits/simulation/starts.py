@@ -56,6 +56,5 @@ def periodic_orbit(robot: PlanarBiped, gait: Gait) -> Orbit:
 def momentum_range(gait: Gait) -> tuple[float, float]:
     """Smallest and largest z2 of a gait's region (kg m^2/s)."""
     phases = jnp.linspace(0.0, 1.0, _FENCE_SAMPLES)
-    lower = jax.vmap(lambda t: gait.tube.fence("lower", t))(phases)
-    upper = jax.vmap(lambda t: gait.tube.fence("upper", t))(phases)
-    return float(jnp.sqrt(2.0 * jnp.min(lower))), float(jnp.sqrt(2.0 * jnp.max(upper)))
+    edges = [jax.vmap(lambda t, u=u: gait.z(jnp.stack([t, u]))[1])(phases) for u in (0.0, 1.0)]
+    return float(jnp.min(edges[0])), float(jnp.max(edges[1]))

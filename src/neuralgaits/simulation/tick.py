@@ -4,7 +4,7 @@
 structure share one compilation; addresses and the shape of the controller are constants.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -158,7 +158,8 @@ def tick(scene: Scene, carry: Carry, reading: Reading) -> tuple[Carry, Verdict, 
     controller, wires = scene.controller, scene.wires
     robot, period = controller.robot, controller.period_s
     time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
-    sensors = wires.sensors(qpos, qvel)
+    # Written for NumPy, but with nothing that JAX arrays cannot do.
+    sensors = wires.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
     arm, swept = hip_arm(wires, sensors.pitch)
     truth = measure(sensors, swept, time, reading.touch)
     state, command = step(controller, carry.controller, _noisy(truth, reading.noise, scene.noise))

@@ -1,0 +1,52 @@
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.control.measurement import (
+    coordinates,
+    leg_joints,
+    stance_foot_velocity,
+    stance_joints,
+)
+from neuralgaits.simulation.plant import build
+from neuralgaits.simulation.wiring import hip_arm, measure
+
+
+def measured(robot, q, dq, leg, foot_velocity):
+    """A measurement in a state of the plant, the stance foot moving at `foot_velocity`."""
+    wires = build(robot).wires
+    sensors = wires.sensors(*wires.to_mjcf(q, dq, leg, (0.3, 0.1), foot_velocity))
+    _, swept = hip_arm(wires, sensors.pitch)
+    return measure(sensors, swept, jnp.zeros(()), jnp.zeros(2))
+
+
+@pytest.mark.parametrize("leg", [0, 1])
+def test_coordinates_are_read_back_from_the_sensors(robot, rng, leg):
+    q, dq = rng.uniform(-1, 1, (2, robot.n))
+    found = coordinates(robot, measured(robot, q, dq, leg, (0.0, 0.0)), jnp.asarray(leg))
+    np.testing.assert_allclose(found, (q, dq), atol=1e-12)
+
+
+@pytest.mark.parametrize("leg", [0, 1])
+def test_velocity_of_the_stance_foot_is_that_of_the_plant(robot, rng, leg):
+    q, dq = rng.uniform(-1, 1, (2, robot.n))
+    velocity = rng.uniform(-1, 1, 2)
+    found = stance_foot_velocity(robot, q, dq, measured(robot, q, dq, leg, velocity))
+    np.testing.assert_allclose(found, velocity, atol=1e-12)
+
+
+@pytest.mark.parametrize("leg", [0, 1])
+def test_joints_by_leg_and_by_stance_are_inverse(robot, rng, leg):
+    actuated = rng.uniform(-1, 1, robot.n - 1)
+    by_leg = leg_joints(robot, jnp.asarray(actuated), jnp.asarray(leg))
+    assert by_leg.shape == (2, robot.n // 2)
+    np.testing.assert_array_equal(stance_joints(robot, by_leg, jnp.asarray(leg)), actuated)
+    if robot.torso is None:
+        assert by_leg[0, -1] == -by_leg[1, -1]
+
+
+def test_exchanging_the_legs_relabels_the_coordinates(robot, rng):
+    q, dq = rng.uniform(-1, 1, (2, robot.n))
+    reading = measured(robot, q, dq, 0, (0.0, 0.0))
+    found = coordinates(robot, reading, jnp.asarray(1))
+    np.testing.assert_allclose(found, (robot.relabel @ q, robot.relabel @ dq), atol=1e-12)
