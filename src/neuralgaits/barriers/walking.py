@@ -90,21 +90,23 @@ def walking(
         "guard": (_box(ends[1], everywhere),),
     }
     samples = {
-        "tube": 96,
-        "lift-off": 24,
-        "swing": 24,
-        "landing": 24,
-        "fence-lower": 32,
-        "fence-upper": 32,
-        "guard": 64 if free else 24,
+        "tube": 48,
+        "lift-off": 12,
+        "swing": 12,
+        "landing": 12,
+        "fence-lower": 16,
+        "fence-upper": 16,
+        "guard": 12,
     }
+    if free:
+        samples = {name: (4 if name == "guard" else 2) * n for name, n in samples.items()}
     recipe = Recipe(
-        steps=8000 if free else 2000,
+        steps=8000 if free else 1400,
         samples=samples,
         learning_rate=3e-3 if free else 1e-2,
         weight_decay=1e-4,
         overshoot=(0.02, 0.03),
-        aim=0.05,
+        aim=0.06,
         worst_weight=0.1,
         logarithmic=True,
         effort=0.05,

@@ -8,7 +8,6 @@ leg length, z2 with m l sqrt(g l).
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from neuralgaits._types import Actuated, Float
 
@@ -108,6 +107,8 @@ def posture_path(robot: "PlanarBiped", z1: Float[np.ndarray, " N"]) -> Float[np.
     Hip at constant height, torso slightly forward, swing foot at twice the hip's position and
     a little above the ground. Returns: [N, m] (rad).
     """
+    from scipy.optimize import least_squares  # Slow to import, and seldom needed.
+
     posture, turn = walking_posture(robot), robot.link_angles
     length = robot.leg_length
 
