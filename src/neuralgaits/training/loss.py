@@ -111,7 +111,7 @@ def barrier_loss(
     Returns: `Loss`.
     """
     recipe = spec.recipe
-    hinge = jnp.where(layout.counts, jax.nn.relu(recipe.aim - margins / layout.scale), 0.0)
+    hinge = jnp.where(layout.counts, jax.nn.relu(recipe.aim - margins / layout.scale[None]), 0.0)
     per_column = jnp.sum(hinge, axis=0) / np.sum(layout.counts, axis=0)
     if recipe.worst_weight:
         per_column = per_column + recipe.worst_weight * jnp.max(hinge, axis=0)
