@@ -58,7 +58,7 @@ class Simulate:
     """Walking steps an episode."""
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
-    push: Annotated[float, arg(metavar="NS")] = 0.0
+    push: Annotated[float | None, arg(metavar="NS")] = None
     """Impulse of a forward push [N s], over 0.1 s."""
     disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""

@@ -1,7 +1,8 @@
-"""Progress of a training on stderr: a bar with loss and ETA, or lines without a terminal."""
+"""Progress on stderr: a training's bar with loss and ETA, or lines without a terminal."""
 
 import sys
 import time
+from contextlib import AbstractContextManager
 from types import TracebackType
 
 from rich.console import Console
@@ -62,3 +63,8 @@ class TrainingProgress:
         if step == first_step:
             return ""
         return f"  ETA {(total - step) * (now - start) / (step - first_step):.0f} s"
+
+
+def waiting(what: str) -> AbstractContextManager[object]:
+    """A sign of life while something without steps to count runs; silent without a terminal."""
+    return Console(stderr=True).status(what)

@@ -66,22 +66,24 @@ def _train(verb: Train) -> Outcome:
 
 
 def _simulate(verb: Simulate) -> Outcome:
+    from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
-    result = simulate(
-        verb.run,
-        plant=verb.plant,
-        controller=verb.controller,
-        steps=verb.steps,
-        start=verb.start,
-        push=verb.push,
-        disturb=verb.disturb,
-        seed=verb.seed,
-        episodes=verb.episodes,
-        log=verb.log,
-        video=verb.video,
-    )
-    return Outcome(result, not any(result["fell"]), screen.show_walks)
+    with waiting("walking in MuJoCo"):
+        done = simulate(
+            verb.run,
+            plant=verb.plant,
+            controller=verb.controller,
+            steps=verb.steps,
+            start=verb.start,
+            push=verb.push,
+            disturb=verb.disturb,
+            seed=verb.seed,
+            episodes=verb.episodes,
+            log=verb.log,
+            video=verb.video,
+        )
+    return Outcome(done.summary, not any(done.summary["fell"]), screen.show_walks)
 
 
 def _inspect(verb: Inspect) -> Outcome:

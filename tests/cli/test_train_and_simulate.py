@@ -1,0 +1,78 @@
+"""The two verbs of `make walk`, as another program calls them, and what it may rely on."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import neuralgaits
+
+TRAIN_FIELDS = {"run", "robot", "spec", "seed", "steps", "loss", "conditions"}
+TRAIN_FIELDS |= {"compile_s", "train_s", "wall_s"}
+SIMULATE_FIELDS = {"steps_walked", "fell", "speed_m_s", "step_time_s", "cost_of_transport"}
+SIMULATE_FIELDS |= {"max_output_error_rad", "peak_torque_nm", "min_normal_force_n"}
+SIMULATE_FIELDS |= {"saturated_fraction", "poincare", "sim_steps_per_s"}
+
+
+def _call(folder: Path, *words: str) -> tuple[int, Any, str]:
+    environment = os.environ | {"PYTHONPATH": str(Path(neuralgaits.__file__).parents[1])}
+    done = subprocess.run(
+        [sys.executable, "-m", "neuralgaits", *words, "--json"],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    return done.returncode, json.loads(done.stdout or "null"), done.stderr
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    folder = tmp_path_factory.mktemp("walk")
+    code, result, errors = _call(folder, "train", "amber3m", "--steps", "200", "--seed", "5")
+    assert code == 0, errors
+    assert "loss" in errors
+    return folder, result
+
+
+def test_train_says_what_it_did(trained: tuple[Path, dict[str, Any]]) -> None:
+    folder, result = trained
+    assert set(result) >= TRAIN_FIELDS
+    assert (result["robot"], result["spec"]) == ("amber3m", "walking")
+    assert (result["seed"], result["steps"]) == (5, 200)
+    for entry in result["conditions"].values():
+        assert 0.0 <= entry["mean_violation"] <= entry["max_violation"]
+    run = folder / result["run"]
+    assert run.parent == folder / "runs" / "amber3m"
+    assert json.loads((run / "summary.json").read_text()) == result
+    assert (folder / "runs" / (folder / "runs" / "latest").read_text().strip()).samefile(run)
+
+
+@pytest.mark.parametrize(("friction", "falls"), [("0.6", False), ("0.01", True)])
+def test_simulate_answers_by_its_exit_code(
+    trained: tuple[Path, dict[str, Any]], friction: str, falls: bool
+) -> None:
+    folder, _ = trained
+    words = ("latest", "--steps", "3", "--disturb", f"friction={friction}")
+    code, result, errors = _call(folder, "simulate", *words)
+    assert code == int(falls), errors
+    assert set(result) >= SIMULATE_FIELDS
+    assert set(result["poincare"]) >= {"multiplier", "period_s", "step_length_m"}
+    assert result["fell"] == [falls]
+    assert (result["steps_walked"] == [3]) is not falls
+
+
+def test_a_second_run_does_not_touch_the_first(trained: tuple[Path, dict[str, Any]]) -> None:
+    folder, result = trained
+    run = folder / result["run"]
+    before = {path.name: path.read_bytes() for path in run.iterdir() if path.is_file()}
+    for words in (("--out", str(run)), ("--resume", str(run))):
+        code, nothing, errors = _call(folder, "train", "amber3m", *words)
+        assert (code, nothing) == (2, None)
+        assert errors.count("\n") == 1
+    after = {path.name: path.read_bytes() for path in run.iterdir() if path.is_file()}
+    assert after == before
