@@ -122,7 +122,7 @@ def read(path: Path) -> Log:
     table = np.empty((len(rows), len(header)))
     for line, row in enumerate(rows):
         try:
-            table[line] = [float(cell) for cell in row]
+            table[line] = np.array([float(cell) for cell in row]).reshape(len(header))
         except ValueError:
             raise InputError(
                 f"log {path}, line {line + 2}: expected {len(header)} numbers, found "

@@ -3,9 +3,13 @@
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
+import gc
 import importlib.util
 import os
+import subprocess
+import sys
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
 import mujoco
@@ -28,11 +32,10 @@ def check(path: Path) -> None:
     """
     if path.suffix != _SUFFIX:
         raise InputError(f"video {path}: expected a file name that ends in {_SUFFIX}")
-    for name in ("imageio", "imageio_ffmpeg"):
-        if importlib.util.find_spec(name) is None:
-            raise InputError(
-                f"video needs {name}, which is not installed: pip install 'neuralgaits[video]'"
-            )
+    if importlib.util.find_spec("imageio_ffmpeg") is None:
+        raise InputError(
+            "video needs imageio-ffmpeg, which is not installed: pip install 'neuralgaits[video]'"
+        )
 
 
 def write(
@@ -52,21 +55,44 @@ def write(
     Raises: InputError with the remedy, if the extra or OpenGL is missing.
     """
     check(path)
-    import imageio.v2 as imageio
-
     ticks = round(1.0 / (FRAMES_PER_S * SUBSTEPS * TIMESTEP_S))
     renderer = _renderer(plant.model)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, suffix=_SUFFIX)
     os.close(handle)
     try:
-        with imageio.get_writer(name, fps=FRAMES_PER_S, macro_block_size=None) as film:
-            for state, levels in zip(states[::ticks], floors[::ticks], strict=True):
-                film.append_data(_frame(renderer, plant, state, levels))
+        frames = zip(states[::ticks], floors[::ticks], strict=True)
+        _encode(name, (_frame(renderer, plant, state, levels) for state, levels in frames))
         Path(name).replace(path)
     finally:
         Path(name).unlink(missing_ok=True)
         renderer.close()
+
+
+def _encode(name: str, frames: Iterable[np.ndarray]) -> None:
+    """Pipe frames through ffmpeg. Not through imageio, which forks JAX's threads."""
+    import imageio_ffmpeg
+
+    height, width = SIZE
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
+    coded = ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p"]
+    rate = ["-r", str(FRAMES_PER_S)]
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", *raw, *rate]
+    with subprocess.Popen(
+        [*command, "-i", "-", *coded, name], stdin=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as coder:
+        assert coder.stdin is not None
+        assert coder.stderr is not None
+        try:
+            for frame in frames:
+                coder.stdin.write(frame.tobytes())
+            coder.stdin.close()
+        except BrokenPipeError:
+            # What went wrong is on the coder's own stderr.
+            pass
+        complaint = coder.stderr.read().decode(errors="replace")
+    if coder.returncode:
+        raise InputError(f"video: ffmpeg failed: {' '.join(complaint.split())[:200]}")
 
 
 def _frame(renderer, plant: Plant, state: np.ndarray, levels: np.ndarray) -> np.ndarray:
@@ -96,11 +122,17 @@ def _renderer(model):
     # A robot file that says nothing about its off-screen buffer gets one that is large enough.
     visual = model.vis.global_
     visual.offheight, visual.offwidth = max(height, visual.offheight), max(width, visual.offwidth)
+    # Each OpenGL back end fails in its own way, and MuJoCo's half-made contexts complain again
+    # when they are destroyed: here, while nobody listens.
+    listener, sys.unraisablehook = sys.unraisablehook, lambda _: None
     try:
         return mujoco.Renderer(model, height=height, width=width)
-    except Exception as error:  # each OpenGL back end fails in its own way
+    except Exception as error:
         reason = " ".join(str(error).split())[:120]
-        raise InputError(
-            f"video needs OpenGL, which does not start ({reason}): on a machine without a screen "
-            "set MUJOCO_GL=egl, or MUJOCO_GL=osmesa with Mesa installed"
-        ) from None
+    finally:
+        gc.collect()
+        sys.unraisablehook = listener
+    raise InputError(
+        f"video needs OpenGL, which does not start ({reason}): on a machine without a screen "
+        "set MUJOCO_GL=egl, or MUJOCO_GL=osmesa with Mesa installed"
+    )

@@ -1,0 +1,131 @@
+"""Walk a trained gait in MuJoCo at full order."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.control import AbstractLaw
+from neuralgaits.errors import InputError
+from neuralgaits.robots import load_robot
+from neuralgaits.runs import plain
+from neuralgaits.simulation import logs
+from neuralgaits.simulation import video as films
+from neuralgaits.simulation.disturbance import Disturbance, parse
+from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
+from neuralgaits.simulation.walk import Walk, walk
+from neuralgaits.workflows.run import Run, open_run
+
+SUMMARY = "simulation/summary.json"
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A simulation and its figures.
+
+    Attributes:
+        walk: everything that happened.
+        summary: what `simulate --json` prints.
+    """
+
+    walk: Walk
+    summary: dict[str, Any]
+
+
+def simulate(
+    run: Run | str | Path,
+    *,
+    plant: str | Path | None = None,
+    controller: str | AbstractLaw = "pd",
+    steps: int = 50,
+    start: str = "centre",
+    push: float | None = None,
+    disturb: str | dict[str, float] | Disturbance | None = None,
+    seed: int = 0,
+    episodes: int = 1,
+    log: str | Path | None = None,
+    video: str | Path | None = None,
+) -> Simulation:
+    """Walk a trained gait in MuJoCo.
+
+    Args:
+        run: a run, its folder, or `latest`.
+        plant: robot to simulate, by name or path; the run's own if None.
+        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), or a law.
+        steps: walking steps of an episode.
+        start: `centre` of the gait's region, `region` (anywhere in it), or `fixed-point`.
+        push: impulse of one forward push (N s), at a random moment after the fifth step.
+        disturb: `NAME=VALUE,...` or a mapping; see `simulation.disturbance`.
+        seed: of starts and disturbances.
+        episodes: number of walks.
+        log: CSV file for the first walk.
+        video: MP4 file for the first walk; needs the `video` extra.
+
+    Returns: `Simulation`; its summary is also in the run folder.
+    Raises: InputError, RobotError or RunError with one line.
+    """
+    trained = open_run(run)
+    robot, gait = trained.robot, trained.gait
+    disturbance = parse(disturb)
+    if not isinstance(episodes, int) or episodes < 1:
+        raise InputError(f"expected at least 1 episode, found {episodes!r}")
+    if not isinstance(seed, int) or seed < 0:
+        raise InputError(f"expected a seed of at least 0, found {seed!r}")
+    _check_outputs(log, video)
+    walked = walk(
+        robot,
+        gait.policy,
+        full_states(robot, gait, start, seed=seed, episodes=episodes),
+        plant=None if plant is None else load_robot(plant),
+        controller=controller,
+        steps=steps,
+        z2_range=momentum_range(gait),
+        disturbance=disturbance,
+        push=0.0 if push is None else push,
+        seed=seed,
+        record=log is not None or video is not None,
+    )
+    figures = _settings(trained, walked, controller, start, push, seed) | summary(
+        walked, periodic_orbit(robot, gait)
+    )
+    _write_outputs(walked, log, video)
+    result = plain(figures)
+    trained.folder.write_json(SUMMARY, result)
+    return Simulation(walked, result)
+
+
+def _settings(
+    trained: Run,
+    walked: Walk,
+    controller: str | AbstractLaw,
+    start: str,
+    push: float | None,
+    seed: int,
+) -> dict[str, Any]:
+    """What was asked, so that a summary can be repeated."""
+    return {
+        "run": str(trained.path),
+        "plant": walked.plant.robot.name,
+        "controller": controller if isinstance(controller, str) else repr(controller),
+        "start": start,
+        "push": push,
+        "disturb": walked.plant.disturbance,
+        "seed": seed,
+    }
+
+
+def _check_outputs(log: str | Path | None, film: str | Path | None) -> None:
+    """Refuse outputs that cannot be written, before the walk."""
+    if film is not None:
+        films.check(Path(film))
+    for path in (log, film):
+        if path is not None and Path(path).is_dir():
+            raise InputError(f"expected a file to write, found a folder at {path}: name a file")
+
+
+def _write_outputs(walked: Walk, log: str | Path | None, film: str | Path | None) -> None:
+    episodes = walked.episodes
+    if log is not None and episodes.record is not None:
+        logs.write(Path(log), logs.of_record(walked.robot, episodes.record))
+    if film is not None:
+        films.write(Path(film), walked.plant, episodes.states, episodes.floors)

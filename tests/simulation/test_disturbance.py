@@ -1,0 +1,40 @@
+import pytest
+
+from neuralgaits.errors import InputError
+from neuralgaits.simulation.disturbance import Disturbance, existing, parse
+
+
+def test_names_and_values_are_read():
+    expected = Disturbance(friction=0.4, delay_ms=4.0, slope_deg=-2.0)
+    assert parse("friction=0.4, delay_ms=4,slope_deg=-2") == expected
+    assert parse({"friction": 0.4, "delay_ms": 4, "slope_deg": -2}) == expected
+    assert parse(expected) is expected
+
+
+@pytest.mark.parametrize("nothing", [None, "", {}, " , "])
+def test_nothing_disturbs_nothing(nothing):
+    assert parse(nothing) == Disturbance()
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("gravity=3", "unknown disturbance 'gravity': expected one of friction"),
+        ("friction", "expected NAME=VALUE"),
+        ("friction=ice", "friction: expected a number, found 'ice'"),
+        ("friction=", "expected a number"),
+        ("friction=nan", "friction: expected 0 to 10"),
+        ("mass_scale=0", "mass_scale: expected 0.01 to 100"),
+        ("delay_ms=1.5", "whole milliseconds, found 1.5"),
+        ("friction=0.4,friction=0.5", "given twice"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_in_one_line(text, says):
+    with pytest.raises(InputError) as refusal:
+        parse(text)
+    assert says in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_the_list_of_what_exists_has_units():
+    assert "delay_ms: delay of the torques [ms]" in existing()

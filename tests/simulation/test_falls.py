@@ -1,0 +1,33 @@
+import jax.numpy as jnp
+import pytest
+
+from neuralgaits.simulation.falls import Ending, FallConfig, ending
+
+UPRIGHT = {
+    "hip_height": 0.83,
+    "pitch": 0.0,
+    "since_touchdown": 0.4,
+    "steps_left": 3,
+    "finite": True,
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({}, Ending.RUNNING),
+        ({"steps_left": 0}, Ending.WALKED),
+        ({"hip_height": 0.4}, Ending.LOW_HIP),
+        ({"pitch": -1.1}, Ending.TORSO),
+        ({"pitch": 1.1}, Ending.TORSO),
+        ({"since_touchdown": 4.0}, Ending.STALLED),
+        ({"finite": False, "hip_height": float("nan")}, Ending.NOT_FINITE),
+        ({"steps_left": 0, "hip_height": 0.4}, Ending.LOW_HIP),
+    ],
+)
+def test_verdicts(amber, change, expected):
+    state = {name: jnp.asarray(value) for name, value in (UPRIGHT | change).items()}
+    verdict = Ending(int(ending(FallConfig(), amber, **state)))
+    assert verdict == expected
+    assert verdict.fell == (expected > Ending.WALKED)
+    assert (verdict.reason is not None) == verdict.fell
