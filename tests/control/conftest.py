@@ -11,7 +11,7 @@ from neuralgaits.robots.loader import robot_from_text
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "robots"))
 
-from random_biped import random_biped
+from random_biped import random_biped  # pyright: ignore[reportMissingImports]
 
 ROBOTS = ("amber3m", "torso-3", "legs-1", "legs-2")
 

@@ -9,19 +9,17 @@ from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait import BezierPolicy
 
 
-class Wavy(BezierPolicy):
-    """Outputs that depend on z2 as well, and not linearly."""
-
-    def __call__(self, z):
-        return BezierPolicy.__call__(self, z) + 0.1 * jnp.sin(z[0] + 0.05 * z[1])
-
-
 def reading_of(robot, q, dq):
     return Reading(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
 
 
 def a_case(robot, rng):
-    policy = Wavy(rng.uniform(-0.3, 0.3, (robot.n - 1, 5)), (-0.2, 0.2))
+    """Outputs that depend on z2 as well, and not linearly; a state."""
+    bezier = BezierPolicy(rng.uniform(-0.3, 0.3, (robot.n - 1, 5)), (-0.2, 0.2))
+
+    def policy(z):
+        return bezier(z) + 0.1 * jnp.sin(z[0] + 0.05 * z[1])
+
     return (
         policy,
         jnp.asarray(rng.uniform(-0.3, 0.3, robot.n)),

@@ -1,3 +1,6 @@
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 import mujoco
 import numpy as np
 

@@ -33,7 +33,7 @@ def test_the_bounded_state_stays_within_the_margin_and_on_its_side(first, second
 def test_rates_die_out_outside_and_never_turn_around(first, second):
     slopes = jnp.diag(jax.jacfwd(BOUNDS)(jnp.array([first, second])))
     assert np.all((slopes >= 0.0) & (slopes <= 1.0 + 1e-12))
-    far = np.abs(np.array([first, second - 15.0])) > BOUNDS.upper - [0, 15] + 10 * BOUNDS.margin
+    far = np.abs(np.array([first, second - 15.0])) > np.array([0.2, 10.0]) + 10.0 * BOUNDS.margin
     assert np.all(slopes[far] < 1e-6)
 
 

@@ -1,3 +1,9 @@
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import sys
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -7,6 +13,10 @@ from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, build
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "robots"))
+
+from random_biped import random_biped  # pyright: ignore[reportMissingImports]
 
 
 def standing(plant, q, level=0.0):
@@ -22,7 +32,7 @@ def standing(plant, q, level=0.0):
 @pytest.fixture
 def straddle(amber):
     """Straight legs, one ahead and one behind, torso upright."""
-    return np.array([-0.2, 0.0, 0.2, -0.2 * -1.0, 0.0]) * np.array([1, 1, 1, -1, 1])
+    return np.array([-0.2, 0.0, 0.2, -0.2, 0.0])
 
 
 def test_the_straddle_has_both_feet_on_the_ground(amber, straddle):
@@ -124,13 +134,7 @@ def test_joint_friction_is_on_every_actuated_joint(amber):
     assert sorted(model.dof_frictionloss) == [0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0]
 
 
-def test_a_torso_that_is_not_there_cannot_shift(amber):
-    import sys
-    from pathlib import Path
-
-    sys.path.insert(0, str(Path(__file__).parents[1] / "robots"))
-    from random_biped import random_biped
-
+def test_a_torso_that_is_not_there_cannot_shift():
     legs = robot_from_text(random_biped(3, 1, torso=False), "legs")
     with pytest.raises(InputError, match="no torso to shift"):
         build(legs, Disturbance(torso_shift_m=0.01))

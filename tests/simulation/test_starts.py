@@ -10,8 +10,8 @@ from neuralgaits.simulation.starts import full_states, momentum_range, periodic_
 @pytest.fixture(scope="module")
 def gait(amber, slow):
     policy, _ = slow
-    span = tuple(float(end) for end in policy.z1_range)
-    tube = Tube.between_energies(amber, (0.1, 0.5), height=0.85, span=span)
+    start, guard = (float(end) for end in policy.z1_range)
+    tube = Tube.between_energies(amber, (0.1, 0.5), height=0.85, span=(start, guard))
     return Gait(policy, tube)
 
 

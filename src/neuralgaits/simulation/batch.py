@@ -100,7 +100,7 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
         arrays = eqx.tree_at(_own, common, own, is_leaf=lambda leaf: leaf is None)
         return eqx.combine(arrays, fixed)
 
-    def trees(own: Any, common: Scene, packed: Array, reading: Array):
+    def trees(own: Any, common: Scene, packed: Any, reading: Any) -> Any:
         scene = whole(own, common)
         _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
         return tick(scene, carry_of(packed), scene.reading(reading))

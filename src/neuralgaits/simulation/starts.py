@@ -55,6 +55,7 @@ def periodic_orbit(robot: PlanarBiped, gait: Gait) -> Orbit:
 
 def momentum_range(gait: Gait) -> tuple[float, float]:
     """Smallest and largest z2 of a gait's region (kg m^2/s)."""
-    phases = jnp.linspace(0.0, 1.0, _FENCE_SAMPLES)
-    edges = [jax.vmap(lambda t, u=u: gait.z(jnp.stack([t, u]))[1])(phases) for u in (0.0, 1.0)]
-    return float(jnp.min(edges[0])), float(jnp.max(edges[1]))
+    phases = np.linspace(0.0, 1.0, _FENCE_SAMPLES)
+    charts = np.stack(np.meshgrid(phases, [0.0, 1.0]), axis=-1).reshape(-1, 2)
+    momenta = np.asarray(jax.jit(jax.vmap(gait.z))(charts))[:, 1]
+    return float(momenta.min()), float(momenta.max())

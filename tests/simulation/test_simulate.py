@@ -1,0 +1,92 @@
+"""The verb's workflow, on a run whose gait is a published one."""
+
+import json
+
+import numpy as np
+import pytest
+
+from neuralgaits.barriers import Gait, Tube, specs
+from neuralgaits.errors import InputError, NeuralGaitsError
+from neuralgaits.runs import RunFolder
+from neuralgaits.simulation import logs
+from neuralgaits.workflows.run import Run
+from neuralgaits.workflows.simulate import simulate
+
+FIELDS = {
+    "steps_walked",
+    "fell",
+    "speed_m_s",
+    "step_time_s",
+    "cost_of_transport",
+    "max_output_error_rad",
+    "peak_torque_nm",
+    "min_normal_force_n",
+    "saturated_fraction",
+    "poincare",
+    "sim_steps_per_s",
+}
+
+
+@pytest.fixture(scope="module")
+def run(amber, slow, tmp_path_factory):
+    policy, _ = slow
+    start, guard = (float(end) for end in policy.z1_range)
+    tube = Tube.between_energies(amber, (0.25, 0.4), height=0.85, span=(start, guard))
+    folder = RunFolder.create({}, {}, name="amber3m", seed=0, root=tmp_path_factory.mktemp("runs"))
+    return Run(folder, amber, specs.walking(amber), Gait(policy, tube))
+
+
+@pytest.fixture(scope="module")
+def walked(run, tmp_path_factory):
+    log = tmp_path_factory.mktemp("logs") / "walk.csv"
+    return simulate(run, controller="fblin", steps=4, episodes=2, start="region", log=log), log
+
+
+def test_the_summary_has_the_agreed_fields(walked):
+    summary = walked[0].summary
+    assert set(summary) >= FIELDS
+    assert summary["steps_walked"] == [4, 4]
+    assert summary["fell"] == [False, False]
+    assert set(summary["poincare"]) == {"multiplier", "period_s", "step_length_m"}
+
+
+def test_the_periodic_orbit_is_the_one_that_is_walked(walked):
+    summary = walked[0].summary
+    assert 0.0 < summary["poincare"]["multiplier"] < 1.0
+    assert summary["step_time_s"] == pytest.approx(summary["poincare"]["period_s"], rel=0.1)
+
+
+def test_the_summary_is_json_and_in_the_run_folder(run, walked):
+    assert json.loads(json.dumps(walked[0].summary)) == walked[0].summary
+    assert run.folder.read_json("simulation/summary.json") == walked[0].summary
+
+
+def test_the_log_is_that_of_the_first_walk(walked):
+    columns = logs.read(walked[1]).columns
+    assert len(columns["t"]) == walked[0].walk.episodes.gauge.ticks[0]
+    assert np.count_nonzero(np.diff(columns["stance"])) == 4
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"start": "middle"}, "unknown start 'middle'"),
+        ({"episodes": 0}, "at least 1 episode, found 0"),
+        ({"seed": -1}, "seed of at least 0, found -1"),
+        ({"disturb": "wind=3"}, "unknown disturbance 'wind'"),
+        ({"plant": "amber4m"}, "unknown robot amber4m"),
+        ({"video": "walk.gif"}, "ends in .mp4"),
+        ({"log": "."}, "found a folder at ."),
+    ],
+)
+def test_bad_input_is_refused_before_anything_is_written(run, walked, change, says):
+    before = run.folder.read_json("simulation/summary.json")
+    with pytest.raises(InputError) as refusal:
+        simulate(run, steps=1, **change)
+    assert says in str(refusal.value)
+    assert run.folder.read_json("simulation/summary.json") == before
+
+
+def test_a_run_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(NeuralGaitsError, match="expected a run folder"):
+        simulate(tmp_path / "none")
