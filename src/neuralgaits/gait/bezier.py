@@ -4,7 +4,6 @@ from math import comb
 from typing import TYPE_CHECKING
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
@@ -54,7 +53,8 @@ class BezierPolicy(AbstractPolicy):
     @property
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """z1 at the start of a step and at the guard (m)."""
-        return self.start_and_guard[0], self.start_and_guard[1]
+        # The ellipsis keeps NumPy from returning bare scalars.
+        return self.start_and_guard[0, ...], self.start_and_guard[1, ...]
 
     def matched(self, robot: "PlanarBiped") -> "BezierPolicy":
         """Nothing follows from the robot: the policy itself."""

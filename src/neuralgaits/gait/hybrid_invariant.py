@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 END_POINT_MARGIN = 1e-3
 # Newton steps that put the swing foot on the ground at the guard: quadratic convergence from
 # a posture within a few centimetres leaves rounding error only.
-FOOT_NEWTON_STEPS = 4
+FOOT_NEWTON_STEPS = 6
 
 
 class HybridInvariantPolicy(AbstractPolicy):

@@ -70,7 +70,8 @@ class MLPPolicy(AbstractPolicy):
     @property
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """Nominal z1 at the start of a step and at the guard (m)."""
-        return self.start_and_guard[0], self.start_and_guard[1]
+        # The ellipsis keeps NumPy from returning bare scalars.
+        return self.start_and_guard[0, ...], self.start_and_guard[1, ...]
 
     def matched(self, robot: "PlanarBiped") -> "MLPPolicy":
         """Nothing follows from the robot: the policy itself."""

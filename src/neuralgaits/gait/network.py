@@ -1,5 +1,7 @@
 """A fully connected network: the only learned function in the package."""
 
+from itertools import pairwise
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -38,7 +40,7 @@ class Network(eqx.Module):
         if activation not in ACTIVATIONS:
             known = ", ".join(ACTIVATIONS)
             raise InputError(f"unknown activation {activation!r}: use one of {known}")
-        layers = list(zip(sizes[:-1], sizes[1:], strict=True))
+        layers = list(pairwise(sizes))
         # One draw for all parameters: many small ones would each be compiled.
         count = sum((fan_in + 1) * fan_out for fan_in, fan_out in layers)
         draws = np.asarray(jax.random.uniform(key, (count,), minval=-1.0, maxval=1.0))
