@@ -54,7 +54,7 @@ class Pointwise(AbstractCondition):
     function: Quantity
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """g itself."""
+        """The function itself."""
         del gait, zd
         return self.function(point)
 
@@ -75,7 +75,7 @@ class Barrier(AbstractCondition):
     def __post_init__(self):
         """Refuse gains that are not class-K, or bent the wrong way."""
         slopes = self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
-        if min(slopes) <= 0 or list(slopes) != sorted(slopes):
+        if not all(slope > 0 for slope in slopes) or list(slopes) != sorted(slopes):
             raise SpecError(
                 f"barrier {self.name!r}: expected alpha > 0, or (a, b) with 0 < a <= b, "
                 f"found {self.alpha}"

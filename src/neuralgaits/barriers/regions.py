@@ -94,12 +94,12 @@ class Tube(eqx.Module):
         return cls(series[0], series[1], np.asarray(unit), ends, trained)
 
     def fences(self, phase: Scalar) -> Float[Array, "2"]:
-        """zeta on the lower and the upper fence [(kg m^2/s)^2]. [2]."""
+        """Value of zeta on the lower and the upper fence [(kg m^2/s)^2]. [2]."""
         series = jnp.stack([self.lower, self.upper])
         return self.unit * (series @ _chebyshev(2.0 * phase - 1.0, series.shape[1]))
 
     def fence_slopes(self, phase: Scalar) -> Float[Array, "2"]:
-        """d zeta / d phase on both fences [(kg m^2/s)^2]. [2]."""
+        """Slope d zeta / d phase of both fences [(kg m^2/s)^2]. [2]."""
         series = jnp.stack([self.lower, self.upper])
         size = series.shape[1]
         derivative = np.stack([np.pad(chebyshev.chebder(row), (0, 1)) for row in np.eye(size)])

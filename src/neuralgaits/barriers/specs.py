@@ -1,6 +1,7 @@
 """The built-in gait specifications by name, and a user's own from FILE.py:NAME."""
 
 import importlib.util
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.paper import authors, paper
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.walking import walking
-from neuralgaits.errors import SpecError
+from neuralgaits.errors import NeuralGaitsError, SpecError
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -42,10 +43,20 @@ def load(name: str, robot: "PlanarBiped") -> GaitSpec:
     value = getattr(_module(path), attribute, None)
     if value is None:
         raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}")
-    spec = value(robot) if callable(value) else value
+    spec = _applied(name, value, robot) if callable(value) else value
     if not isinstance(spec, GaitSpec):
         raise SpecError(f"spec {name!r}: expected a GaitSpec, found {type(spec).__name__}")
     return spec
+
+
+def _applied(name: str, function: Callable, robot: "PlanarBiped"):
+    try:
+        return function(robot)
+    except NeuralGaitsError:
+        raise
+    except Exception as error:  # The user's function may raise anything.
+        reason = " ".join(str(error).split())
+        raise SpecError(f"spec {name!r}: {type(error).__name__}: {reason}") from error
 
 
 def source_path(name: str) -> Path:

@@ -59,7 +59,7 @@ def units(robot: "PlanarBiped") -> Units:
 
 
 def pendulum_height(robot: "PlanarBiped") -> float:
-    """h of the orbital energy: 1.03 straight legs [m]."""
+    """Height h of the orbital energy: 1.03 straight legs [m]."""
     return 1.03 * robot.leg_length
 
 
@@ -273,12 +273,13 @@ def _guard(robot: "PlanarBiped") -> list[AbstractCondition]:
 def _match(robot: "PlanarBiped") -> list[AbstractCondition]:
     """What a free policy must learn: match outputs, rates and position through the impact."""
     unit = units(robot)
+    length = unit.length
     guard = walking_posture(robot).z_guard
     return [
-        Equality("foot-on-guard", "guard", 0.02, f.foot_height, 5e-4 * unit.length),
+        Equality("foot-on-guard", "guard", 0.02 * length, f.foot_height, 5e-4 * length),
         Equality("output-match", "guard", 0.02, f.output_mismatch, 1e-3),
-        Equality("rate-match", "guard", 0.4, f.rate_mismatch, 0.02 / unit.time),
+        Equality("rate-match", "guard", 0.4 / unit.time, f.rate_mismatch, 0.02 / unit.time),
         Equality(
-            "reset-hip", "guard", 0.02, f.at_least(f.reset_hip, -guard), 1e-3 * unit.length
+            "reset-hip", "guard", 0.02 * length, f.at_least(f.reset_hip, -guard), 1e-3 * length
         ),
     ]

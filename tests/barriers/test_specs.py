@@ -1,0 +1,174 @@
+"""Specs: what is refused, what is found by name, and what a user may add."""
+
+from dataclasses import replace
+
+import jax
+import numpy as np
+import pytest
+from random_biped import random_biped
+
+from neuralgaits.barriers import Barrier, Box, GaitSpec, Pointwise, specs
+from neuralgaits.barriers import functions as f
+from neuralgaits.errors import SpecError
+from neuralgaits.robots.loader import robot_from_text
+
+OWN = """
+from neuralgaits.barriers import Pointwise, functions, specs
+
+def stiff(p):
+    return functions.hip_height(p) - 0.75
+
+def own(robot):
+    return specs.walking(robot).with_conditions(Pointwise("hip", "tube", 0.1, stiff))
+
+number = 3
+"""
+
+
+def plain(name="extra", region="tube", scale=1.0):
+    return Pointwise(name, region, scale, f.hip_height)
+
+
+@pytest.fixture(scope="module")
+def legs():
+    return robot_from_text(random_biped(7, 2, torso=False), "legs")
+
+
+@pytest.mark.parametrize(
+    ("condition", "message"),
+    [
+        (plain("knee"), r"condition names must differ, found \['knee'\]"),
+        (
+            plain(region="stance"),
+            "condition 'extra': unknown region 'stance'; .* are tube, lift-off",
+        ),
+        (plain(scale=0.0), "condition 'extra': expected scale > 0, found 0.0"),
+        (plain(scale=-1.0), "expected scale > 0"),
+        (plain(scale=float("nan")), "expected scale > 0"),
+    ],
+)
+def test_a_bad_condition_is_refused(spec, condition, message):
+    with pytest.raises(SpecError, match=message) as refusal:
+        spec.with_conditions(condition)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_region_without_samples_is_refused(spec):
+    regions = {**spec.regions, "middle": (Box((0.4, 0.0), (0.6, 1.0)),)}
+    with pytest.raises(SpecError, match=r"recipe.samples has no entry for \['middle'\]"):
+        replace(spec, regions=regions, conditions=(plain(region="middle"),))
+
+
+def test_conditions_come_and_go(spec):
+    more = spec.with_conditions(plain())
+    assert [c.name for c in more.conditions][-1] == "extra"
+    assert more.without("extra") == spec
+    with pytest.raises(SpecError, match=r"has no conditions \['lean'\]"):
+        spec.without("lean")
+
+
+@pytest.mark.parametrize("name", specs.DESCRIPTIONS)
+def test_built_in_specs_load_by_name(amber, name):
+    spec = specs.load(name, amber)
+    assert spec.name == name
+    assert specs.source_path(name).is_file()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "runing",
+            "unknown spec 'runing': expected one of walking, paper, authors, or FILE.py:NAME",
+        ),
+        ("spec.py", "unknown spec"),
+        ("missing.py:own", "spec file missing.py: no such file"),
+        ("own.py:nothing", "own.py defines no 'nothing'"),
+        ("own.py:number", "expected a GaitSpec, found int"),
+        ("broken.py:own", "spec file broken.py: ZeroDivisionError: division by zero"),
+        ("typo.py:own", "spec file typo.py: SyntaxError"),
+    ],
+)
+def test_a_spec_that_is_not_there_is_refused(amber, tmp_path, monkeypatch, name, message):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.py").write_text(OWN)
+    (tmp_path / "broken.py").write_text("own = 1 / 0\n")
+    (tmp_path / "typo.py").write_text("def own(robot:\n")
+    with pytest.raises(SpecError, match=message) as refusal:
+        specs.load(name, amber)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_function_that_raises_is_refused(amber, tmp_path):
+    path = tmp_path / "own.py"
+    path.write_text("def own(robot):\n    return robot.wings\n")
+    with pytest.raises(SpecError, match="AttributeError") as refusal:
+        specs.load(f"{path}:own", amber)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_spec_of_ones_own(amber, gait, zd, tmp_path):
+    """With a condition the package does not have; a ready GaitSpec works as well."""
+    path = tmp_path / "own.py"
+    path.write_text(
+        OWN + "\nfrom neuralgaits import load_robot\nready = own(load_robot('amber3m'))\n"
+    )
+    for attribute in ("own", "ready"):
+        spec = specs.load(f"{path}:{attribute}", amber)
+        assert isinstance(spec, GaitSpec)
+        own = next(c for c in spec.conditions if c.name == "hip")
+        point = zd.point(gait.z(np.array([0.5, 0.5])))
+        assert float(own.margins(gait, zd, point)) == pytest.approx(float(point_hip(point)) - 0.75)
+    assert specs.source_path(f"{path}:own") == path
+
+
+def point_hip(point):
+    return f.hip_height(point)
+
+
+@pytest.mark.parametrize("name", ["paper", "authors"])
+def test_specs_for_five_links_say_so(legs, name):
+    with pytest.raises(SpecError, match="five links with a torso; 'legs' has 4 links: use --spec"):
+        specs.load(name, legs)
+
+
+def test_an_unknown_policy_is_refused(amber):
+    with pytest.raises(SpecError, match="expected policy hybrid-invariant or mlp, found 'bezier'"):
+        specs.walking(amber, "bezier")  # pyright: ignore[reportArgumentType]
+
+
+def test_a_biped_without_a_torso_has_no_torso_conditions(legs, spec):
+    names = {c.name for c in specs.walking(legs).conditions}
+    assert {c.name for c in spec.conditions} - names >= {"torso-lower", "torso-upper"}
+
+
+def test_the_free_policy_learns_what_the_other_has(amber, spec):
+    """Four more conditions, all else alike."""
+    free = specs.walking(amber, "mlp")
+    more = [c.name for c in free.conditions][len(spec.conditions) :]
+    assert more == ["foot-on-guard", "output-match", "rate-match", "reset-hip"]
+    assert free.recipe.posture_steps > 0
+
+
+def test_random_starts_have_a_network_of_full_size(spec):
+    key = jax.random.key(4)
+    small, full = (spec.new_gait(key, init, (8,)).policy.network for init in ("posture", "random"))
+    np.testing.assert_allclose(full.weights[-1], 10.0 * small.weights[-1], rtol=1e-14)
+    np.testing.assert_array_equal(full.weights[0], small.weights[0])
+
+
+def test_the_paper_says_what_table_1_says(amber):
+    """Bounds and gains, read back from the margins at one point."""
+    spec = specs.paper(amber)
+    by_name = {c.name: c for c in spec.conditions}
+    assert [c.alpha for c in spec.conditions if isinstance(c, Barrier)] == [10, 10, 50, 50, 1, 1]
+    assert by_name["symmetry"].absolute_loss and by_name["foot-on-guard"].absolute_loss
+    gait = spec.new_gait(jax.random.key(0), "posture", (4,))
+    assert gait.policy.network.activation == "relu"
+    low, high = (np.asarray(gait.z(np.array([1.0, level]))) for level in (0.0, 1.0))
+    for z, energy in ((low, 0.0), (high, 1.0)):  # |z2| = m h sqrt(E + (g / h) z1^2).
+        assert z[0] == pytest.approx(0.2)
+        speed = np.sqrt(energy + 9.81 / 0.9 * 0.2**2)
+        assert z[1] == pytest.approx(float(amber.mass) * 0.9 * speed, rel=1e-12)
+    (guard,) = spec.regions["guard"]
+    assert float(gait.z(np.array(guard.low))[0]) == pytest.approx(0.19)
