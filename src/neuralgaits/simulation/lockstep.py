@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from neuralgaits._types import Float
+from neuralgaits._types import Float, Int
 from neuralgaits.simulation.batch import Batch, pack
 from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.gauge import Gauge
@@ -111,8 +111,9 @@ def run(
             kept[ended] = np.asarray(carry)[ended]
             active = np.flatnonzero(endings == Ending.RUNNING)
         force = push.at(world.time, verdict.touchdown, verdict.steps)
-        terrain.advance(verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
-        world.advance(active, verdict.controls, force, terrain.levels)
+        if terrain.advance(verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance):
+            world.lay_floors(terrain.levels)
+        world.advance(active, verdict.controls, force)
     wall = clock.perf_counter() - began
     return Episodes(
         [Ending(value) for value in endings],
@@ -146,40 +147,53 @@ class _World:
         self._sensed = np.zeros((episodes, SUBSTEPS, model.nsensordata))
         self._late = np.zeros((plant.delay_ticks + 1, episodes, model.nu))
         self._ticks = 0
+        self.lay_floors(np.zeros((episodes, 2)))
 
     def reading(self, floors: np.ndarray, noise: np.ndarray) -> Reading:
         """What the tick finds now."""
         return Reading(self.states, self._touch[:, -2:], floors, noise)
 
+    def lay_floors(self, levels: Float[np.ndarray, "B 2"]) -> None:
+        """Put the floors at these levels (m)."""
+        first = self._plant.model.nu + self._plant.model.nv
+        self._inputs[:, :, first:] = self._plant.floor_positions(levels)[:, None]
+
     def advance(
-        self, active: np.ndarray, controls: np.ndarray, force: np.ndarray, floors: np.ndarray
+        self,
+        active: Int[np.ndarray, " a"],
+        controls: Float[np.ndarray, "B u"],
+        force: Float[np.ndarray, " B"],
     ) -> None:
         """Step the active episodes through one control tick."""
         model, count = self._plant.model, active.size
-        self._late[self._ticks % len(self._late)] = controls
-        self._ticks += 1
-        due = self._late[self._ticks % len(self._late)] if len(self._late) > 1 else controls
-        nu, nv = model.nu, model.nv
-        self._inputs[:, :, :nu] = due[:, None]
-        self._inputs[:, :, nu + self._plant.wires.root[0]] = force[:, None]
-        self._inputs[:, :, nu + nv :] = self._plant.floor_positions(floors)[:, None]
-        everyone = count == len(self.states)
-        inputs = self._inputs if everyone else self._inputs[active]
-        before = self.states if everyone else self.states[active]
-        out, sensed = self._out[:count], self._sensed[:count]
-        if count:
-            self._pool.rollout(
-                self._models[:count],
-                self._data,
-                before,
-                inputs,
-                control_spec=CONTROL_SPEC,
-                skip_checks=True,
-                nstep=SUBSTEPS,
-                state=out,
-                sensordata=sensed,
-            )
-        self.states[active] = out[:, -1]
-        self._touch[active] = sensed[:, -1]
         self.steps += SUBSTEPS * count
         self.time += SUBSTEPS * model.opt.timestep
+        if not count:
+            return
+        self._inputs[:, :, : model.nu] = self._delayed(controls)[:, None]
+        self._inputs[:, :, model.nu + self._plant.wires.root[0]] = force[:, None]
+        everyone = count == len(self.states)
+        out, sensed = self._out[:count], self._sensed[:count]
+        self._pool.rollout(
+            self._models[:count],
+            self._data,
+            self.states if everyone else self.states[active],
+            self._inputs if everyone else self._inputs[active],
+            control_spec=CONTROL_SPEC,
+            skip_checks=True,
+            nstep=SUBSTEPS,
+            state=out,
+            sensordata=sensed,
+        )
+        where = slice(None) if everyone else active
+        self.states[where] = out[:, -1]
+        self._touch[where] = sensed[:, -1]
+
+    def _delayed(self, controls: Float[np.ndarray, "B u"]) -> Float[np.ndarray, "B u"]:
+        """The controls that are due: a ring buffer as long as the delay."""
+        if not self._plant.delay_ticks:
+            return controls
+        now = self._ticks % len(self._late)
+        self._ticks += 1
+        self._late[now] = controls
+        return self._late[self._ticks % len(self._late)]

@@ -5,7 +5,6 @@
 
 import gc
 import importlib.util
-import os
 import subprocess
 import sys
 import tempfile
@@ -17,6 +16,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
+from neuralgaits.runs import write_bytes
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant
 
 FRAMES_PER_S = 50
@@ -57,19 +57,18 @@ def write(
     check(path)
     ticks = round(1.0 / (FRAMES_PER_S * SUBSTEPS * TIMESTEP_S))
     renderer = _renderer(plant.model)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=_SUFFIX)
-    os.close(handle)
+    moments = zip(states[::ticks], floors[::ticks], strict=True)
+    frames = (_frame(renderer, plant, state, levels) for state, levels in moments)
     try:
-        frames = zip(states[::ticks], floors[::ticks], strict=True)
-        _encode(name, (_frame(renderer, plant, state, levels) for state, levels in frames))
-        Path(name).replace(path)
+        with tempfile.TemporaryDirectory() as folder:
+            film = Path(folder) / f"film{_SUFFIX}"
+            _encode(film, frames)
+            write_bytes(path, film.read_bytes())
     finally:
-        Path(name).unlink(missing_ok=True)
         renderer.close()
 
 
-def _encode(name: str, frames: Iterable[np.ndarray]) -> None:
+def _encode(film: Path, frames: Iterable[np.ndarray]) -> None:
     """Pipe frames through ffmpeg. Not through imageio, which forks JAX's threads."""
     import imageio_ffmpeg
 
@@ -79,7 +78,7 @@ def _encode(name: str, frames: Iterable[np.ndarray]) -> None:
     rate = ["-r", str(FRAMES_PER_S)]
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", *raw, *rate]
     with subprocess.Popen(
-        [*command, "-i", "-", *coded, name], stdin=subprocess.PIPE, stderr=subprocess.PIPE
+        [*command, "-i", "-", *coded, str(film)], stdin=subprocess.PIPE, stderr=subprocess.PIPE
     ) as coder:
         assert coder.stdin is not None
         assert coder.stderr is not None
