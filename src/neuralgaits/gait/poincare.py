@@ -7,7 +7,6 @@ section, a scalar map of z2. Source: paper section 2.2; CERTIFICATE.md section 6
 from typing import NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -19,21 +18,23 @@ from neuralgaits.gait.zero_dynamics import ZeroDynamics
 NEWTON_STEPS = 25
 FIXED_POINT_TOLERANCE = 1e-9
 """Relative change of z2 over one step that counts as periodic."""
+DIFFERENCE = 1e-4
+"""Relative change of z2 for the map's slope: its error goes with the square."""
 
 
 class Return(NamedTuple):
     """One application of the Poincare map."""
 
-    z2: Scalar
+    z2: float
     """z2 at the section after one step [kg m^2/s]."""
-    duration: Scalar
+    duration: float
     """Duration of the step [s]."""
-    step_length: Scalar
+    step_length: float
     """Distance between the feet at impact [m]."""
-    z_before: ZeroState
+    z_before: Float[np.ndarray, "2"]
     """State just before the impact. [2]"""
-    valid: Scalar
-    """1 if guard and section were both reached, else 0."""
+    valid: bool
+    """Whether guard and section were both reached."""
 
 
 class Orbit(NamedTuple):
@@ -58,19 +59,24 @@ class Orbit(NamedTuple):
         return self.step_length_m / self.period_s
 
 
-def return_map(zd: ZeroDynamics, z2: Scalar) -> Return:
+def return_map(zd: ZeroDynamics, z2: float) -> Return:
     """Poincare map of the section z1 = 0. Returns: `Return`."""
-    start = jnp.stack([jnp.zeros_like(z2), z2])
-    swing = stance_phase(zd, start)
-    landed = to_section(zd, zd.reset(swing.z))
-    valid = swing.reached & landed.reached
-    length = zd.point(swing.z).foot[0]
-    return Return(landed.z[1], swing.duration + landed.duration, length, swing.z, 1.0 * valid)
+    swing = stance_phase(zd, jnp.array([0.0, z2]))
+    after, length = _reset(zd, swing.z)
+    landed = to_section(zd, after)
+    return Return(
+        float(landed.z[1]),
+        float(swing.duration + landed.duration),
+        float(length),
+        np.asarray(swing.z),
+        bool(swing.reached & landed.reached),
+    )
 
 
 @eqx.filter_jit
-def _return_and_slope(zd: ZeroDynamics, z2: Scalar) -> tuple[Return, Return]:
-    return jax.jvp(lambda value: return_map(zd, value), (z2,), (jnp.ones_like(z2),))
+def _reset(zd: ZeroDynamics, z: ZeroState) -> tuple[ZeroState, Scalar]:
+    """State after the impact, and the step length."""
+    return zd.reset(z), zd.point(z).foot[0]
 
 
 def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
@@ -82,37 +88,36 @@ def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
 
     Returns: `Orbit`; check `.result == "found"`.
     """
-    z0 = jnp.asarray(z0, dtype=float)
+    z0 = np.asarray(z0, dtype=float)
     if z0.shape != (2,) or not np.all(np.isfinite(z0)):
         raise InputError(f"z0: expected two finite numbers (z1, z2), found {z0}")
-    if float(z0[0]) != 0.0:
-        z0 = _at_section(zd, z0)
-    z2 = z0[1]
+    z2 = _at_section(zd, z0)
     for _ in range(NEWTON_STEPS):
-        step, slope = _return_and_slope(zd, z2)
-        if not float(step.valid) or not np.isfinite(float(step.z2)):
-            return _failed(f"the step from z2 = {float(z2):.4g} at z1 = 0 does not come back")
-        if abs(float(step.z2 - z2)) <= FIXED_POINT_TOLERANCE * abs(float(z2)):
-            return Orbit(
-                np.array([0.0, float(step.z2)]),
-                float(slope.z2),
-                float(step.duration),
-                float(step.step_length),
-                np.asarray(step.z_before),
-                "found",
-            )
+        step = return_map(zd, z2)
+        if not step.valid or not np.isfinite(step.z2):
+            return _failed(f"the step from z2 = {z2:.4g} at z1 = 0 does not come back")
+        slope = _slope(zd, z2)
+        if abs(step.z2 - z2) <= FIXED_POINT_TOLERANCE * abs(z2):
+            fixed = np.array([0.0, step.z2])
+            return Orbit(fixed, slope, step.duration, step.step_length, step.z_before, "found")
         # Near an indifferent multiplier Newton's step explodes: fall back on walking a step.
-        gap = 1.0 - slope.z2
-        z2 = z2 + (step.z2 - z2) / gap if float(gap) > 0.05 else step.z2
+        gap = 1.0 - slope
+        z2 = z2 + (step.z2 - z2) / gap if gap > 0.05 else step.z2
     return _failed(f"no periodic orbit within {NEWTON_STEPS} Newton steps")
 
 
-@eqx.filter_jit
-def _at_section(zd: ZeroDynamics, z: ZeroState) -> ZeroState:
-    """Carry a guess to the section: forward through the guard if it is already past it."""
-    ahead = to_section(zd, z).z
-    around = to_section(zd, zd.reset(stance_phase(zd, z).z)).z
-    return jnp.where(z[0] > 0.0, around, ahead)
+def _slope(zd: ZeroDynamics, z2: float) -> float:
+    """Derivative of the Poincare map, by a central difference."""
+    change = DIFFERENCE * z2
+    ahead, behind = return_map(zd, z2 + change), return_map(zd, z2 - change)
+    return (ahead.z2 - behind.z2) / (2.0 * change)
+
+
+def _at_section(zd: ZeroDynamics, z: Float[np.ndarray, "2"]) -> float:
+    """z2 of a guess carried to the section: through the guard if it is already past it."""
+    if z[0] > 0.0:
+        z = np.asarray(_reset(zd, stance_phase(zd, z).z)[0])
+    return float(z[1]) if z[0] == 0.0 else float(to_section(zd, z).z[1])
 
 
 def _failed(reason: str) -> Orbit:

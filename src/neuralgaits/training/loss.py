@@ -121,7 +121,7 @@ def barrier_loss(
     if recipe.logarithmic:
         terms = jnp.where(terms > 1.0, 1.0 + jnp.log(jnp.maximum(terms, 1.0)), terms)
     terms = layout.weight * terms
-    effort = jnp.zeros(())
+    effort = jnp.zeros((), terms.dtype)
     if recipe.effort:
         effort = recipe.effort * jnp.mean(torque * torque) / recipe.effort_torque**2
     return Loss(jnp.sum(terms) + effort, terms, effort)

@@ -1,0 +1,40 @@
+"""What the benchmarks share: trained gaits, kept between them, and a table of figures."""
+
+import os
+from pathlib import Path
+
+import jax
+import numpy as np
+
+from neuralgaits.cli import environment
+from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.workflows.run import Run, open_run
+from neuralgaits.workflows.train import train
+
+environment.prepare()
+# JAX reads the environment when it is imported, which a benchmark may have done already.
+jax.config.update("jax_enable_x64", True)
+jax.config.update("jax_compilation_cache_dir", os.environ["JAX_COMPILATION_CACHE_DIR"])
+ROOT = Path("runs") / "bench"
+
+
+def trained(robot: str | PlanarBiped, seed: int, spec: str = "walking") -> Run:
+    """The gait of a seed, trained now or by an earlier benchmark."""
+    model = load_robot(robot) if isinstance(robot, str) else robot
+    folder = ROOT / f"{model.name}-{spec}-{seed}"
+    if (folder / "summary.json").is_file():
+        return open_run(folder)
+    return train(model, spec, seed=seed, out=folder, root=ROOT)
+
+
+def seeds(default: int = 20) -> range:
+    """Seeds to run: all of them, or as many as the environment variable SEEDS says."""
+    return range(int(os.environ.get("SEEDS", default)))
+
+
+def show(figure: str, measured: object, asked: str = "") -> None:
+    """Print one row."""
+    text = f"{measured:.4g}" if isinstance(measured, float | np.floating) else str(measured)
+    print(f"{figure:64s} {text:>24s}   {asked}", flush=True)
+
+
