@@ -115,7 +115,9 @@ def barrier_loss(
     per_column = jnp.sum(hinge, axis=0) / np.sum(layout.counts, axis=0)
     if recipe.worst_weight:
         per_column = per_column + recipe.worst_weight * jnp.max(hinge, axis=0)
-    terms = per_column @ layout.mean_of
+    # No matrix product: zero times NaN would blame every condition for one.
+    shares = jnp.where(layout.mean_of > 0, per_column[:, None] * layout.mean_of, 0.0)
+    terms = jnp.sum(shares, axis=0)
     if np.any(layout.absolute):
         terms = _with_absolute(spec, layout, margins, terms)
     if recipe.logarithmic:

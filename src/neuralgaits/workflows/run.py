@@ -73,6 +73,12 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     robot = robot_from_text(folder.copy(ROBOT), config["robot"])
     name = config["spec"]
     if name not in specs.DESCRIPTIONS:
+        if ".py:" not in name:
+            raise RunError(
+                f"expected a built-in spec or FILE.py:NAME, found {name!r}: the run was trained "
+                "from a GaitSpec that no file defines; write the spec to FILE.py and train with "
+                "--spec FILE.py:NAME"
+            )
         folder.copy(SPEC)  # Refuses a file that was changed after the run.
         name = f"{folder.path / SPEC}:{name.rpartition(':')[2]}"
     spec = specs.load(name, robot)
@@ -80,8 +86,8 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     if found != config["conditions"]:
         raise RunError(
             f"expected a spec with the run's {len(config['conditions'])} conditions, found "
-            f"{len(found)} in {name!r}: the run was trained from a GaitSpec that no file defines, or "
-            "by another version; write the spec to FILE.py and train with --spec FILE.py:NAME"
+            f"{len(found)} in {name!r}: the run was trained from a GaitSpec that no file defines, "
+            "or by another version; write the spec to FILE.py and train with --spec FILE.py:NAME"
         )
     return robot, spec
 

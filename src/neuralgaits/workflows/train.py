@@ -185,7 +185,7 @@ class _Session:
             step = int(state.step)
             if step % VALIDATE_EVERY and not trainer.done(state):
                 continue
-            self._refuse_nan(kept, step, loss)
+            self._refuse_nan(trainer, kept, loss)
             state = trainer.validate(state)
             kept = state
             rows.append(self._row(step, loss, state))
@@ -208,18 +208,21 @@ class _Session:
         }
         return head | terms
 
-    def _refuse_nan(self, kept: TrainState, step: int, loss: Loss) -> None:
-        """Save the last good state, from which the same steps lead to the same NaN."""
+    def _refuse_nan(self, trainer: Trainer, kept: TrainState, loss: Loss) -> None:
+        """Save the last good state, and walk on from it to the step that turned to NaN."""
         if np.isfinite(float(loss.total)):
             return
-        names = [condition.name for condition in self.spec.conditions]
-        bad = [n for n, v in zip(names, np.asarray(loss.terms), strict=True) if not np.isfinite(v)]
         self.folder.write_tree(STATE, kept)
         self.folder.write_tree(NAN_STATE, kept)
+        state, loss = trainer.step(kept)
+        while np.isfinite(float(loss.total)):
+            state, loss = trainer.step(state)
+        names = [condition.name for condition in self.spec.conditions]
+        bad = [n for n, v in zip(names, np.asarray(loss.terms), strict=True) if not np.isfinite(v)]
         raise NonFiniteError(
-            f"loss is {float(loss.total)} between steps {int(kept.step)} and {step} (conditions: "
-            f"{', '.join(bad) or 'none, the sum'}); state kept, reproduce with "
-            f"`neuralgaits train {self.folder.config['robot']} --resume {self.folder.path}`"
+            f"loss is {float(loss.total)} at step {int(state.step)} (conditions: "
+            f"{', '.join(bad) or 'none, the sum'}); state of step {int(kept.step)} kept, reproduce "
+            f"with `neuralgaits train {self.folder.config['robot']} --resume {self.folder.path}`"
         )
 
 

@@ -1,0 +1,37 @@
+"""A small spec and a trainer for it."""
+
+import sys
+from pathlib import Path
+
+import jax
+import pytest
+
+# Tests of this folder share the helper modules beside them.
+sys.path.insert(0, str(Path(__file__).parent))
+
+from small_spec import small
+
+from neuralgaits.robots import load_robot
+from neuralgaits.training import Trainer
+
+STEPS = 120
+
+
+@pytest.fixture(scope="session")
+def amber():
+    return load_robot("amber3m")
+
+
+@pytest.fixture(scope="session")
+def spec(amber):
+    return small(amber)
+
+
+@pytest.fixture(scope="session")
+def gait(spec):
+    return spec.new_gait(jax.random.key(1), "posture", None)
+
+
+@pytest.fixture(scope="session")
+def trainer(amber, spec, gait):
+    return Trainer.build(amber, spec, gait, steps=STEPS, seed=5)

@@ -1,0 +1,149 @@
+"""Training as an explicit state: steps, resuming, keeping the best."""
+
+from dataclasses import replace
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from small_spec import REGIONS
+
+from neuralgaits.barriers import Recipe
+from neuralgaits.gait import posture_path
+from neuralgaits.runs import read_tree, write_tree
+from neuralgaits.training import start_from_posture
+from neuralgaits.training.trainer import _optimizer
+
+
+def same(one, other):
+    for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
+        assert np.asarray(a).dtype == np.asarray(b).dtype
+        np.testing.assert_array_equal(a, b)
+
+
+@pytest.fixture(scope="module")
+def states(trainer, gait):
+    """All states of one training, validated every 40 steps, and the losses."""
+    state, found, losses = trainer.init(gait), [], []
+    while not trainer.done(state):
+        state, loss = trainer.step(state)
+        if int(state.step) % 40 == 0:
+            state = trainer.validate(state)
+        found.append(state)
+        losses.append(float(loss.total))
+    return found, losses
+
+
+def test_training_lowers_the_loss(states, trainer):
+    found, losses = states
+    assert len(found) == trainer.steps
+    assert np.mean(losses[-10:]) < 0.5 * np.mean(losses[:3])
+
+
+def test_resuming_from_a_file_is_exact(states, trainer, gait, tmp_path):
+    """To the last bit, optimiser and best parameters included."""
+    found, _ = states
+    write_tree(tmp_path / "state.safetensors", found[54])
+    state = read_tree(tmp_path / "state.safetensors", trainer.init(gait))
+    same(state, found[54])
+    for expected in found[55:]:
+        state, _ = trainer.step(state)
+        if int(state.step) % 40 == 0:
+            state = trainer.validate(state)
+        np.testing.assert_array_equal(state.parameters, expected.parameters)
+    same(state, found[-1])
+
+
+def test_the_best_parameters_are_kept(states, trainer):
+    """The lowest of the validated losses, measured again."""
+    found, _ = states
+    validated = found[39::40]
+    losses = [trainer.report(trainer.gait(s.parameters), seed=0).loss for s in validated]
+    best = int(np.argmin(losses))
+    assert float(found[-1].best_loss) == losses[best]
+    np.testing.assert_array_equal(found[-1].best, validated[best].parameters)
+
+
+def test_a_worse_state_does_not_replace_the_best(states, trainer):
+    last = states[0][-1]
+    for parameters in (last.parameters + 1.0, jnp.full_like(last.parameters, jnp.nan)):
+        kept = trainer.validate(last._replace(parameters=parameters))
+        np.testing.assert_array_equal(kept.best, last.best)
+        assert float(kept.best_loss) == float(last.best_loss)
+
+
+def test_the_gait_is_float64_and_holds_the_parameters(states, trainer, gait):
+    """What is not trainable is untouched; what is comes back out of the gait."""
+    last = states[0][-1]
+    found = trainer.gait(last.parameters)
+    arrays = [leaf for leaf in jax.tree.leaves(found) if eqx.is_array(leaf)]
+    assert all(leaf.dtype == np.float64 for leaf in arrays)
+    np.testing.assert_array_equal(trainer.init(found).parameters, last.parameters)
+    np.testing.assert_array_equal(found.policy.lower, gait.policy.lower)
+    np.testing.assert_array_equal(found.tube.unit, gait.tube.unit)
+    assert not np.array_equal(found.tube.lower, gait.tube.lower)
+
+
+def test_a_report_covers_each_condition_s_region(trainer, gait, spec):
+    """Fresh samples inside the regions, and a number for each row that counts."""
+    report = trainer.report(gait, seed=3)
+    assert list(report.margins) == [c.name for c in spec.conditions]
+    assert report.margins["hip"].shape == (8 * 24, 1)
+    assert report.margins["rates"].shape == (8 * 12, 4)
+    assert report.margins["mirror"].shape == (8 * 4, 8)
+    u = np.asarray(trainer.validation.draw(jax.random.key(3)))
+    assert np.all((u >= 0.0) & (u <= 1.0))
+    assert trainer.report(gait, seed=3).loss == report.loss
+    assert trainer.report(gait, seed=4).loss != report.loss
+    assert len(REGIONS) == 3
+
+
+@pytest.mark.parametrize("milestones", [None, (0.1, 0.4, 0.8)])
+def test_the_learning_rate(milestones):
+    """Under a constant gradient Adam moves by the learning rate exactly."""
+    recipe = Recipe(
+        steps=50, samples={}, learning_rate=0.02, weight_decay=0.0, milestones=milestones
+    )
+    optimizer = _optimizer(recipe, 50)
+    gradient, place = jnp.ones(1), jnp.zeros(1)
+    state, moves = optimizer.init(place), []
+    for _ in range(50):
+        move, state = optimizer.update(gradient, state, place)
+        moves.append(-float(move[0]))
+    k = np.arange(50)
+    expected = 0.01 * (1.0 + np.cos(np.pi * k / 50))
+    if milestones:
+        expected = 0.02 * 0.1 ** ((k >= 5) * 1.0 + (k >= 20) + (k >= 40))
+    np.testing.assert_allclose(moves, expected, rtol=1e-6)
+
+
+def test_gradients_are_clipped():
+    """By their global norm, before Adam sees them."""
+    recipe = Recipe(steps=9, samples={}, learning_rate=0.1, weight_decay=0.0, gradient_clip=1.0)
+    large, small = jnp.array([30.0, 40.0]), jnp.array([0.6, 0.8])
+    optimizer = _optimizer(recipe, 9)
+    states = [optimizer.update(g, optimizer.init(g), g)[1] for g in (large, small)]
+    for a, b in zip(jax.tree.leaves(states[0]), jax.tree.leaves(states[1]), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-6)
+    plain = _optimizer(replace(recipe, gradient_clip=None), 9)
+    unclipped = jax.tree.leaves(plain.update(large, plain.init(large), large)[1])
+    assert any(np.max(np.abs(leaf)) > 1.0 for leaf in unclipped)
+
+
+def test_the_start_from_a_posture(amber, gait):
+    """The network ends near the path by inverse kinematics, all over the tube."""
+    fitted = start_from_posture(amber, gait, 400, jax.random.key(0))
+    phases = np.linspace(0.05, 0.95, 7)
+    start, guard = (float(end) for end in gait.span)
+    targets = posture_path(amber, start + phases * (guard - start))
+
+    def error(some):
+        worst = []
+        for level in (0.0, 1.0):
+            z = jax.vmap(some.z)(np.column_stack([phases, np.full(7, level)]))
+            worst.append(np.asarray(jax.vmap(some.policy)(z)) - targets)
+        return float(np.sqrt(np.mean(np.square(worst))))
+
+    assert error(fitted) < 0.1 < 0.5 * error(gait)
+    np.testing.assert_array_equal(fitted.tube.lower, gait.tube.lower)

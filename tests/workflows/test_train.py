@@ -1,0 +1,262 @@
+"""The train workflow: run folders, resuming after a kill, refusals, provability."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+from safetensors.numpy import load_file
+
+import neuralgaits as ng
+from neuralgaits.barriers import Pointwise
+from neuralgaits.barriers import functions as f
+from neuralgaits.errors import InputError, NonFiniteError, RunError, SpecError
+from neuralgaits.interpreters import Program
+from neuralgaits.workflows.run import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS, open_run
+from neuralgaits.workflows.train import NAN_STATE, train
+
+SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+STEPS = 300
+
+
+@pytest.fixture(scope="module")
+def amber():
+    return ng.load_robot("amber3m")
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    return tmp_path_factory.mktemp("runs")
+
+
+@pytest.fixture(scope="module")
+def told():
+    return []
+
+
+@pytest.fixture(scope="module")
+def small(amber, root, told):
+    """A short training of a user's spec, from beginning to end."""
+    return train(
+        amber,
+        f"{SMALL}:small",
+        seed=7,
+        hidden=(5,),
+        out=root / "small",
+        root=root,
+        progress=lambda *news: told.append(news),
+    )
+
+
+def same(one, other):
+    for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_the_folder_is_complete(trained):
+    """Everything the interface promises, whole."""
+    files = {path.name for path in trained.path.iterdir()}
+    assert files == {
+        "config.json",
+        "metrics.csv",
+        "summary.json",
+        PROGRAM,
+        ROBOT,
+        SPEC,
+        STATE,
+        WEIGHTS,
+    }
+    config = json.loads((trained.path / "config.json").read_text())
+    assert config["steps"] == 1400
+    assert config["provable"] is True
+    assert set(config["copies"]) == {ROBOT, SPEC, PROGRAM}
+    with (trained.path / "metrics.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [int(float(row["step"])) for row in rows] == list(range(100, 1401, 100))
+    assert {c.name for c in trained.spec.conditions} < set(rows[0])
+
+
+def test_the_summary_has_what_the_interface_names(trained):
+    summary = trained.summary
+    for name in "run robot spec seed steps loss conditions compile_s train_s wall_s".split():
+        assert name in summary
+    assert (summary["robot"], summary["spec"], summary["seed"]) == ("amber3m", "walking", 0)
+    for found in summary["conditions"].values():
+        assert {"mean_violation", "max_violation"} <= set(found)
+    assert summary["wall_s"] >= summary["compile_s"] + summary["train_s"] > 0.0
+
+
+def test_the_program_is_stored(trained):
+    """Read back from its file it is the one the config names."""
+    program = Program.from_json((trained.path / PROGRAM).read_text())
+    assert program.hash == trained.folder.config["program_hash"]
+
+
+def test_opening_gives_the_same_gait_bit_for_bit(small):
+    opened = open_run(small.path)
+    same(opened.gait, small.gait)
+    assert [c.name for c in opened.spec.conditions] == [c.name for c in small.spec.conditions]
+    np.testing.assert_array_equal(opened.robot.coupling, small.robot.coupling)
+    assert opened.summary == small.summary
+    assert open_run(opened) is opened
+    z = np.array([0.03, 18.0])
+    np.testing.assert_array_equal(opened.zero_dynamics.zdot(z), small.zero_dynamics.zdot(z))
+
+
+def test_the_hidden_widths_are_those_asked_for(small):
+    assert [w.shape for w in small.gait.policy.network.weights] == [(5, 2), (4, 5)]
+
+
+def test_progress_is_told(small, told):
+    assert [(step, steps) for step, steps, _ in told] == [(100, 300), (200, 300), (300, 300)]
+    assert all(np.isfinite(loss) for _, _, loss in told)
+    assert small.summary["steps"] == STEPS
+
+
+def test_latest_names_the_run(small, root):
+    assert (root / "latest").read_text().strip()
+    assert (root / "small" / "summary.json").is_file()
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+import neuralgaits as ng
+from neuralgaits.workflows import train as workflow
+
+workflow.CHECKPOINT_S = 0.0
+out = Path(sys.argv[2])
+
+def progress(step, steps, loss):
+    if (out / workflow.STATE).is_file():
+        os.kill(os.getpid(), signal.SIGKILL)
+
+ng.train(ng.load_robot("amber3m"), sys.argv[1], seed=7, hidden=(5,), out=out, progress=progress)
+"""
+
+
+def test_a_killed_training_ends_with_the_same_weights(amber, small, root):
+    """Killed after its first checkpoint, resumed here: weights and table to the last bit."""
+    out = root / "killed"
+    child = subprocess.run(
+        [sys.executable, "-c", KILLED, f"{SMALL}:small", str(out)],
+        cwd=root,
+        env=os.environ | {"PYTHONPATH": str(Path(ng.__file__).parents[1])},
+        capture_output=True,
+    )
+    assert child.returncode == -signal.SIGKILL, child.stderr.decode()
+    assert not (out / "summary.json").exists()
+    with pytest.raises(RunError, match="expected a finished run"):
+        open_run(out)
+    before = (out / STATE).read_bytes()
+    resumed = train(amber, resume=out, root=root)
+    assert before != (out / STATE).read_bytes()
+    same(resumed.gait, small.gait)
+    for file in (WEIGHTS, "metrics.csv", STATE):
+        assert (out / file).read_bytes() == (small.path / file).read_bytes()
+
+
+def test_what_cannot_be_resumed(amber, small, root, tmp_path):
+    with pytest.raises(RunError, match="nothing to resume"):
+        train(amber, resume=small.path, root=root)
+    unfinished = root / "unfinished"
+    unfinished.mkdir()
+    for file in ("config.json", ROBOT, SPEC, PROGRAM, STATE):
+        (unfinished / file).write_bytes((small.path / file).read_bytes())
+    with pytest.raises(RunError, match=r"found another robot file \(rabbit\)"):
+        train(ng.load_robot("rabbit"), resume=unfinished, root=root)
+    with pytest.raises(RunError, match="expected a run folder"):
+        train(amber, resume=tmp_path / "nowhere", root=root)
+    (unfinished / SPEC).write_text((unfinished / SPEC).read_text() + "\n# changed\n")
+    with pytest.raises(RunError, match="another sha256"):
+        train(amber, resume=unfinished, root=root)
+
+
+def test_a_used_folder_is_refused(amber, small, root):
+    with pytest.raises(RunError, match="choose another --out, or --resume"):
+        train(amber, f"{SMALL}:small", out=small.path, root=root)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"seed": -1}, "expected a seed from 0"),
+        ({"seed": 2**31}, "expected a seed from 0"),
+        ({"init": "zeros"}, "expected init posture or random, found 'zeros'"),
+        ({"hidden": ()}, "expected hidden widths of at least 1"),
+        ({"hidden": (8, 0)}, "expected hidden widths of at least 1"),
+        ({"steps": 0}, "expected at least 1 gradient step, found 0"),
+        ({"spec": "runing"}, "unknown spec 'runing'"),
+    ],
+)
+def test_bad_settings_leave_no_folder(amber, tmp_path, settings, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        train(amber, out=tmp_path / "run", root=tmp_path, **settings)
+    assert "\n" not in str(refusal.value)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_spec_that_cannot_be_traced_is_refused_at_once(amber, tmp_path):
+    """By the line that is to blame, before any training."""
+    with pytest.raises(SpecError, match=r"small_spec\.py") as refusal:
+        train(amber, f"{SMALL}:kinked", out=tmp_path / "run", root=tmp_path)
+    assert "\n" not in str(refusal.value)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_relu_policy_trains_but_is_not_provable(amber, tmp_path):
+    run = train(amber, f"{SMALL}:relu", steps=1, out=tmp_path / "run", root=tmp_path)
+    assert run.summary["provable"] is False
+    config = run.folder.config
+    assert config["program_hash"] is None
+    assert "ReLU" in config["not_provable_because"]
+    assert not (run.path / PROGRAM).exists()
+    same(open_run(run.path).gait, run.gait)
+
+
+def test_a_spec_object_with_another_condition(amber, small, tmp_path):
+    """Trains; as no file defines it, the run cannot be opened again, and says what to do."""
+    more = Pointwise("step", "guard", 0.3, f.at_least(f.foot_forward, 0.3))
+    spec = small.spec.with_conditions(more)
+    run = train(amber, spec, steps=1, out=tmp_path / "run", root=tmp_path)
+    assert "step" in run.summary["conditions"]
+    with pytest.raises(RunError) as refusal:
+        open_run(run.path)
+    assert "FILE.py:NAME" in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_changed_built_in_spec_cannot_pass_for_the_built_in(amber, trained, tmp_path):
+    """A run of `walking` with one more condition, as its config would say."""
+    for path in trained.path.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    config = json.loads((tmp_path / "config.json").read_text())
+    config["conditions"].append("step")
+    (tmp_path / "config.json").write_text(json.dumps(config))
+    with pytest.raises(RunError, match=r"expected a spec with the run's 28 conditions, found 27"):
+        open_run(tmp_path)
+
+
+def test_nan_is_caught_kept_and_reproduced(amber, tmp_path):
+    """The last good state is on disk; going on from it meets the same NaN."""
+    out = tmp_path / "run"
+    with pytest.raises(
+        NonFiniteError, match=r"at step \d+ \(conditions: root\); state of step \d+ kept"
+    ) as first:
+        train(amber, f"{SMALL}:explosive", out=out, root=tmp_path)
+    message = str(first.value)
+    assert "\n" not in message
+    assert f"neuralgaits train amber3m --resume {out}" in message
+    assert not (out / "summary.json").exists()
+    assert (out / STATE).read_bytes() == (out / NAN_STATE).read_bytes()
+    with pytest.raises(NonFiniteError) as second:
+        train(amber, resume=out, root=tmp_path)
+    assert str(second.value) == message
+    kept = load_file(out / NAN_STATE)
+    assert all(np.all(np.isfinite(kept[name])) for name in ("parameters", "best"))
