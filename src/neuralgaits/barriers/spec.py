@@ -24,6 +24,8 @@ class Recipe:
         samples: fresh samples a step in each region.
         learning_rate: of AdamW.
         weight_decay: of AdamW.
+        warmup: share of the steps over which the rate rises from zero: without it some seeds
+            jump into a poor minimum in their first steps.
         milestones: shares of the steps at which the rate drops to a tenth; None for a
             cosine schedule.
         overshoot: how far samples reach beyond the chart's edges in (phase, level).
@@ -34,13 +36,13 @@ class Recipe:
         effort: weight of the mean squared torque in units of `effort_torque`.
         effort_torque: [N m].
         posture_steps: supervised steps towards the nominal posture before training.
-        gradient_clip: largest global norm of the gradient, or None.
     """
 
     steps: int
     samples: Mapping[str, int]
     learning_rate: float
     weight_decay: float
+    warmup: float = 0.0
     milestones: tuple[float, ...] | None = None
     overshoot: tuple[float, float] = (0.0, 0.0)
     aim: float = 0.0
@@ -49,7 +51,6 @@ class Recipe:
     effort: float = 0.0
     effort_torque: float = 1.0
     posture_steps: int = 0
-    gradient_clip: float | None = None
 
 
 @dataclass(frozen=True)

@@ -103,13 +103,14 @@ def walking(
     recipe = Recipe(
         steps=8000 if free else 1400,
         samples=samples,
-        learning_rate=3e-3 if free else 1e-2,
+        learning_rate=3e-3 if free else 5e-3,
+        warmup=0.1,
         weight_decay=1e-4,
         overshoot=(0.02, 0.03),
         aim=0.06,
         worst_weight=0.1,
         logarithmic=True,
-        effort=0.05,
+        effort=0.2,
         effort_torque=0.206 * units(robot).weight_n * robot.leg_length,
         posture_steps=500 if free else 0,
     )

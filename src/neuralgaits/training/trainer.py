@@ -180,15 +180,15 @@ class Trainer:
 
 
 def _optimizer(recipe: Recipe, steps: int) -> optax.GradientTransformation:
+    rate, warmup = recipe.learning_rate, round(recipe.warmup * steps)
     if recipe.milestones is None:
-        schedule = optax.cosine_decay_schedule(recipe.learning_rate, max(steps, 1))
+        later = optax.cosine_decay_schedule(rate, max(steps - warmup, 1))
     else:
-        drops = {round(share * steps): 0.1 for share in recipe.milestones}
-        schedule = optax.piecewise_constant_schedule(recipe.learning_rate, drops)
-    adamw = optax.adamw(schedule, weight_decay=recipe.weight_decay)
-    if recipe.gradient_clip is None:
-        return adamw
-    return optax.chain(optax.clip_by_global_norm(recipe.gradient_clip), adamw)
+        drops = {round(share * steps) - warmup: 0.1 for share in recipe.milestones}
+        later = optax.piecewise_constant_schedule(rate, drops)
+    rise = optax.linear_schedule(0.0, rate, max(warmup, 1))
+    schedule = optax.join_schedules([rise, later], [warmup]) if warmup else later
+    return optax.adamw(schedule, weight_decay=recipe.weight_decay)
 
 
 def _make_step(spec: GaitSpec, light, unflatten, optimizer) -> Callable:
