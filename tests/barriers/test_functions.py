@@ -41,7 +41,8 @@ def places(q):
         (MASSES["shin"], other_knee - 0.171885 * e(other_shin)),
     ]
     total = sum(mass for mass, _ in parts)
-    return hip, foot, sum(mass * place for mass, place in parts) / total, torso
+    com = np.sum([mass * place for mass, place in parts], axis=0) / total
+    return hip, foot, com, torso
 
 
 PLAIN = {

@@ -38,16 +38,14 @@ def published(request, amber):
     return request.param, gait, ZeroDynamics(robot, policy), np.concatenate([x[2:7], x[9:14]])
 
 
-@eqx.filter_jit
-def first_step(zd, x):
-    eta, z = zd.phi(x)
-    return eta, z, stance_phase(zd, z)
+start_of = eqx.filter_jit(ZeroDynamics.phi)
 
 
 def test_published_step_times(published):
     """From the published state after touchdown to the guard."""
     name, gait, zd, x = published
-    eta, _, phase = first_step(zd, x)
+    eta, z = start_of(zd, x)
+    phase = stance_phase(zd, z)
     assert np.max(np.abs(eta[:4])) < 1e-3
     assert bool(phase.reached)
     expected = gait["published"]["step_time_s"]
@@ -59,7 +57,7 @@ def test_published_step_times(published):
 def test_published_orbits(published):
     """Multiplier and speed of the steady walk, recomputed elsewhere at full order."""
     _, gait, zd, x = published
-    orbit = poincare(zd, first_step(zd, x)[1])
+    orbit = poincare(zd, start_of(zd, x)[1])
     steady = gait["recomputed"]["steady"]
     assert orbit.result == "found"
     assert orbit.multiplier == pytest.approx(steady["lambda_restricted"], rel=2e-3)

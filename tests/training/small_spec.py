@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import partial
 
+import jax
 import jax.numpy as jnp
 
 from neuralgaits.barriers import Barrier, Box, Equality, Gait, GaitSpec, Pointwise, Recipe, Tube
@@ -15,6 +16,12 @@ REGIONS = {
     "guard": (Box((1.0, 0.0), (1.0, 1.0)),),
 }
 SAMPLES = {"tube": 12, "ends": 8, "guard": 4}
+
+
+def quick(function):
+    """`jax.jit` that compiles fast: these functions run for microseconds."""
+    options = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+    return jax.jit(function, compiler_options=options)
 
 
 def new_gait(robot, activation, key, init, hidden):
