@@ -97,11 +97,17 @@ def test_a_report_covers_each_condition_s_region(trainer, gait, spec):
     assert len(REGIONS) == 3
 
 
+@pytest.mark.parametrize("warmup", [0.0, 0.08])
 @pytest.mark.parametrize("milestones", [None, (0.1, 0.4, 0.8)])
-def test_the_learning_rate(milestones):
+def test_the_learning_rate(milestones, warmup):
     """Under a constant gradient Adam moves by the learning rate exactly."""
     recipe = Recipe(
-        steps=50, samples={}, learning_rate=0.02, weight_decay=0.0, milestones=milestones
+        steps=50,
+        samples={},
+        learning_rate=0.02,
+        weight_decay=0.0,
+        milestones=milestones,
+        warmup=warmup,
     )
     optimizer = _optimizer(recipe, 50)
     gradient, place = jnp.ones(1), jnp.zeros(1)
@@ -109,10 +115,11 @@ def test_the_learning_rate(milestones):
     for _ in range(50):
         move, state = optimizer.update(gradient, state, place)
         moves.append(-np.asarray(move)[0])
-    k = np.arange(50)
-    expected = 0.01 * (1.0 + np.cos(np.pi * k / 50))
+    k, rise = np.arange(50), round(50 * warmup)
+    expected = 0.01 * (1.0 + np.cos(np.pi * (k - rise) / (50 - rise)))
     if milestones:
         expected = 0.02 * 0.1 ** ((k >= 5) * 1.0 + (k >= 20) + (k >= 40))
+    expected[:rise] = 0.02 * k[:rise] / max(rise, 1)
     np.testing.assert_allclose(moves, expected, rtol=1e-6)
 
 
