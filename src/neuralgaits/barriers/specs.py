@@ -2,6 +2,7 @@
 
 import importlib.util
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,9 +18,15 @@ if TYPE_CHECKING:
 
 __all__ = ["DESCRIPTIONS", "authors", "load", "paper", "source_path", "walking"]
 
-_BUILT_IN = {"walking": walking, "paper": paper, "authors": authors}
+_BUILT_IN = {
+    "walking": walking,
+    "walking-mlp": partial(walking, policy="mlp"),
+    "paper": paper,
+    "authors": authors,
+}
 DESCRIPTIONS = {
     "walking": "default: walks physically, provable; hybrid invariance by construction",
+    "walking-mlp": "the same for a free network, which learns to match through the impact",
     "paper": "Table 1 of the paper, the paper's optimiser settings (ReLU, not provable)",
     "authors": "conditions and schedule of the authors' code (ReLU, not provable)",
 }
@@ -61,7 +68,7 @@ def _applied(name: str, function: Callable, robot: "PlanarBiped"):
 
 def source_path(name: str) -> Path:
     """The Python file that defines a spec, to be copied into a run."""
-    modules = {"walking": _walking, "paper": _paper, "authors": _paper}
+    modules = {"walking": _walking, "walking-mlp": _walking, "paper": _paper, "authors": _paper}
     if name in modules:
         return Path(str(modules[name].__file__))
     return Path(name.rpartition(":")[0])

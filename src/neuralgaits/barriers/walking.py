@@ -115,7 +115,7 @@ def walking(
         posture_steps=500 if free else 0,
     )
     new_gait = partial(_new_mlp if free else _new_hybrid_invariant, robot)
-    return GaitSpec("walking", tuple(conditions), regions, new_gait, recipe)
+    return GaitSpec("walking-mlp" if free else "walking", tuple(conditions), regions, new_gait, recipe)
 
 
 def _box(phases: tuple[float, float], levels: tuple[float, float]) -> Box:

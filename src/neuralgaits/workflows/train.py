@@ -100,7 +100,7 @@ def train(
         }
         copies = {
             ROBOT: robot.layout.xml,
-            SPEC: specs.source_path(name).read_text() if isinstance(spec, str) else repr(spec),
+            SPEC: _source(spec),
         }
         if program is not None:
             copies[PROGRAM] = program.to_json()
@@ -245,6 +245,14 @@ def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | No
         raise InputError(f"expected hidden widths of at least 1, found {hidden}")
     if steps is not None and steps < 1:
         raise InputError(f"expected at least 1 gradient step, found {steps}")
+
+
+def _source(spec: str | GaitSpec) -> str:
+    """The file that defines the spec, or the names that an object without a file has."""
+    if isinstance(spec, str):
+        return specs.source_path(spec).read_text()
+    names = "".join(f"# {condition.name}\n" for condition in spec.conditions)
+    return f"# A GaitSpec made in Python, {spec.name!r}; no file defines it. Its conditions:\n{names}"
 
 
 def _same_robot(folder: RunFolder, robot: PlanarBiped) -> None:
