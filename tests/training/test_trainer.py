@@ -89,7 +89,7 @@ def test_a_report_covers_each_condition_s_region(trainer, gait, spec):
     assert list(report.margins) == [c.name for c in spec.conditions]
     assert report.margins["hip"].shape == (8 * 24, 1)
     assert report.margins["rates"].shape == (8 * 12, 4)
-    assert report.margins["mirror"].shape == (8 * 4, 8)
+    assert report.margins["hips"].shape == (8 * 4, 4)
     u = np.asarray(trainer.validation.draw(jax.random.key(3)))
     assert np.all((u >= 0.0) & (u <= 1.0))
     assert trainer.report(gait, seed=3).loss == report.loss
