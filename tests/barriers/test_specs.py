@@ -81,7 +81,7 @@ def test_built_in_specs_load_by_name(amber, name):
     [
         (
             "runing",
-            "unknown spec 'runing': expected one of walking, paper, authors, or FILE.py:NAME",
+            "expected one of walking, walking-mlp, paper, authors, or FILE.py:NAME",
         ),
         ("spec.py", "unknown spec"),
         ("missing.py:own", "spec file missing.py: no such file"),
