@@ -32,6 +32,10 @@ CONTROL_SPEC = (
 
 # Bits of the collision masks: each foot meets its own plane and nothing else does.
 _FLOOR_BITS = (1 << 20, 1 << 21)
+# Shown floor, and the group of the other one, which MuJoCo does not draw unless told to: two
+# planes at one level would be lit twice.
+SECOND_FLOOR_GROUP = 5
+_FLOOR_GROUPS = (0, SECOND_FLOOR_GROUP)
 # Size of the touch sensors around the foot spheres, in foot radii.
 _TOUCH_ZONE = 3.0
 
@@ -120,6 +124,7 @@ def _add_floors(
             size=[0.0, 0.0, 0.1],
             contype=bit,
             conaffinity=bit,
+            group=_FLOOR_GROUPS[leg],
         )
         if pictures:
             plane.rgba, plane.material = pictures[0]

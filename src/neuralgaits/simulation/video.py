@@ -17,7 +17,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.runs import write_bytes
-from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant
+from neuralgaits.simulation.plant import SECOND_FLOOR_GROUP, SUBSTEPS, TIMESTEP_S, Plant
 
 FRAMES_PER_S = 50
 SIZE = (480, 640)
@@ -100,7 +100,9 @@ def _frame(renderer, plant: Plant, state: np.ndarray, levels: np.ndarray) -> np.
     data.qpos[:] = state[1 : 1 + model.nq]
     data.mocap_pos[:] = plant.floor_positions(levels[None])[0].reshape(-1, 3)
     mujoco.mj_forward(model, data)
-    renderer.update_scene(data, _camera(plant, data))
+    option = mujoco.MjvOption()
+    option.geomgroup[SECOND_FLOOR_GROUP] = bool(levels[0] != levels[1])
+    renderer.update_scene(data, _camera(plant, data), option)
     return renderer.render()
 
 
