@@ -11,6 +11,7 @@ from common import seeds, show, trained
 
 from neuralgaits.gait import poincare
 from neuralgaits.training import Sampler, lay_out, margin_matrix
+from neuralgaits.workflows.run import Run
 
 COUNTS = {
     "tube": 60000,
@@ -31,8 +32,7 @@ def main() -> None:
         sampler = Sampler.plan(run.spec.regions, COUNTS)
         layout = lay_out(run.spec, run.robot, run.gait, sampler)
         if evaluate is None:
-            spec, robot = run.spec, run.robot
-            evaluate = eqx.filter_jit(lambda g, u: margin_matrix(spec, robot, g, u)[0])
+            evaluate = _margins_of(run)
         values = evaluate(run.gait, sampler.draw(jax.random.key(10**6 + seed)))
         share = np.where(layout.counts, np.asarray(values) / layout.scale, np.inf)
         smallest = {name: share[:, block].min() for name, block in layout.columns.items()}
@@ -57,7 +57,12 @@ def main() -> None:
     show("speed of the orbit m/s", f"{min(speeds):.3f}-{max(speeds):.3f}", "0.5-0.9")
 
 
-def _mismatch(run) -> float:
+def _margins_of(run: Run):
+    """The compiled margins of a run's spec: gait and samples in. [N, K]."""
+    return eqx.filter_jit(lambda gait, u: margin_matrix(run.spec, run.robot, gait, u)[0])
+
+
+def _mismatch(run: Run) -> float:
     """Largest output or output rate after the real impact over the guard (rad, rad/s)."""
     zd = run.zero_dynamics
 

@@ -14,6 +14,7 @@ import numpy as np
 from common import show
 
 from neuralgaits.barriers import Gait, GaitSpec, specs
+from neuralgaits.barriers.spec import Init
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.training import Trainer, start_from_posture
@@ -37,7 +38,7 @@ def main() -> None:
         report(robot, spec, gait, init)
 
 
-def trained(robot: PlanarBiped, spec: GaitSpec, init: str) -> Gait:
+def trained(robot: PlanarBiped, spec: GaitSpec, init: Init) -> Gait:
     """A gait of the paper's spec after the paper's number of steps."""
     key = jax.random.key(SEED)
     gait = spec.new_gait(key, init, None)

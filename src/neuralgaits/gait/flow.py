@@ -43,7 +43,7 @@ def to_section(zd: ZeroDynamics, z: ZeroState, z1: float = 0.0) -> Flow:
 
 
 # One compiled function for both events: tracing the integrator is what takes time.
-@eqx.filter_jit(compiler_options={"xla_backend_optimization_level": 1})
+@eqx.filter_jit
 def _flow(zd: ZeroDynamics, z: ZeroState, to_guard: Bool[Array, ""], section: Scalar) -> Flow:
     def rate(t, y, args):
         del t, args
@@ -66,5 +66,7 @@ def _flow(zd: ZeroDynamics, z: ZeroState, to_guard: Bool[Array, ""], section: Sc
         adjoint=diffrax.ForwardMode(),
         throw=False,
     )
+    assert solution.ys is not None
+    assert solution.ts is not None
     ended = solution.result == diffrax.RESULTS.event_occurred
     return Flow(solution.ys[-1], solution.ts[-1], ended)

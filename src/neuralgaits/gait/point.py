@@ -8,11 +8,12 @@ the same denominator. Source: LESSONS 7; CERTIFICATE.md section 1.
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Array, Coordinates, Planar, Scalar, ZeroState
+from neuralgaits._types import Actuated, Coordinates, Planar, Scalar, ZeroState
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.policy import AbstractPolicy, Curve, OutputJet, output_jet_and_change
 from neuralgaits.robots import Impact, PlanarBiped, dynamics
@@ -32,13 +33,13 @@ class Point:
         self.residual = residual
         self.z = jnp.asarray(z)
 
-    def rate(self, function: Callable[["Point"], Array]) -> tuple[Array, Array]:
+    def rate(self, function: Callable[["Point"], Any]) -> tuple[Any, Any]:
         """Value of a function of the point data and its rate along the flow.
 
         Positions and rates are known here with their rates, so the function is differentiated
         in them and the network is not traced again. What it reads beyond them follows from z.
 
-        Returns: value and d value / dt, both shaped like the function's result.
+        Returns: value and d value / dt, both trees like the function's result.
         """
 
         def moved(z, q, dq, dz):

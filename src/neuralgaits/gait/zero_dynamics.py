@@ -6,9 +6,9 @@ Source: paper, sections 2.1 and 2.2; coordinates as in docs/notation.md.
 from collections.abc import Callable
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 
 from neuralgaits._types import Array, Float, FullState, Scalar, ZeroState
 from neuralgaits.errors import InputError
@@ -97,6 +97,6 @@ def _checked(name: str, value, size: int) -> Float[Array, " k"]:
         raise InputError(
             f"{name}: expected shape ({size},), found {array.shape}; use jax.vmap for batches"
         )
-    if not isinstance(array, jax.core.Tracer) and not np.all(np.isfinite(array)):
+    if not isinstance(array, Tracer) and not np.all(np.isfinite(array)):
         raise InputError(f"{name}: expected finite numbers, found {value}")
     return array

@@ -71,49 +71,43 @@ def train(
     """
     began = time.perf_counter()
     if resume is not None:
-        folder = RunFolder.open(resume)
-        _same_robot(folder, robot)
-        if folder.finished:
-            raise RunError(
-                f"expected an unfinished run, found a finished one at {folder.path}: nothing to "
-                "resume"
-            )
-        robot, loaded = open_parts(folder)
+        folder, robot, loaded = _resumed(Path(resume), robot)
         gait = untrained(folder, loaded)
     else:
         _check(seed, init, hidden, steps)
-        name = spec if isinstance(spec, str) else spec.name
         loaded = specs.load(spec, robot) if isinstance(spec, str) else spec
         gait = loaded.new_gait(jax.random.key(seed), init, hidden)
-        program, reason = _provable(loaded, robot, gait)
         config = {
             "robot": robot.name,
-            "spec": name,
+            "spec": spec if isinstance(spec, str) else spec.name,
             "conditions": [condition.name for condition in loaded.conditions],
             "seed": seed,
             "init": init,
             "hidden": hidden,
             "steps": loaded.recipe.steps if steps is None else steps,
-            "provable": program is not None,
-            "not_provable_because": reason,
-            "program_hash": None if program is None else program.hash,
         }
-        copies = {
-            ROBOT: robot.layout.xml,
-            SPEC: _source(spec),
-        }
-        if program is not None:
-            copies[PROGRAM] = program.to_json()
+        program, reason = _provable(loaded, robot, gait)
+        config |= {"provable": program is not None, "not_provable_because": reason}
+        config |= {"program_hash": None if program is None else program.hash}
+        copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
+        copies |= {} if program is None else {PROGRAM: program.to_json()}
+        place = None if out is None else Path(out)
         folder = RunFolder.create(
-            config,
-            copies,
-            name=robot.name,
-            seed=seed,
-            root=root,
-            out=None if out is None else Path(out),
+            config, copies, name=robot.name, seed=seed, root=root, out=place
         )
     gait = _Session(folder, robot, loaded, progress, began).run(root, gait)
     return Run(folder, robot, loaded, gait)
+
+
+def _resumed(path: Path, robot: PlanarBiped) -> tuple[RunFolder, PlanarBiped, GaitSpec]:
+    """An unfinished run with the robot and spec it started with."""
+    folder = RunFolder.open(path)
+    _same_robot(folder, robot)
+    if folder.finished:
+        raise RunError(
+            f"expected an unfinished run, found a finished one at {folder.path}: nothing to resume"
+        )
+    return folder, *open_parts(folder)
 
 
 @dataclass(frozen=True)
