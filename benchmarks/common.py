@@ -36,5 +36,3 @@ def show(figure: str, measured: object, asked: str = "") -> None:
     """Print one row."""
     text = f"{measured:.4g}" if isinstance(measured, float | np.floating) else str(measured)
     print(f"{figure:64s} {text:>24s}   {asked}", flush=True)
-
-

@@ -84,7 +84,10 @@ class Barrier(AbstractCondition):
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
         """dh/dt + alpha(h)."""
         del gait, zd
-        value, rate = point.rate(self.function)
+        return self.bent(*point.rate(self.function))
+
+    def bent(self, value: Float[Array, "..."], rate: Float[Array, "..."]) -> Float[Array, "..."]:
+        """dh/dt + alpha(h) of a value and a rate of h, one row a slope."""
         slopes = self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
         return jnp.stack([rate + slope * value for slope in slopes])
 

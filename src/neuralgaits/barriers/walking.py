@@ -115,7 +115,8 @@ def walking(
         posture_steps=500 if free else 0,
     )
     new_gait = partial(_new_mlp if free else _new_hybrid_invariant, robot)
-    return GaitSpec("walking-mlp" if free else "walking", tuple(conditions), regions, new_gait, recipe)
+    name = "walking-mlp" if free else "walking"
+    return GaitSpec(name, tuple(conditions), regions, new_gait, recipe)
 
 
 def _box(phases: tuple[float, float], levels: tuple[float, float]) -> Box:
@@ -171,9 +172,7 @@ def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
         ]
     weight = unit.weight_n
     conditions += [
-        Pointwise(
-            "normal-force", "tube", weight, f.at_least(f.normal_force, 0.35 * weight)
-        ),
+        Pointwise("normal-force", "tube", weight, f.at_least(f.normal_force, 0.35 * weight)),
         Pointwise("friction-forward", "tube", 0.45 * weight, f.friction_forward(0.45)),
         Pointwise("friction-backward", "tube", 0.45 * weight, f.friction_backward(0.45)),
         Pointwise("torque-lower", "tube", 1.0, lambda p: 1.0 + _torque_share(p)),
@@ -262,9 +261,7 @@ def _guard(robot: "PlanarBiped") -> list[AbstractCondition]:
         Pointwise("impulse", "guard", 5.0 * push, f.at_least(f.normal_impulse, 0.2 * push)),
         Pointwise("impulse-forward", "guard", 0.5 * 5.0 * push, f.impulse_cone_forward(0.5)),
         Pointwise("impulse-backward", "guard", 0.5 * 5.0 * push, f.impulse_cone_backward(0.5)),
-        Pointwise(
-            "old-foot-leaves", "guard", 2 * speed, f.at_least(f.old_foot_lift, 0.2 * speed)
-        ),
+        Pointwise("old-foot-leaves", "guard", 2 * speed, f.at_least(f.old_foot_lift, 0.2 * speed)),
         Pointwise(
             "guard-transversal", "guard", 5 * speed, f.at_most(f.foot_vertical_velocity, -speed)
         ),

@@ -81,6 +81,4 @@ class MLPPolicy(AbstractPolicy):
     def trainable(self) -> "MLPPolicy":
         """The network may move; bounds and scales are fixed."""
         frozen = jax.tree.map(lambda _: False, self)
-        return eqx.tree_at(
-            lambda p: p.network, frozen, jax.tree.map(lambda _: True, self.network)
-        )
+        return eqx.tree_at(lambda p: p.network, frozen, jax.tree.map(lambda _: True, self.network))

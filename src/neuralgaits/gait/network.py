@@ -27,9 +27,7 @@ class Network(eqx.Module):
     activation: str = eqx.field(static=True)
 
     @classmethod
-    def init(
-        cls, sizes: tuple[int, ...], *, activation: str, key: PRNGKeyArray
-    ) -> "Network":
+    def init(cls, sizes: tuple[int, ...], *, activation: str, key: PRNGKeyArray) -> "Network":
         """Draw weights and biases uniformly in +-1/sqrt(fan-in).
 
         Args:

@@ -92,9 +92,7 @@ def train(
         copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
         copies |= {} if program is None else {PROGRAM: program.to_json()}
         place = None if out is None else Path(out)
-        folder = RunFolder.create(
-            config, copies, name=robot.name, seed=seed, root=root, out=place
-        )
+        folder = RunFolder.create(config, copies, name=robot.name, seed=seed, root=root, out=place)
     gait = _Session(folder, robot, loaded, progress, began).run(root, gait)
     return Run(folder, robot, loaded, gait)
 
@@ -144,9 +142,7 @@ class _Session:
             "seed": config["seed"],
             "steps": int(state.step),
             "loss": report.loss,
-            "conditions": {
-                name: violations(margins) for name, margins in report.margins.items()
-            },
+            "conditions": {name: violations(margins) for name, margins in report.margins.items()},
             "provable": config["provable"],
             "compile_s": training - compiling,
             "train_s": done - training,
@@ -155,9 +151,7 @@ class _Session:
         finish(self.folder, summary, root)
         return gait
 
-    def _start(
-        self, trainer: Trainer, gait: Gait
-    ) -> tuple[TrainState, list[Mapping[str, float]]]:
+    def _start(self, trainer: Trainer, gait: Gait) -> tuple[TrainState, list[Mapping[str, float]]]:
         """The last checkpoint if there is one, else the beginning."""
         if (self.folder.path / STATE).is_file():
             state = self.folder.read_tree(STATE, trainer.init(gait))
@@ -246,7 +240,7 @@ def _source(spec: str | GaitSpec) -> str:
     if isinstance(spec, str):
         return specs.source_path(spec).read_text()
     names = "".join(f"# {condition.name}\n" for condition in spec.conditions)
-    return f"# A GaitSpec made in Python, {spec.name!r}; no file defines it. Its conditions:\n{names}"
+    return f"# A GaitSpec made in Python, {spec.name!r}, in no file. Its conditions:\n{names}"
 
 
 def _same_robot(folder: RunFolder, robot: PlanarBiped) -> None:
