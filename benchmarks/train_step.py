@@ -7,6 +7,7 @@ to machine, the times do not. SPECS=walking,paper chooses the specs.
 
 import os
 import time
+from itertools import pairwise
 
 import jax
 import jax.numpy as jnp
@@ -68,7 +69,7 @@ def network_ms(repeats: int = 30) -> float:
     rng = np.random.default_rng(0)
     layers = [
         (rng.normal(0.0, i**-0.5, (o, i)).astype(np.float32), np.zeros(o, np.float32))
-        for i, o in zip(WIDTHS[:-1], WIDTHS[1:], strict=True)
+        for i, o in pairwise(WIDTHS)
     ]
     inputs = rng.uniform(-1.0, 1.0, (BATCH, 2)).astype(np.float32)
 

@@ -56,9 +56,7 @@ def lay_out(spec: GaitSpec, robot: PlanarBiped, gait: Gait, sampler: Sampler) ->
     )
     sizes = [int(np.prod(shapes[c.name].shape)) for c in spec.conditions]
     ends = np.cumsum([0, *sizes])
-    columns = {
-        c.name: slice(int(ends[i]), int(ends[i + 1])) for i, c in enumerate(spec.conditions)
-    }
+    columns = {c.name: slice(int(ends[i]), int(ends[i + 1])) for i, c in enumerate(spec.conditions)}
     total, rows = int(ends[-1]), len(sampler.low)
     counts = np.zeros((rows, total), dtype=bool)
     mean_of = np.zeros((total, len(spec.conditions)))
