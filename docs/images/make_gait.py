@@ -34,7 +34,7 @@ VIEW_M, CAMERA_M = 1.56, 14.0
 
 def main() -> None:
     """Walk, choose the poses, render, save."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser()
     parser.add_argument("run", nargs="?", default="latest", help="run folder, or latest")
     parser.add_argument("--out", type=Path, default=Path(__file__).with_name("gait.png"))
     options = parser.parse_args()

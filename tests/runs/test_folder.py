@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs import RunFolder, finish, resolve
+from neuralgaits.runs import RunFolder, finish, resolve, resolve_unfinished
 
 COPIES = {"robot.xml": "<mujoco/>\n"}
 
@@ -70,6 +70,19 @@ def test_latest_names_the_run_that_finished_last(tmp_path: Path) -> None:
     assert resolve("latest", tmp_path).path.samefile(done.path)
     assert resolve(done.path, tmp_path).summary == {"loss": 0.0}
     assert resolve(open_run.path, tmp_path, finished=False).path == open_run.path
+
+
+def test_what_latest_means_to_go_on_with(tmp_path: Path) -> None:
+    with pytest.raises(RunError, match="nothing to resume"):
+        resolve_unfinished("latest", tmp_path)
+    older, newer, done = (_create(tmp_path) for _ in range(3))
+    finish(done, {}, tmp_path)
+    assert resolve_unfinished("latest", tmp_path).path == newer.path
+    assert resolve_unfinished(older.path, tmp_path).path == older.path
+    named = _create(tmp_path, out=tmp_path / "named")
+    assert resolve_unfinished("latest", tmp_path).path == named.path
+    with pytest.raises(RunError, match="found a finished one"):
+        resolve_unfinished(done.path, tmp_path)
 
 
 def test_latest_finds_a_run_outside_the_root(tmp_path: Path) -> None:

@@ -179,7 +179,7 @@ def rate_mismatch(p: Point) -> Actuated:
     return after.dq[1:] - desired.d1 * dz1 - desired.d2 * dz2
 
 
-def state_mismatch(p: Point) -> Float[Array, " 2n"]:
+def state_mismatch(p: Point) -> Float[Array, " two_n"]:
     """Full state after impact minus the zero dynamics state above z+ (rad, rad/s). [2n]."""
     return jnp.concatenate([p.impact.q - p.after.q, p.impact.dq - p.after.dq])
 

@@ -40,7 +40,7 @@ class Train:
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
     resume: Annotated[str | None, arg(metavar="RUN")] = None
-    """Continue an unfinished run."""
+    """Continue an unfinished run: its folder, or latest for the last one started."""
     output: Annotated[Output, arg(name="")] = Output()
 
 

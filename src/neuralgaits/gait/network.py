@@ -22,8 +22,8 @@ class Network(eqx.Module):
         activation: key of `activations.ACTIVATIONS`.
     """
 
-    weights: tuple[Float[Array, "out in"], ...]
-    biases: tuple[Float[Array, " out"], ...]
+    weights: tuple[Float[Array, "_ _"], ...]
+    biases: tuple[Float[Array, " _"], ...]
     activation: str = eqx.field(static=True)
 
     @classmethod

@@ -49,7 +49,7 @@ class ZeroDynamics(eqx.Module):
         """Reset map z+ = Phi_z(Delta(Phi^-1(0, z))). Returns: [2] (m, kg m^2/s)."""
         return self.point(z).z_after
 
-    def phi(self, x: FullState) -> tuple[Float[Array, " 2m"], ZeroState]:
+    def phi(self, x: FullState) -> tuple[Float[Array, " two_m"], ZeroState]:
         """Output and zero dynamics coordinates of a full state x = (q, dq).
 
         Returns: eta = (y, dy) [2m] (rad, rad/s) and z [2] (m, kg m^2/s).
@@ -63,7 +63,7 @@ class ZeroDynamics(eqx.Module):
         slope = desired.d1 * dz[0] + desired.d2 * dz[1]
         return jnp.concatenate([q[1:] - desired.y, dq[1:] - slope]), z
 
-    def phi_inv(self, z: ZeroState, eta: Float[Array, " 2m"] | float = 0.0) -> FullState:
+    def phi_inv(self, z: ZeroState, eta: Float[Array, " two_m"] | float = 0.0) -> FullState:
         """Full state with given zero dynamics and output coordinates; inverse of `phi`.
 
         Returns: x = (q, dq) [2n] (rad, rad/s).

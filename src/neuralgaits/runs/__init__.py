@@ -5,7 +5,7 @@ Dicts and arrays go in and come out; what they mean is the business of the stage
 
 from neuralgaits.runs.atomic import write_bytes, write_text
 from neuralgaits.runs.folder import FORMAT, RunFolder
-from neuralgaits.runs.latest import RUNS_ROOT, finish, resolve
+from neuralgaits.runs.latest import RUNS_ROOT, finish, resolve, resolve_unfinished
 from neuralgaits.runs.plain import plain, to_json
 from neuralgaits.runs.tree import read_metadata, read_tree, write_tree
 
@@ -18,6 +18,7 @@ __all__ = [
     "read_metadata",
     "read_tree",
     "resolve",
+    "resolve_unfinished",
     "to_json",
     "write_bytes",
     "write_text",

@@ -10,7 +10,7 @@ from typing import Any
 
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_text
-from neuralgaits.runs.folder import SUMMARY, RunFolder
+from neuralgaits.runs.folder import CONFIG, SUMMARY, RunFolder
 
 RUNS_ROOT = Path("runs")
 LATEST = "latest"
@@ -42,6 +42,33 @@ def resolve(run: str | Path, root: Path = RUNS_ROOT, *, finished: bool = True) -
             f"`neuralgaits train {folder.config.get('robot', 'ROBOT')} --resume {folder.path}`"
         )
     return folder
+
+
+def resolve_unfinished(run: str | Path, root: Path = RUNS_ROOT) -> RunFolder:
+    """Open the run folder to go on with: a path, or `latest`.
+
+    Here `latest` means the run below the root that was started last and has not finished: the
+    pointer of that name only knows finished ones.
+
+    Raises: RunError if there is no such run, or if it has finished.
+    """
+    folder = RunFolder.open(_latest_unfinished(root) if str(run) == LATEST else Path(run))
+    if folder.finished:
+        raise RunError(
+            f"expected an unfinished run, found a finished one at {folder.path}: nothing to resume"
+        )
+    return folder
+
+
+def _latest_unfinished(root: Path) -> Path:
+    configs = [*root.glob(f"*/{CONFIG}"), *root.glob(f"*/*/{CONFIG}")]
+    unfinished = [file for file in configs if not (file.parent / SUMMARY).exists()]
+    if not unfinished:
+        raise RunError(
+            f"expected an unfinished run below {root}, found none: nothing to resume; a run "
+            "elsewhere is named by its path"
+        )
+    return max(unfinished, key=lambda file: file.stat().st_mtime_ns).parent
 
 
 def _latest(root: Path) -> Path:

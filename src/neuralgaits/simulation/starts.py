@@ -17,7 +17,7 @@ _FENCE_SAMPLES = 101
 
 def full_states(
     robot: PlanarBiped, gait: Gait, kind: str, *, seed: int, episodes: int
-) -> Float[np.ndarray, "B 2n"]:
+) -> Float[np.ndarray, "B two_n"]:
     """Full states x = (q, dq) to start from (rad, rad/s).
 
     Args:

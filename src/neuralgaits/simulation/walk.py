@@ -57,7 +57,7 @@ def law_named(controller: str | AbstractLaw) -> AbstractLaw:
 def walk(
     robot: PlanarBiped,
     policies: AbstractPolicy | Sequence[AbstractPolicy],
-    starts: Float[np.ndarray, "B 2n"],
+    starts: Float[np.ndarray, "B two_n"],
     *,
     plant: PlanarBiped | None = None,
     controller: str | AbstractLaw = "pd",
@@ -94,46 +94,51 @@ def walk(
     _check_same_joints(robot, plant)
     _positive_whole("steps", steps)
     shared = isinstance(policies, AbstractPolicy)
-    each = [policies] if shared else list(policies)
-    if not shared and len(each) != count:
-        raise InputError(f"expected one policy or {count}, one a start; found {len(each)}")
+    each = [policies] if shared else _as_many(policies, count)
     if not np.isfinite(push):
         raise InputError(f"push: expected a finite impulse in N s, found {push}")
     law = law_named(controller)
     field = build(robot if plant is None else plant, disturbance)
-    controllers = [
-        Controller.init(
-            robot,
-            policy,
-            law,
-            z2_range=z2_range,
-            torque_limit=np.minimum(robot.torque_limit, field.torque_limit),
-            period_s=SUBSTEPS * TIMESTEP_S,
-        )
-        for policy in each
-    ]
-    scene = Scene.of(
-        field,
-        controllers[0] if shared else _stacked(controllers),
-        steps,
-        FallConfig() if falls is None else falls,
-    )
+    controllers = [_controller(robot, policy, law, field, z2_range) for policy in each]
+    one = controllers[0] if shared else _stacked(controllers)
+    scene = Scene.of(field, one, steps, FallConfig() if falls is None else falls)
     batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
-    silent = not (field.disturbance.encoder_noise or field.disturbance.rate_noise)
     episodes = lockstep.run(
         field,
         batch,
         _states(field, robot, starts),
         terrain=Terrain(field.disturbance.floor_height, seed, count),
         push=Push(push, steps, seed, count),
-        noise=Noise((2, 1 + field.wires.joints.size), seed, count, silent=silent),
+        noise=_noise(field, seed, count),
         threads=_cores() if threads is None else threads,
         record=record,
     )
     return Walk(robot, field, law, episodes)
 
 
-def _states(plant: Plant, robot: PlanarBiped, starts: Float[np.ndarray, "B 2n"]) -> np.ndarray:
+def _controller(
+    robot: PlanarBiped,
+    policy: AbstractPolicy,
+    law: AbstractLaw,
+    field: Plant,
+    z2_range: tuple[float, float] | None,
+) -> Controller:
+    return Controller.init(
+        robot,
+        policy,
+        law,
+        z2_range=z2_range,
+        torque_limit=np.minimum(robot.torque_limit, field.torque_limit),
+        period_s=SUBSTEPS * TIMESTEP_S,
+    )
+
+
+def _noise(plant: Plant, seed: int, episodes: int) -> Noise:
+    silent = not (plant.disturbance.encoder_noise or plant.disturbance.rate_noise)
+    return Noise((2, 1 + plant.wires.joints.size), seed, episodes, silent=silent)
+
+
+def _states(plant: Plant, robot: PlanarBiped, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
     """MuJoCo states of the starts, the stance foot resting on the floor at x = 0."""
     q, dq = np.split(starts, 2, axis=1)
     # On a slope the sphere touches beside its lowest point.
@@ -157,7 +162,7 @@ def _stacked(controllers: list[Controller]) -> Controller:
     return eqx.tree_at(lambda c: (c.policy, c.bounds), controllers[0], own)
 
 
-def _checked_starts(robot: PlanarBiped, starts: FullState) -> Float[np.ndarray, "B 2n"]:
+def _checked_starts(robot: PlanarBiped, starts: FullState) -> Float[np.ndarray, "B two_n"]:
     array = np.asarray(starts, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 2 * robot.n or not len(array):
         raise InputError(
@@ -166,6 +171,12 @@ def _checked_starts(robot: PlanarBiped, starts: FullState) -> Float[np.ndarray, 
     if not np.all(np.isfinite(array)):
         raise InputError("starts: expected finite full states, found NaN or infinity")
     return array
+
+
+def _as_many(policies: Sequence[AbstractPolicy], count: int) -> list[AbstractPolicy]:
+    if len(policies) != count:
+        raise InputError(f"expected one policy or {count}, one a start; found {len(policies)}")
+    return list(policies)
 
 
 def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:

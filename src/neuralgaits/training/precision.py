@@ -13,9 +13,11 @@ Named = TypeVar("Named", bound=tuple)
 def cast(tree: Tree, dtype) -> Tree:
     """The same tree with floating-point arrays in another precision, as NumPy arrays."""
     return jax.tree.map(
-        lambda leaf: np.asarray(leaf, dtype)
-        if eqx.is_array(leaf) and np.issubdtype(leaf.dtype, np.floating)
-        else leaf,
+        lambda leaf: (
+            np.asarray(leaf, dtype)
+            if eqx.is_array(leaf) and np.issubdtype(leaf.dtype, np.floating)
+            else leaf
+        ),
         tree,
     )
 

@@ -58,9 +58,7 @@ class Sampler(NamedTuple):
 def contains(outer: Sequence[Box], inner: Sequence[Box]) -> bool:
     """Whether every inner box lies in one of the outer boxes."""
     return all(
-        any(
-            all(o.low[k] <= i.low[k] and i.high[k] <= o.high[k] for k in (0, 1)) for o in outer
-        )
+        any(all(o.low[k] <= i.low[k] and i.high[k] <= o.high[k] for k in (0, 1)) for o in outer)
         for i in inner
     )
 

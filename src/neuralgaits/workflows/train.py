@@ -15,7 +15,7 @@ from neuralgaits.errors import InputError, NonFiniteError, RunError, SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.interpreters.tracer import trace
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
+from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState, start_from_posture
 from neuralgaits.workflows.run import (
     PROGRAM,
@@ -61,7 +61,7 @@ def train(
         hidden: widths of the hidden layers; the spec's if None.
         steps: gradient steps; the recipe's if None.
         out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
-        resume: continue this run; all other settings come from it.
+        resume: continue this run, or the `latest` unfinished one; other settings come from it.
         progress: called with (step, steps, loss) now and then.
         root: folder of the runs.
 
@@ -71,7 +71,7 @@ def train(
     """
     began = time.perf_counter()
     if resume is not None:
-        folder, robot, loaded = _resumed(Path(resume), robot)
+        folder, robot, loaded = _resumed(resume, robot, root)
         gait = untrained(folder, loaded)
     else:
         _check(seed, init, hidden, steps)
@@ -97,14 +97,12 @@ def train(
     return Run(folder, robot, loaded, gait)
 
 
-def _resumed(path: Path, robot: PlanarBiped) -> tuple[RunFolder, PlanarBiped, GaitSpec]:
+def _resumed(
+    run: str | Path, robot: PlanarBiped, root: Path
+) -> tuple[RunFolder, PlanarBiped, GaitSpec]:
     """An unfinished run with the robot and spec it started with."""
-    folder = RunFolder.open(path)
+    folder = resolve_unfinished(run, root)
     _same_robot(folder, robot)
-    if folder.finished:
-        raise RunError(
-            f"expected an unfinished run, found a finished one at {folder.path}: nothing to resume"
-        )
     return folder, *open_parts(folder)
 
 
