@@ -1,0 +1,305 @@
+"""The algebra of Taylor models in two symbols: rigorous ranges over boxes, in NumPy batches.
+
+A value is a polynomial of degree one or two in (e1, e2) in [-1, 1]^2 plus a remainder [-r, r].
+Operations keep the polynomial part exact up to rounding and bound what they drop; a unary
+function is expanded about the constant term with a bound on its next derivative over the
+model's range. Source: CERTIFICATE.md sections 2 and 3; Makino and Berz (2003).
+
+Rounding: NumPy's + - x / sqrt are IEEE; sin, cos, tanh, exp, log1p are assumed within
+4 ulp. After every operation the remainder grows by `SLACK` times the sum of all coefficient
+magnitudes, which exceeds the rounding of the operation many times over; boxes are wide, so the
+slack costs nothing. Whatever is NaN or infinite is not proved: test `low >= 0`, never its denial.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.errors import InputError
+from neuralgaits.interpreters.program import Program
+
+SLACK = 2.0**-44
+"""Relative growth of the remainder per operation."""
+TINY = 1e-250
+"""Absolute growth, for results that underflow."""
+
+# Coefficients in the order 1, e1, e2, e1^2, e1 e2, e2^2.
+_TERMS = {1: 3, 2: 6}
+
+
+@dataclass(frozen=True)
+class Taylor:
+    """A vector of Taylor models over a batch of boxes.
+
+    Attributes:
+        poly: coefficients. [terms, size, batch]
+        radius: remainder bounds. [size, batch]
+    """
+
+    poly: Float[np.ndarray, "k n B"]
+    radius: Float[np.ndarray, "n B"]
+
+    @property
+    def centre(self) -> Float[np.ndarray, "n B"]:
+        """Constant terms."""
+        return self.poly[0]
+
+    def spread(self) -> Float[np.ndarray, "n B"]:
+        """Bound on the distance of the value from its constant term."""
+        return np.sum(np.abs(self.poly[1:]), axis=0) + self.radius
+
+    def range(self) -> tuple[Float[np.ndarray, "n B"], Float[np.ndarray, "n B"]]:
+        """Lower and upper bounds over each box."""
+        quadratic = self.poly[3:]
+        straight = np.sum(np.abs(self.poly[1:3]), axis=0) + self.radius
+        low, high = self.centre - straight, self.centre + straight
+        if len(quadratic):
+            # A square is between 0 and 1, a mixed product between -1 and 1.
+            squares, mixed = quadratic[[0, 2]], np.abs(quadratic[1])
+            low = low + np.sum(np.minimum(squares, 0.0), axis=0) - mixed
+            high = high + np.sum(np.maximum(squares, 0.0), axis=0) + mixed
+        slack = SLACK * (np.abs(self.centre) + self.spread()) + TINY
+        return low - slack, high + slack
+
+
+@dataclass(frozen=True)
+class TaylorAlgebra:
+    """Rules for `walk.evaluate`. Inputs are boxes: (centre [B, size], half width [B, size]).
+
+    The Program has one input of shape (2,); its elements move with the two symbols.
+
+    Attributes:
+        degree: 1, or 2 for conditions with second derivatives.
+    """
+
+    degree: int
+
+    def enter(
+        self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
+    ) -> dict[str, Taylor]:
+        """Boxes to models. Raises: InputError on names or shapes."""
+        names = [item.name for item in program.inputs]
+        if sorted(inputs) != names or len(names) != 1 or program.inputs[0].shape != (2,):
+            raise InputError(
+                f"Taylor models take one input of shape (2,), found {names}: trace a function of u"
+            )
+        centre, half = (np.asarray(part, dtype=np.float64) for part in inputs[names[0]])
+        poly = np.zeros((_TERMS[self.degree], 2, len(centre)))
+        poly[0] = centre.T
+        poly[1, 0], poly[2, 1] = half.T
+        return {names[0]: Taylor(poly, np.zeros((2, len(centre))))}
+
+    def leave(
+        self, program: Program, outputs: dict[str, Taylor], inputs: Mapping[str, object]
+    ) -> dict[str, Taylor]:
+        """The models themselves."""
+        del program, inputs
+        return outputs
+
+    def constant(self, array: np.ndarray) -> Taylor:
+        """Exactly these doubles on every box."""
+        poly = np.zeros((_TERMS[self.degree], array.size, 1))
+        poly[0] = array[:, None]
+        return Taylor(poly, np.zeros((array.size, 1)))
+
+    def move(self, operands: Sequence[Taylor], index: np.ndarray) -> Taylor:
+        """Gather elements: exact."""
+        if len(operands) == 1:
+            return Taylor(operands[0].poly[:, index], operands[0].radius[index])
+        batch = max(part.radius.shape[1] for part in operands)
+        polys = [np.broadcast_to(p.poly, (*p.poly.shape[:2], batch)) for p in operands]
+        radii = [np.broadcast_to(p.radius, (p.radius.shape[0], batch)) for p in operands]
+        return Taylor(np.concatenate(polys, axis=1)[:, index], np.concatenate(radii)[index])
+
+    def affine(self, matrix: Taylor, right: Taylor, offset: Taylor | None, columns: int) -> Taylor:
+        """Matrix of (nearly exact) constants times models; one product for all coefficients."""
+        terms, size, batch = right.poly.shape
+        inner = size // columns
+        weights = matrix.centre.reshape(-1, inner)
+        error = matrix.radius.reshape(-1, inner)
+        stacked = right.poly.reshape(terms, inner, columns * batch)
+        poly = np.einsum("ij,tjb->tib", weights, stacked, optimize=True)
+        magnitude = (np.abs(right.poly).sum(axis=0) + right.radius).reshape(inner, -1)
+        radius = np.abs(weights) @ right.radius.reshape(inner, -1)
+        # Sums of `inner` products round at most `inner` times the last place each.
+        radius = radius + (error + inner * SLACK / 16 * np.abs(weights)) @ magnitude
+        result = Taylor(poly.reshape(terms, -1, batch), radius.reshape(-1, batch))
+        if offset is not None:
+            wide = np.repeat(np.arange(offset.radius.shape[0]), columns)
+            result = self.add(result, self.move([offset], wide))
+        return _rounded(result)
+
+    def sum(self, a: Taylor, size: int) -> Taylor:
+        """Row sums."""
+        terms, _, batch = a.poly.shape
+        poly = a.poly.reshape(terms, size, -1, batch)
+        radius = a.radius.reshape(size, -1, batch)
+        count = poly.shape[2]
+        magnitude = np.sum(np.abs(poly), axis=(0, 2))
+        total = radius.sum(axis=1) + count * SLACK / 16 * magnitude
+        return _rounded(Taylor(poly.sum(axis=2), total))
+
+    def inner(self, a: Taylor, b: Taylor, size: int) -> Taylor:
+        """Row-wise inner products."""
+        return self.sum(self.mul(a, b), size)
+
+    def add(self, a: Taylor, b: Taylor) -> Taylor:
+        """Sum."""
+        return _rounded(Taylor(a.poly + b.poly, a.radius + b.radius))
+
+    def sub(self, a: Taylor, b: Taylor) -> Taylor:
+        """Difference."""
+        return _rounded(Taylor(a.poly - b.poly, a.radius + b.radius))
+
+    def mul(self, a: Taylor, b: Taylor) -> Taylor:
+        """Product; what exceeds the degree goes into the remainder."""
+        p, q = a.poly, b.poly
+        linear_a, linear_b = np.abs(p[1:3]).sum(axis=0), np.abs(q[1:3]).sum(axis=0)
+        bound_a, bound_b = np.abs(p).sum(axis=0), np.abs(q).sum(axis=0)
+        radius = a.radius * (bound_b + b.radius) + b.radius * bound_a
+        terms = [p[0] * q[0], *(p[0] * q[k] + p[k] * q[0] for k in range(1, len(p)))]
+        if self.degree == 1:
+            radius = radius + linear_a * linear_b
+        else:
+            terms[3] = terms[3] + p[1] * q[1]
+            terms[4] = terms[4] + p[1] * q[2] + p[2] * q[1]
+            terms[5] = terms[5] + p[2] * q[2]
+            square_a, square_b = np.abs(p[3:]).sum(axis=0), np.abs(q[3:]).sum(axis=0)
+            radius = radius + linear_a * square_b + square_a * (linear_b + square_b)
+        return _rounded(Taylor(np.stack(terms), radius), bound_a * bound_b)
+
+    def div(self, a: Taylor, b: Taylor) -> Taylor:
+        """Quotient, by the reciprocal."""
+        return self.mul(a, self._unary(b, _reciprocal))
+
+    def neg(self, a: Taylor) -> Taylor:
+        """Negative: exact."""
+        return Taylor(-a.poly, a.radius)
+
+    def square(self, a: Taylor) -> Taylor:
+        """Square."""
+        return self.mul(a, a)
+
+    def sqrt(self, a: Taylor) -> Taylor:
+        """Square root."""
+        return self._unary(a, _sqrt)
+
+    def exp(self, a: Taylor) -> Taylor:
+        """Exponential."""
+        return self._unary(a, _exp)
+
+    def log1p(self, a: Taylor) -> Taylor:
+        """Logarithm of 1 + a."""
+        return self._unary(a, _log1p)
+
+    def sin(self, a: Taylor) -> Taylor:
+        """Sine."""
+        return self._unary(a, _sin)
+
+    def cos(self, a: Taylor) -> Taylor:
+        """Cosine."""
+        return self._unary(a, _cos)
+
+    def tanh(self, a: Taylor) -> Taylor:
+        """Hyperbolic tangent."""
+        return self._unary(a, _tanh)
+
+    def logistic(self, a: Taylor) -> Taylor:
+        """1/2 + tanh(a/2)/2: halving is exact."""
+        half = self.tanh(Taylor(0.5 * a.poly, 0.5 * a.radius))
+        poly = 0.5 * half.poly
+        poly[0] = poly[0] + 0.5
+        return _rounded(Taylor(poly, 0.5 * half.radius))
+
+    def _unary(self, a: Taylor, function: "Function") -> Taylor:
+        """f(c) + f'(c) d + f''(c) d^2 / 2 + remainder, d the model without its constant."""
+        spread = a.spread()
+        with np.errstate(all="ignore"):
+            derivatives, bounds = function(a.centre, spread)
+        shifted = Taylor(np.concatenate([np.zeros_like(a.poly[:1]), a.poly[1:]]), a.radius)
+        poly = derivatives[1] * shifted.poly
+        radius = np.abs(derivatives[1]) * shifted.radius
+        if self.degree == 2:
+            squared = self.mul(shifted, shifted)
+            half = 0.5 * derivatives[2]
+            poly = poly + half * squared.poly
+            radius = radius + np.abs(half) * squared.radius
+            radius = radius + bounds[1] * spread * spread * spread / 6.0
+        else:
+            radius = radius + 0.5 * bounds[0] * spread * spread
+        poly[0] = poly[0] + derivatives[0]
+        # Errors of the derivatives themselves, a few places each, act on d and d^2.
+        error = np.abs(derivatives[0]) + np.abs(derivatives[1]) * spread
+        error = error + np.abs(derivatives[2]) * spread * spread
+        return _rounded(Taylor(poly, radius), error)
+
+
+Function = Callable[
+    [np.ndarray, np.ndarray], tuple[tuple[np.ndarray, ...], tuple[np.ndarray, np.ndarray]]
+]
+"""(centre, spread) to (f, f', f'') at the centre and bounds on |f''|, |f'''| over the range."""
+
+
+def _rounded(model: Taylor, more: np.ndarray | float = 0.0) -> Taylor:
+    """Let the remainder grow by what the last operation may have rounded."""
+    size = np.abs(model.poly).sum(axis=0) + model.radius + more
+    return Taylor(model.poly, model.radius + SLACK * size + TINY)
+
+
+def _reciprocal(c: np.ndarray, r: np.ndarray):
+    nearest = np.abs(c) - r
+    nearest = np.where(nearest > 0.0, nearest * (1.0 - SLACK), np.nan)
+    value = 1.0 / c
+    far = 1.0 / nearest
+    return (value, -value * value, 2.0 * value**3), (2.0 * far**3, 6.0 * far**4)
+
+
+def _sqrt(c: np.ndarray, r: np.ndarray):
+    nearest = c - r
+    nearest = np.where(nearest > 0.0, nearest * (1.0 - SLACK), np.nan)
+    root, least = np.sqrt(c), np.sqrt(nearest)
+    second, third = 0.25 / least**3, 0.375 / least**5
+    return (root, 0.5 / root, -0.25 / root**3), (second * (1 + SLACK), third * (1 + SLACK))
+
+
+def _exp(c: np.ndarray, r: np.ndarray):
+    value, most = np.exp(c), np.exp(c + r) * (1.0 + SLACK)
+    return (value, value, value), (most, most)
+
+
+def _log1p(c: np.ndarray, r: np.ndarray):
+    nearest = 1.0 + c - r
+    nearest = np.where(nearest > 0.0, nearest * (1.0 - SLACK) - TINY, np.nan)
+    slope = 1.0 / (1.0 + c)
+    far = 1.0 / nearest
+    return (np.log1p(c), slope, -slope * slope), (far**2 * (1 + SLACK), 2 * far**3 * (1 + SLACK))
+
+
+def _sin(c: np.ndarray, r: np.ndarray):
+    sine, cosine = np.sin(c), np.cos(c)
+    return (sine, cosine, -sine), _bounds(np.abs(sine), np.abs(cosine), r)
+
+
+def _cos(c: np.ndarray, r: np.ndarray):
+    sine, cosine = np.sin(c), np.cos(c)
+    return (cosine, -sine, -cosine), _bounds(np.abs(cosine), np.abs(sine), r)
+
+
+def _bounds(second: np.ndarray, third: np.ndarray, r: np.ndarray):
+    """|f''| and |f'''| of sine and cosine: both have derivatives of at most one."""
+    wider = r + 1e-12
+    return np.minimum(1.0, second + wider), np.minimum(1.0, third + wider)
+
+
+def _tanh(c: np.ndarray, r: np.ndarray):
+    t = np.tanh(c)
+    slope = 1.0 - t * t
+    second, third = -2.0 * t * slope, slope * (6.0 * t * t - 2.0)
+    wider = r + 1e-12
+    # Largest |f''| 4/(3 sqrt 3), |f'''| 2, |f''''| below 4.1, over the real line.
+    return (t, slope, second), (
+        np.minimum(0.7699, np.abs(second) + 2.0 * wider),
+        np.minimum(2.0, np.abs(third) + 4.1 * wider),
+    )
