@@ -29,10 +29,11 @@ clean:
 # A stamp is newer than what it was built from, so an interrupted install starts over.
 .venv/run.stamp: pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Expected Python 3.11 or newer, found $$($(PYTHON) -V 2>&1): name one, as in 'make walk PYTHON=python3.12'." >&2; exit 2; }
-	$(PYTHON) -m venv .venv
-	$(PIP_INSTALL) --editable .
+	@echo "Installing into .venv: once, a minute or two." >&2
+	@$(PYTHON) -m venv .venv
+	@$(PIP_INSTALL) --editable .
 	@touch $@
 
 .venv/dev.stamp: .venv/run.stamp
-	$(PIP_INSTALL) --editable '.[dev,video]'
+	@$(PIP_INSTALL) --editable '.[dev,video]'
 	@touch $@

@@ -19,14 +19,14 @@ class TrainingProgress:
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
-            TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+            TextColumn("{task.fields[count]}"),
             TimeElapsedColumn(),
             TextColumn("ETA"),
             TimeRemainingColumn(),
             console=self._console,
             transient=True,
         )
-        self._task = self._bar.add_task("compiling", total=1)
+        self._task = self._bar.add_task("compiling", total=None, count="")
         self._next_line = 0.0
         self._first: tuple[int, float] | None = None
 
@@ -48,7 +48,11 @@ class TrainingProgress:
         """Show that `step` of `total` gradient steps are done, with the loss there."""
         if self._console.is_terminal:
             self._bar.update(
-                self._task, completed=step, total=total, description=f"loss {loss:.3g}"
+                self._task,
+                completed=step,
+                total=total,
+                count=f"{step}/{total}",
+                description=f"loss {loss:.3g}",
             )
         elif step >= self._next_line or step >= total:
             self._next_line = step + total / _LINES

@@ -1,5 +1,6 @@
 """Results as tables for a person, on stdout."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -9,32 +10,67 @@ from rich.text import Text
 
 Result = Mapping[str, Any]
 
+_FIGURES = (
+    ("speed_m_s", "speed", "m/s"),
+    ("step_time_s", "time of a step", "s"),
+    ("poincare.step_length_m", "length of a step, model", "m"),
+    ("poincare.multiplier", "Poincaré multiplier, model", ""),
+    ("cost_of_transport", "mechanical cost of transport", ""),
+    ("peak_torque_nm", "largest torque", "N m"),
+    ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
+    ("max_output_error_rad", "largest output error", "rad"),
+    ("min_normal_force_n", "smallest normal force", "N"),
+    ("saturated_fraction", "share of ticks at the torque limit", ""),
+    ("real_time_factor", "simulated seconds a second", ""),
+)
+"""Figures of a walk a person sees, with label and unit; `--json` has all."""
+
 
 def show_training(result: Result) -> None:
-    """The run, its loss, and how far each condition is from holding on fresh samples."""
-    rows = [
-        (name, _number(entry["mean_violation"]), _number(entry["max_violation"]))
-        for name, entry in result["conditions"].items()
-    ]
-    _print(_table(("condition", "mean violation", "max violation"), rows))
-    _facts(result, ("run", "robot", "spec", "seed", "steps", "loss"))
-    _facts(result, ("compile_s", "train_s", "wall_s"))
+    """Whether the conditions hold on fresh samples, those that do not, and what to do next."""
+    conditions = result["conditions"]
+    broken = {name: entry for name, entry in conditions.items() if entry["max_violation"] > 0.0}
+    if broken:
+        count = Text(f"{len(broken)} of {len(conditions)} conditions fail", "yellow")
+        _print(Text.assemble(count, " somewhere on fresh samples"))
+        worst = sorted(broken.items(), key=lambda item: -item[1]["max_violation"])
+        rows = [
+            (name, _number(entry["mean_violation"]), _number(entry["max_violation"]))
+            for name, entry in worst
+        ]
+        _print(_table(("condition", "mean violation", "max violation"), rows))
+    else:
+        _print(
+            Text.assemble(Text("trained", "green"), f": {_held(len(conditions))} on fresh samples")
+        )
+    _facts(result, ("robot", "spec", "seed", "loss"))
+    spent = {"time": f"{_seconds(result, 'wall_s')}, {_seconds(result, 'compile_s')} compiling"}
+    walk = f"neuralgaits simulate {result['run']}"
+    _facts(spent | {"run": result["run"], "next": walk}, ("time", "run", "next"))
 
 
 def show_walks(result: Result) -> None:
-    """How far each episode came, and the gait's figures."""
+    """How far each episode came, what stopped it, and the gait's figures."""
     walks, falls = result["steps_walked"], result["fell"]
     stayed = len(falls) - sum(bool(fell) for fell in falls)
     lowest, highest = (min(walks), max(walks)) if walks else (0, 0)
     span = f"{lowest}" if lowest == highest else f"{lowest} to {highest}"
     verdict = Text("walks", "green") if stayed == len(falls) else Text("falls", "red")
     _print(Text.assemble(verdict, f": {stayed} of {len(falls)} episodes stayed up, {span} steps"))
+    rows = [(reason, str(count)) for reason, count in _reasons(result).items()]
+    if rows:
+        _print(_table(("fell because", "episodes"), rows))
+    flat = dict(_flat(result))
     rows = [
-        (name, _number(value))
-        for name, value in _flat(result)
-        if name not in ("steps_walked", "fell")
+        (label, f"{_number(flat[name])} {unit}".rstrip())
+        for name, label, unit in _FIGURES
+        if flat.get(name) is not None
     ]
     _print(_table(("figure", "value"), rows))
+    changed = [f"{name}={_number(value)}" for name, value in _disturbed(result)]
+    asked = {name: result.get(name) for name in ("plant", "controller", "start", "push", "run")}
+    known = {name: value for name, value in asked.items() if value is not None}
+    _facts(known | ({"disturb": ", ".join(changed)} if changed else {}), (*asked, "disturb"))
 
 
 def show_robot(result: Result) -> None:
@@ -101,6 +137,29 @@ def _facts(result: Result, names: Iterable[str]) -> None:
     table = _table(("", ""), [(name, _number(result[name])) for name in names if name in result])
     table.show_header = False
     _print(table)
+
+
+def _held(count: int) -> str:
+    return "its condition holds" if count == 1 else f"all {count} conditions hold"
+
+
+def _seconds(result: Result, name: str) -> str:
+    return f"{result[name]:.0f} s" if name in result else "-"
+
+
+def _reasons(result: Result) -> Counter[str]:
+    """How many episodes fell for each reason."""
+    pairs = zip(result["fell"], result.get("fall_reasons", ()), strict=False)
+    return Counter(str(reason) for fell, reason in pairs if fell)
+
+
+def _disturbed(result: Result) -> Iterable[tuple[str, Any]]:
+    """The disturbances that are not what they are by default."""
+    from neuralgaits.simulation.disturbance import Disturbance
+
+    usual = vars(Disturbance())
+    disturb = result.get("disturb") or {}
+    return [(name, value) for name, value in disturb.items() if value != usual.get(name)]
 
 
 def _flat(result: Result, prefix: str = "") -> Iterable[tuple[str, Any]]:
