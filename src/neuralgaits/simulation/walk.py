@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Float, FullState
+from neuralgaits._types import Array, Float
 from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
@@ -162,7 +162,7 @@ def _stacked(controllers: list[Controller]) -> Controller:
     return eqx.tree_at(lambda c: (c.policy, c.bounds), controllers[0], own)
 
 
-def _checked_starts(robot: PlanarBiped, starts: FullState) -> Float[np.ndarray, "B two_n"]:
+def _checked_starts(robot: PlanarBiped, starts: Array) -> Float[np.ndarray, "B two_n"]:
     array = np.asarray(starts, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 2 * robot.n or not len(array):
         raise InputError(
