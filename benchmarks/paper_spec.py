@@ -21,7 +21,7 @@ from neuralgaits.training import Trainer, start_from_posture
 
 STEPS = int(os.environ.get("STEPS", 1000))
 STARTS: tuple[Init, ...] = ("posture", "random")
-INITS = [init for init in STARTS if init in os.environ.get("INITS", "posture,random")]
+INITS: list[Init] = [init for init in STARTS if init in os.environ.get("INITS", "posture,random")]
 SEED = int(os.environ.get("SEED", 0))
 FRESH_SEED = 10**6
 REPORT_EVERY = 100
