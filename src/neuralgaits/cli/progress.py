@@ -21,12 +21,12 @@ class TrainingProgress:
             BarColumn(),
             TextColumn("{task.fields[count]}"),
             TimeElapsedColumn(),
-            TextColumn("ETA"),
+            TextColumn("{task.fields[eta]}"),
             TimeRemainingColumn(),
             console=self._console,
             transient=True,
         )
-        self._task = self._bar.add_task("compiling", total=None, count="")
+        self._task = self._bar.add_task("compiling", total=None, count="", eta="")
         self._next_line = 0.0
         self._first: tuple[int, float] | None = None
 
@@ -51,7 +51,8 @@ class TrainingProgress:
                 self._task,
                 completed=step,
                 total=total,
-                count=f"{step}/{total}",
+                count=f"{step}/{total} steps",
+                eta="ETA",
                 description=f"loss {loss:.3g}",
             )
         elif step >= self._next_line or step >= total:
