@@ -11,17 +11,17 @@ magnitudes, which exceeds the rounding of the operation many times over; boxes a
 slack costs nothing. Whatever is NaN or infinite is not proved: test `low >= 0`, never its denial.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
+from neuralgaits.interpreters import expansions
+from neuralgaits.interpreters.expansions import SLACK, Expansion
 from neuralgaits.interpreters.program import Program
 
-SLACK = 2.0**-44
-"""Relative growth of the remainder per operation."""
 TINY = 1e-250
 """Absolute growth, for results that underflow."""
 
@@ -137,7 +137,7 @@ class TaylorAlgebra:
         poly = a.poly.reshape(terms, size, -1, batch)
         radius = a.radius.reshape(size, -1, batch)
         count = poly.shape[2]
-        magnitude = np.sum(np.abs(poly), axis=(0, 2))
+        magnitude = np.sum(np.abs(poly), axis=(0, 2)) + radius.sum(axis=1)
         total = radius.sum(axis=1) + count * SLACK / 16 * magnitude
         return _rounded(Taylor(poly.sum(axis=2), total))
 
@@ -172,7 +172,7 @@ class TaylorAlgebra:
 
     def div(self, a: Taylor, b: Taylor) -> Taylor:
         """Quotient, by the reciprocal."""
-        return self.mul(a, self._unary(b, _reciprocal))
+        return self.mul(a, self._unary(b, expansions.reciprocal))
 
     def neg(self, a: Taylor) -> Taylor:
         """Negative: exact."""
@@ -184,27 +184,27 @@ class TaylorAlgebra:
 
     def sqrt(self, a: Taylor) -> Taylor:
         """Square root."""
-        return self._unary(a, _sqrt)
+        return self._unary(a, expansions.sqrt)
 
     def exp(self, a: Taylor) -> Taylor:
         """Exponential."""
-        return self._unary(a, _exp)
+        return self._unary(a, expansions.exp)
 
     def log1p(self, a: Taylor) -> Taylor:
         """Logarithm of 1 + a."""
-        return self._unary(a, _log1p)
+        return self._unary(a, expansions.log1p)
 
     def sin(self, a: Taylor) -> Taylor:
         """Sine."""
-        return self._unary(a, _sin)
+        return self._unary(a, expansions.sin)
 
     def cos(self, a: Taylor) -> Taylor:
         """Cosine."""
-        return self._unary(a, _cos)
+        return self._unary(a, expansions.cos)
 
     def tanh(self, a: Taylor) -> Taylor:
         """Hyperbolic tangent."""
-        return self._unary(a, _tanh)
+        return self._unary(a, expansions.tanh)
 
     def logistic(self, a: Taylor) -> Taylor:
         """1/2 + tanh(a/2)/2: halving is exact."""
@@ -213,93 +213,25 @@ class TaylorAlgebra:
         poly[0] = poly[0] + 0.5
         return _rounded(Taylor(poly, 0.5 * half.radius))
 
-    def _unary(self, a: Taylor, function: "Function") -> Taylor:
+    def _unary(self, a: Taylor, function: Expansion) -> Taylor:
         """f(c) + f'(c) d + f''(c) d^2 / 2 + remainder, d the model without its constant."""
-        spread = a.spread()
+        # Rounded up: a singularity may lie just outside. No function of infinity is bounded.
+        spread = np.where(np.isfinite(a.centre), a.spread() * (1.0 + SLACK), np.nan)
         with np.errstate(all="ignore"):
-            derivatives, bounds = function(a.centre, spread)
+            (value, first, second), error, remainder = function(a.centre, spread, self.degree)
         shifted = Taylor(np.concatenate([np.zeros_like(a.poly[:1]), a.poly[1:]]), a.radius)
-        poly = derivatives[1] * shifted.poly
-        radius = np.abs(derivatives[1]) * shifted.radius
+        poly = first * shifted.poly
+        radius = np.abs(first) * shifted.radius + remainder
         if self.degree == 2:
             squared = self.mul(shifted, shifted)
-            half = 0.5 * derivatives[2]
+            half = 0.5 * second
             poly = poly + half * squared.poly
             radius = radius + np.abs(half) * squared.radius
-            radius = radius + bounds[1] * spread * spread * spread / 6.0
-        else:
-            radius = radius + 0.5 * bounds[0] * spread * spread
-        poly[0] = poly[0] + derivatives[0]
-        # Errors of the derivatives themselves, a few places each, act on d and d^2.
-        error = np.abs(derivatives[0]) + np.abs(derivatives[1]) * spread
-        error = error + np.abs(derivatives[2]) * spread * spread
+        poly[0] = poly[0] + value
         return _rounded(Taylor(poly, radius), error)
-
-
-Function = Callable[
-    [np.ndarray, np.ndarray], tuple[tuple[np.ndarray, ...], tuple[np.ndarray, np.ndarray]]
-]
-"""(centre, spread) to (f, f', f'') at the centre and bounds on |f''|, |f'''| over the range."""
 
 
 def _rounded(model: Taylor, more: np.ndarray | float = 0.0) -> Taylor:
     """Let the remainder grow by what the last operation may have rounded."""
     size = np.abs(model.poly).sum(axis=0) + model.radius + more
     return Taylor(model.poly, model.radius + SLACK * size + TINY)
-
-
-def _reciprocal(c: np.ndarray, r: np.ndarray):
-    nearest = np.abs(c) - r
-    nearest = np.where(nearest > 0.0, nearest * (1.0 - SLACK), np.nan)
-    value = 1.0 / c
-    far = 1.0 / nearest
-    return (value, -value * value, 2.0 * value**3), (2.0 * far**3, 6.0 * far**4)
-
-
-def _sqrt(c: np.ndarray, r: np.ndarray):
-    nearest = c - r
-    nearest = np.where(nearest > 0.0, nearest * (1.0 - SLACK), np.nan)
-    root, least = np.sqrt(c), np.sqrt(nearest)
-    second, third = 0.25 / least**3, 0.375 / least**5
-    return (root, 0.5 / root, -0.25 / root**3), (second * (1 + SLACK), third * (1 + SLACK))
-
-
-def _exp(c: np.ndarray, r: np.ndarray):
-    value, most = np.exp(c), np.exp(c + r) * (1.0 + SLACK)
-    return (value, value, value), (most, most)
-
-
-def _log1p(c: np.ndarray, r: np.ndarray):
-    nearest = 1.0 + c - r
-    nearest = np.where(nearest > 0.0, nearest * (1.0 - SLACK) - TINY, np.nan)
-    slope = 1.0 / (1.0 + c)
-    far = 1.0 / nearest
-    return (np.log1p(c), slope, -slope * slope), (far**2 * (1 + SLACK), 2 * far**3 * (1 + SLACK))
-
-
-def _sin(c: np.ndarray, r: np.ndarray):
-    sine, cosine = np.sin(c), np.cos(c)
-    return (sine, cosine, -sine), _bounds(np.abs(sine), np.abs(cosine), r)
-
-
-def _cos(c: np.ndarray, r: np.ndarray):
-    sine, cosine = np.sin(c), np.cos(c)
-    return (cosine, -sine, -cosine), _bounds(np.abs(cosine), np.abs(sine), r)
-
-
-def _bounds(second: np.ndarray, third: np.ndarray, r: np.ndarray):
-    """|f''| and |f'''| of sine and cosine: both have derivatives of at most one."""
-    wider = r + 1e-12
-    return np.minimum(1.0, second + wider), np.minimum(1.0, third + wider)
-
-
-def _tanh(c: np.ndarray, r: np.ndarray):
-    t = np.tanh(c)
-    slope = 1.0 - t * t
-    second, third = -2.0 * t * slope, slope * (6.0 * t * t - 2.0)
-    wider = r + 1e-12
-    # Largest |f''| 4/(3 sqrt 3), |f'''| 2, |f''''| below 4.1, over the real line.
-    return (t, slope, second), (
-        np.minimum(0.7699, np.abs(second) + 2.0 * wider),
-        np.minimum(2.0, np.abs(third) + 4.1 * wider),
-    )
