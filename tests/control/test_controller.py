@@ -5,9 +5,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.control import Controller, Fblin, Measurement, Pd, start, step
+from neuralgaits.control import PAPER, Controller, Fblin, Measurement, Pd, start, step
 from neuralgaits.control.measurement import leg_joints
-from neuralgaits.gait import BezierPolicy
+from neuralgaits.gait import AbstractPolicy, BezierPolicy
 from neuralgaits.robots.dynamics import hip_velocity
 
 
@@ -85,3 +85,32 @@ def test_the_step_is_the_same_under_jit_and_vmap(amber, policy, rng):
     for i, reading in enumerate(readings):
         _, alone = step(controller, start(controller), reading)
         np.testing.assert_allclose(together.torque[i], alone.torque, rtol=1e-9, atol=1e-9)
+
+
+class Echo(AbstractPolicy):
+    """Answers with the z that it was told."""
+
+    @property
+    def z1_range(self):
+        return jnp.array(-0.18), jnp.array(0.18)
+
+    def __call__(self, z):
+        return jnp.concatenate([z, z])
+
+    def matched(self, robot):
+        return self
+
+    def trainable(self):
+        return self
+
+
+@pytest.mark.parametrize(("law", "momentum"), [(PAPER, False), (Pd(), True)])
+def test_the_papers_law_tells_the_policy_no_momentum(amber, law, momentum):
+    controller = Controller.init(amber, Echo(), law, z2_range=(10.0, 30.0))
+    q = np.array([-0.1, 0.0, 0.1, -0.1, 0.0])
+    dq = np.array([-1.0, 0.0, 1.0, 0.0, 0.0])
+    _, command = step(controller, start(controller), a_measurement(amber, q, dq))
+    assert abs(float(command.z[1])) > 5.0
+    assert (float(command.y_d[1]) != 0.0) is momentum
+    assert (float(command.dy_d[1]) != 0.0) is momentum
+    np.testing.assert_allclose(command.y_d[0], command.z[0], atol=1e-12)

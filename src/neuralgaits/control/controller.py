@@ -34,7 +34,7 @@ class Controller(eqx.Module):
         robot: the model the controller believes in.
         policy: desired outputs y_d(z).
         law: how torques follow from them.
-        bounds: of the z that the policy is asked about.
+        bounds: of the measured z; the law says what of it the policy is told.
         torque_limit: of each actuated joint, stance leg first [N m]. [m]
         stance: thresholds of the stance machine.
         period_s: time between two ticks [s].
@@ -172,6 +172,7 @@ def step(
 
 def _ask(controller: Controller, reading: Reading) -> Desired:
     def outputs(z: ZeroState) -> Actuated:
-        return controller.policy(controller.bounds(z))
+        # After the bounds, whose interval need not hold what a law tells instead of z2.
+        return controller.policy(controller.law.told(controller.bounds(z)))
 
     return controller.law.desired(controller.robot, outputs, reading)

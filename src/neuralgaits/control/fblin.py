@@ -31,6 +31,10 @@ class Fblin(AbstractLaw):
     bandwidth: float = eqx.field(default=30.0, static=True)
     hold_ticks: int = eqx.field(default=1, static=True)
 
+    def told(self, z: ZeroState) -> ZeroState:
+        """All of z. Returns: [2]."""
+        return z
+
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
         """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
         z, dz = reading.z, reading.dz

@@ -24,7 +24,7 @@ class Reading(NamedTuple):
 
 
 Outputs = Callable[[ZeroState], Actuated]
-"""Desired outputs [m] (rad) as a function of z: a policy, its input bounded."""
+"""Desired outputs [m] (rad) as a function of z: a policy, told what its law lets it know."""
 
 
 class Desired(NamedTuple):
@@ -45,6 +45,10 @@ class AbstractLaw(eqx.Module):
 
     hold_ticks: eqx.AbstractVar[int]
     """Control ticks between two questions to the policy."""
+
+    @abstractmethod
+    def told(self, z: ZeroState) -> ZeroState:
+        """What the policy is told of the measured z, once that is bounded. Returns: [2]."""
 
     @abstractmethod
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:

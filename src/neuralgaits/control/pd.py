@@ -4,7 +4,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated
+from neuralgaits._types import Actuated, ZeroState
 from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
 from neuralgaits.robots import PlanarBiped
 
@@ -26,12 +26,13 @@ class Pd(AbstractLaw):
     hold_ticks: int = eqx.field(default=2, static=True)
     measure_z2: bool = eqx.field(default=True, static=True)
 
+    def told(self, z: ZeroState) -> ZeroState:
+        """All of z, or z1 with z2 = 0. Returns: [2]."""
+        return z if self.measure_z2 else z * jnp.array([1.0, 0.0])
+
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
         """Desired outputs and rates at the measured z. Returns: `Desired`."""
-        z, dz = reading.z, reading.dz
-        if not self.measure_z2:
-            z, dz = z * jnp.array([1.0, 0.0]), dz * jnp.array([1.0, 0.0])
-        y, dy = jax.jvp(outputs, (z,), (dz,))
+        y, dy = jax.jvp(outputs, (reading.z,), (reading.dz,))
         return Desired(y, dy, jnp.zeros_like(y), jnp.zeros_like(y))
 
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
