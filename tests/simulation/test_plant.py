@@ -100,6 +100,18 @@ def test_torque_limits_reach_plant_and_controller(amber):
     )
 
 
+def test_a_torque_limit_counts_gear_and_gain(amber):
+    motor = '<motor name="hip_left" joint="hip_left"/>'
+    general = (
+        '<general name="hip_left" joint="hip_left" gear="-2" gainprm="5" ctrlrange="-4.1 4.1" '
+        'ctrllimited="true"/>'
+    )
+    assert motor in amber.layout.xml
+    geared = robot_from_text(amber.layout.xml.replace(motor, general), "geared")
+    model = build(geared, Disturbance(torque_limit=20.0)).model
+    np.testing.assert_allclose(model.actuator("hip_left").ctrlrange, [-2.0, 2.0])
+
+
 def test_masses_scale_and_the_torso_shifts(amber):
     heavy = build(amber, Disturbance(mass_scale=1.1)).model
     assert heavy.body_subtreemass[0] == pytest.approx(1.1 * float(amber.mass))

@@ -82,7 +82,7 @@ def run(
         batch: the compiled control tick.
         states: MuJoCo states to start from (time, qpos, qvel).
         terrain: floor levels.
-        push: of each hip.
+        push: of each robot, at the pitch axis of its root.
         noise: of the sensors.
         threads: at most this many threads step MuJoCo.
         record: keep records and states of episode 0.

@@ -149,10 +149,10 @@ def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: Disturbance
     for name in layout.feet:
         model.geom(name).friction[0] = friction
     if disturbance.torque_limit is not None:
-        for leg in layout.actuators:
-            for name in leg:
+        for names, gears in zip(layout.actuators, layout.gears, strict=True):
+            for name, gear in zip(names, gears, strict=True):
                 actuator = model.actuator(name)
-                reach = disturbance.torque_limit / abs(actuator.gear[0])
+                reach = disturbance.torque_limit / abs(gear)
                 low, high = actuator.ctrlrange if actuator.ctrllimited[0] else (-reach, reach)
                 actuator.ctrlrange[:] = (max(low, -reach), min(high, reach))
                 actuator.ctrllimited[0] = True

@@ -1,4 +1,7 @@
-"""A horizontal push at the hip, the same impulse for every episode, each at its own moment."""
+"""A horizontal push, the same impulse for every episode, each at its own moment.
+
+It acts at the pitch axis of the robot file's root: at the hip in every built-in robot.
+"""
 
 import numpy as np
 
@@ -32,7 +35,7 @@ class Push:
     def at(
         self, time: float, touchdown: Bool[np.ndarray, " B"], count: Float[np.ndarray, " B"]
     ) -> Float[np.ndarray, " B"]:
-        """Forward force on each hip at this time. Returns: [B] (N)."""
+        """Forward force on each robot at this time. Returns: [B] (N)."""
         if not self.force:
             return np.zeros(len(touchdown))
         due = touchdown & (count == self._before)

@@ -81,7 +81,7 @@ def walk(
         steps: walking steps of an episode.
         z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
         disturbance: of the plant.
-        push: impulse at the root, forward (N s).
+        push: forward impulse at the pitch axis of the root (N s); see `simulation.push`.
         seed: of everything random.
         falls: thresholds of a fall.
         record: keep records and states of episode 0.
