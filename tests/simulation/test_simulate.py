@@ -9,6 +9,8 @@ from neuralgaits.barriers import Gait, Tube, specs
 from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.runs import RunFolder
 from neuralgaits.simulation import logs
+from neuralgaits.simulation import video as films
+from neuralgaits.workflows import simulate as workflow
 from neuralgaits.workflows.run import Run
 from neuralgaits.workflows.simulate import simulate
 
@@ -59,6 +61,45 @@ def test_the_periodic_orbit_is_the_one_that_is_walked(walked):
 def test_the_summary_is_json_and_in_the_run_folder(run, walked):
     assert json.loads(json.dumps(walked[0].summary)) == walked[0].summary
     assert run.folder.read_json("simulation/summary.json") == walked[0].summary
+
+
+def test_the_summary_says_what_was_asked_so_that_it_can_be_repeated(walked):
+    summary = walked[0].summary
+    assert (summary["steps"], summary["episodes"], summary["seed"]) == (4, 2, 0)
+    assert summary["law"] == {"bandwidth": 30.0, "hold_ticks": 1}
+
+
+def _no_screen(model):
+    raise InputError("video needs OpenGL")
+
+
+def _no_walk(*arguments, **settings):
+    raise AssertionError("walked before the outputs were checked")
+
+
+def test_outputs_that_cannot_be_written_are_refused_before_the_walk(run, tmp_path, monkeypatch):
+    pytest.importorskip("imageio_ffmpeg")
+    monkeypatch.setattr(workflow, "walk", _no_walk)
+    monkeypatch.setattr(films, "_renderer", _no_screen)
+    with pytest.raises(InputError, match="video needs OpenGL"):
+        simulate(run, steps=1, video=tmp_path / "walk.mp4")
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="expected a file that can be written"):
+        simulate(run, steps=1, log=tmp_path / "file" / "deeper" / "walk.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_log_that_fails_late_does_not_cost_the_summary(run, walked, tmp_path, monkeypatch):
+    def disk_full(path, log):
+        raise OSError("no space left")
+
+    monkeypatch.setattr(logs, "write", disk_full)
+    with pytest.raises(OSError, match="no space left"):
+        simulate(run, controller="paper", steps=1, log=tmp_path / "walk.csv")
+    kept = run.folder.read_json("simulation/summary.json")
+    run.folder.write_json("simulation/summary.json", walked[0].summary)
+    assert kept["controller"] == "paper"
+    assert kept["law"]["stiffness"] == 578.0
 
 
 def test_the_log_is_that_of_the_first_walk(walked):

@@ -28,7 +28,7 @@ _SUFFIX = ".mp4"
 def check(path: Path) -> None:
     """Refuse what cannot work before an episode is simulated.
 
-    Raises: InputError with the remedy, if the extra is missing or the file is no MP4.
+    Raises: InputError with the remedy, if the extra or OpenGL is missing or the file is no MP4.
     """
     if path.suffix != _SUFFIX:
         raise InputError(f"video {path}: expected a file name that ends in {_SUFFIX}")
@@ -36,6 +36,7 @@ def check(path: Path) -> None:
         raise InputError(
             "video needs imageio-ffmpeg, which is not installed: pip install 'neuralgaits[video]'"
         )
+    _renderer(mujoco.MjModel.from_xml_string("<mujoco/>")).close()
 
 
 def write(
@@ -52,9 +53,8 @@ def write(
         states: time, qpos and qvel, one a control tick.
         floors: level under each foot (m), one a control tick.
 
-    Raises: InputError with the remedy, if the extra or OpenGL is missing.
+    Raises: InputError with the remedy, if OpenGL or ffmpeg fails.
     """
-    check(path)
     ticks = round(1.0 / (FRAMES_PER_S * SUBSTEPS * TIMESTEP_S))
     renderer = _renderer(plant.model)
     moments = zip(states[::ticks], floors[::ticks], strict=True)

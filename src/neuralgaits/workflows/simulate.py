@@ -1,8 +1,13 @@
 """Walk a trained gait in MuJoCo at full order."""
 
-from dataclasses import dataclass
+import os
+import tempfile
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
+
+import jax
+import numpy as np
 
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
@@ -54,7 +59,8 @@ def simulate(
         controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), or a law.
         steps: walking steps of an episode.
         start: `centre` of the gait's region, `region` (anywhere in it), or `fixed-point`.
-        push: impulse of one forward push (N s), at a random moment after the fifth step.
+        push: impulse of one forward push at the root's pitch axis, which is the hip in every
+            built-in robot (N s), at a random moment after the fifth step.
         disturb: `NAME=VALUE,...` or a mapping; see `simulation.disturbance`.
         seed: of starts and disturbances.
         episodes: number of walks.
@@ -85,12 +91,11 @@ def simulate(
         seed=seed,
         record=log is not None or video is not None,
     )
-    figures = _settings(trained, walked, controller, start, push, seed) | summary(
-        walked, periodic_orbit(robot, gait)
-    )
-    _write_outputs(walked, log, video)
-    result = plain(figures)
+    settings = _settings(trained, walked, controller, start, push, seed) | {"steps": steps}
+    result = plain(settings | summary(walked, periodic_orbit(robot, gait)))
+    # First, so that nothing that can go wrong with a log or a video costs the walk.
     trained.folder.write_json(SUMMARY, result)
+    _write_outputs(walked, log, video)
     return Simulation(walked, result)
 
 
@@ -106,7 +111,9 @@ def _settings(
     return {
         "run": str(trained.path),
         "plant": walked.plant.robot.name,
-        "controller": controller if isinstance(controller, str) else repr(controller),
+        "controller": controller if isinstance(controller, str) else type(controller).__name__,
+        "law": _fields(walked.law),
+        "episodes": len(walked.episodes.endings),
         "start": start,
         "push": push,
         "disturb": walked.plant.disturbance,
@@ -114,13 +121,36 @@ def _settings(
     }
 
 
+def _fields(law: AbstractLaw) -> dict[str, Any]:
+    """A law's numbers by name; what is no number is shown as text."""
+    values = {field.name: getattr(law, field.name) for field in fields(law)}
+    numbers = (bool, int, float, np.generic, np.ndarray, jax.Array)
+    return {
+        name: value if isinstance(value, numbers) else repr(value) for name, value in values.items()
+    }
+
+
 def _check_outputs(log: str | Path | None, film: str | Path | None) -> None:
     """Refuse outputs that cannot be written, before the walk."""
+    for path in (log, film):
+        if path is not None:
+            _check_writable(Path(path))
     if film is not None:
         films.check(Path(film))
-    for path in (log, film):
-        if path is not None and Path(path).is_dir():
-            raise InputError(f"expected a file to write, found a folder at {path}: name a file")
+
+
+def _check_writable(path: Path) -> None:
+    if path.is_dir():
+        raise InputError(f"expected a file to write, found a folder at {path}: name a file")
+    # What is missing of the path is made later, in the nearest folder there is.
+    base = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
+    try:
+        with tempfile.TemporaryFile(dir=base):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"expected a file that can be written, found {path}: {error.strerror}; name another"
+        ) from None
 
 
 def _write_outputs(walked: Walk, log: str | Path | None, film: str | Path | None) -> None:
