@@ -17,9 +17,10 @@ import neuralgaits as ng
 from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
 from neuralgaits.errors import InputError, NonFiniteError, RunError, SpecError
-from neuralgaits.interpreters import Program
+from neuralgaits.interpreters import POINT, Program, evaluate
 from neuralgaits.workflows.run import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS, open_run
-from neuralgaits.workflows.train import NAN_STATE, train
+from neuralgaits.workflows.train import train
+from neuralgaits.workflows.training_session import NAN_STATE
 
 SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
 STEPS = 300
@@ -74,8 +75,8 @@ def test_the_folder_is_complete(trained):
     }
     config = json.loads((trained.path / "config.json").read_text())
     assert config["steps"] == 1400
-    assert config["provable"] is True
-    assert set(config["copies"]) == {ROBOT, SPEC, PROGRAM}
+    assert config["not_provable_because"] is None
+    assert set(config["copies"]) == {ROBOT, SPEC}
     with (trained.path / "metrics.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [int(float(row["step"])) for row in rows] == list(range(100, 1401, 100))
@@ -92,10 +93,19 @@ def test_the_summary_has_what_the_interface_names(trained):
     assert summary["wall_s"] >= summary["compile_s"] + summary["train_s"] > 0.0
 
 
-def test_the_program_is_stored(trained):
-    """Read back from its file it is the one the config names."""
+def test_the_program_is_that_of_the_trained_gait(trained):
+    """Read back from its file it is the one the summary names, and gives the gait's margins."""
     program = Program.from_json((trained.path / PROGRAM).read_text())
-    assert program.hash == trained.folder.config["program_hash"]
+    assert program.hash == trained.summary["program_hash"]
+    u = np.array([0.3, 0.6])
+    margins = trained.spec.margins(trained.gait, trained.zero_dynamics, u)
+    found = evaluate(program, {"u": u}, POINT)
+    for name, expected in margins.items():
+        np.testing.assert_allclose(found[name], expected, rtol=1e-10, atol=1e-10)
+
+
+def test_the_summary_says_what_the_impact_leaves(trained):
+    assert max(trained.summary["after_impact"].values()) < 1e-9
 
 
 def test_opening_gives_the_same_gait_bit_for_bit(small):
@@ -119,16 +129,17 @@ def test_progress_is_told(small, told):
     assert small.summary["steps"] == STEPS
 
 
-def test_latest_names_the_run(small, root):
-    assert (root / "latest").read_text().strip()
-    assert (root / "small" / "summary.json").is_file()
+def test_latest_names_a_finished_run(small, root):
+    named = root / (root / "latest").read_text().strip()
+    assert named.parent == root
+    assert (named / "summary.json").is_file()
 
 
 KILLED = """
 import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
-from neuralgaits.workflows import train as workflow
+from neuralgaits.workflows import training_session as workflow
 
 workflow.CHECKPOINT_S = 0.0
 out = Path(sys.argv[2])
@@ -213,9 +224,8 @@ def test_a_spec_that_cannot_be_traced_is_refused_at_once(amber, tmp_path):
 def test_a_relu_policy_trains_but_is_not_provable(amber, tmp_path):
     run = train(amber, f"{SMALL}:relu", steps=1, out=tmp_path / "run", root=tmp_path)
     assert run.summary["provable"] is False
-    config = run.folder.config
-    assert config["program_hash"] is None
-    assert "ReLU" in config["not_provable_because"]
+    assert run.summary["program_hash"] is None
+    assert "ReLU" in run.folder.config["not_provable_because"]
     assert not (run.path / PROGRAM).exists()
     same(open_run(run.path).gait, run.gait)
 
@@ -233,13 +243,13 @@ def test_a_spec_object_with_another_condition(amber, small, tmp_path):
 
 
 def test_a_changed_built_in_spec_cannot_pass_for_the_built_in(amber, trained, tmp_path):
-    """A run of `walking` with one more condition, as its config would say."""
+    """A run of `walking` with another recipe, as its config would say."""
     for path in trained.path.iterdir():
         (tmp_path / path.name).write_bytes(path.read_bytes())
     config = json.loads((tmp_path / "config.json").read_text())
-    config["conditions"].append("step")
+    config["described"]["recipe"]["aim"] = 0.05
     (tmp_path / "config.json").write_text(json.dumps(config))
-    with pytest.raises(RunError, match=r"expected a spec with the run's 28 conditions, found 27"):
+    with pytest.raises(RunError, match=r"expected the spec the run was trained with, found other"):
         open_run(tmp_path)
 
 

@@ -1,8 +1,8 @@
 """A gait specification: conditions on regions, where training starts and how it proceeds."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, Literal
 
 from jaxtyping import PRNGKeyArray
 
@@ -90,9 +90,19 @@ class GaitSpec:
                 raise SpecError(
                     f"condition {condition.name!r}: expected scale > 0, found {condition.scale}"
                 )
-        missing = sorted({c.region for c in self.conditions} - set(self.recipe.samples))
+        counts = self.recipe.samples
+        missing = sorted({c.region for c in self.conditions} - set(counts))
         if missing:
             raise SpecError(f"spec {self.name!r}: recipe.samples has no entry for {missing}")
+        unknown = sorted(set(counts) - set(self.regions))
+        if unknown:
+            raise SpecError(f"spec {self.name!r}: recipe.samples names no regions {unknown}")
+        empty = sorted(name for name, count in counts.items() if count < 1)
+        if empty:
+            raise SpecError(f"spec {self.name!r}: expected at least 1 sample in {empty}")
+        stray = sorted(set(self.weights) - set(names))
+        if stray:
+            raise SpecError(f"spec {self.name!r}: weights name no conditions {stray}")
 
     def with_conditions(self, *more: AbstractCondition) -> "GaitSpec":
         """The same spec with further conditions."""
@@ -104,7 +114,18 @@ class GaitSpec:
         if unknown:
             raise SpecError(f"spec {self.name!r} has no conditions {unknown}")
         kept = tuple(c for c in self.conditions if c.name not in names)
-        return replace(self, conditions=kept)
+        weights = {name: value for name, value in self.weights.items() if name not in names}
+        return replace(self, conditions=kept, weights=weights)
+
+    def describe(self) -> dict[str, Any]:
+        """Everything about the spec but its functions, as plain data: what a run saves."""
+        return {
+            "name": self.name,
+            "recipe": asdict(self.recipe),
+            "regions": dict(self.regions),
+            "weights": dict(self.weights),
+            "conditions": [_described(condition) for condition in self.conditions],
+        }
 
     def margins(
         self, gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]
@@ -112,3 +133,9 @@ class GaitSpec:
         """Margins of all conditions at one chart point, each in its own units."""
         point = zd.point(gait.z(u))
         return {c.name: c.margins(gait, zd, point) for c in self.conditions}
+
+
+def _described(condition: AbstractCondition) -> dict[str, Any]:
+    values = {f.name: getattr(condition, f.name) for f in fields(condition)}
+    numbers = {name: value for name, value in values.items() if not callable(value)}
+    return {"kind": type(condition).__name__} | numbers

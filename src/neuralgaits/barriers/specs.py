@@ -1,6 +1,7 @@
 """The built-in gait specifications by name, and a user's own from FILE.py:NAME."""
 
 import importlib.util
+import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -82,6 +83,8 @@ def _module(path: str):
     if specification is None or specification.loader is None:
         raise SpecError(f"spec file {path}: expected a Python file")
     module = importlib.util.module_from_spec(specification)
+    # Dataclasses look their module up while they are made.
+    sys.modules[specification.name] = module
     try:
         specification.loader.exec_module(module)
     except Exception as error:  # The user's file may raise anything.

@@ -75,6 +75,11 @@ def walking(
     """
     if policy not in ("hybrid-invariant", "mlp"):
         raise SpecError(f"walking: expected policy hybrid-invariant or mlp, found {policy!r}")
+    if robot.n - (robot.torso is not None) <= 2:
+        raise SpecError(
+            f"spec walking: expected a robot with knees, found none in {robot.name!r}: straight "
+            "legs cannot clear the ground; write a spec of your own, FILE.py:NAME"
+        )
     conditions = [*_stance(robot), *_swing_foot(robot), *_tube(), *_guard(robot)]
     free = policy == "mlp"
     if free:
@@ -187,8 +192,7 @@ def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
             f.at_least(f.transversal_inertia, _inertia(unit, 5.0)),
         ),
     ]
-    knees = _knees(robot)
-    if len(knees):
+    if len(_knees(robot)):
         conditions.append(Pointwise("knee", "tube", 0.5, partial(_knee_bend, robot)))
     return conditions
 

@@ -11,7 +11,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.runs import RunFolder, resolve
+from neuralgaits.runs import RunFolder, plain, resolve
 
 WEIGHTS, STATE, ROBOT, SPEC, PROGRAM = (
     "policy.safetensors",
@@ -82,12 +82,13 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
         folder.copy(SPEC)  # Refuses a file that was changed after the run.
         name = f"{folder.path / SPEC}:{name.rpartition(':')[2]}"
     spec = specs.load(name, robot)
-    found = [condition.name for condition in spec.conditions]
-    if found != config["conditions"]:
+    found = plain(spec.describe())
+    if found != config["described"]:
+        part = next(key for key, value in found.items() if value != config["described"].get(key))
         raise RunError(
-            f"expected a spec with the run's {len(config['conditions'])} conditions, found "
-            f"{len(found)} in {name!r}: the run was trained from a GaitSpec that no file defines, "
-            "or by another version; write the spec to FILE.py and train with --spec FILE.py:NAME"
+            f"expected the spec the run was trained with, found other {part} in {name!r}: the run "
+            "was trained from a GaitSpec that no file defines, or by another version; write the "
+            "spec to FILE.py and train with --spec FILE.py:NAME"
         )
     return robot, spec
 
