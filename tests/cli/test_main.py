@@ -12,6 +12,8 @@ from neuralgaits.cli import main as entry
 from neuralgaits.cli import verbs
 from neuralgaits.cli.main import main
 from neuralgaits.cli.verbs import Outcome
+from neuralgaits.runs import RUNS_ROOT, RunFolder
+from neuralgaits.workflows import train as training
 
 Captured = pytest.CaptureFixture[str]
 
@@ -123,3 +125,39 @@ def test_environment_keeps_what_the_user_set(
     assert os.environ["JAX_COMPILATION_CACHE_DIR"] == "mine"
     assert os.environ["JAX_ENABLE_X64"] == "1"
     assert entry.environment.cache_folder() == tmp_path / "neuralgaits"
+
+
+@pytest.mark.parametrize(
+    ("flag", "value"),
+    [
+        ("--spec", "walking"),
+        ("--seed", "0"),
+        ("--steps", "5"),
+        ("--init", "posture"),
+        ("--hidden", "8,8"),
+        ("--out", "elsewhere"),
+    ],
+)
+def test_resume_refuses_the_settings_a_run_has_of_its_own(
+    capfd: Captured, flag: str, value: str
+) -> None:
+    assert main(["train", "amber3m", "--resume", "latest", flag, value]) == 2
+    assert f"found it with {flag}:" in _only_line(capfd)
+
+
+def test_resume_latest_says_which_run_it_took(
+    capfd: Captured, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = RunFolder.create({"robot": "amber3m"}, {}, name="amber3m", seed=3, root=RUNS_ROOT)
+
+    def halt(robot: Any, **settings: Any) -> None:
+        assert settings["resume"] == folder.path
+        assert set(settings) == {"resume", "progress"}
+        raise errors.RunError("halted")
+
+    monkeypatch.setattr(training, "train", halt)
+    assert main(["train", "amber3m", "--resume", "latest"]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err == f"resuming {folder.path}\nneuralgaits: halted\n"

@@ -27,20 +27,22 @@ class Train:
 
     robot: Robot
     """Name of a built-in robot, or path of an MJCF file."""
-    spec: str = "walking"
-    """What the gait must satisfy: walking, paper, authors, or FILE.py:NAME."""
-    init: Literal["posture", "random"] = "posture"
-    """Start from a walking posture, or from random weights as the paper does."""
+    spec: Annotated[str | None, arg(metavar="SPEC")] = None
+    """What the gait must satisfy: walking (if not given), walking-mlp, paper, authors, or
+    FILE.py:NAME."""
+    init: Annotated[Literal["posture", "random"] | None, arg(metavar="{posture,random}")] = None
+    """Start from a walking posture (if not given), or from random weights as the paper does."""
     hidden: Annotated[str | None, arg(metavar="N,N")] = None
     """Widths of the policy's hidden layers; the spec's own if not given."""
-    seed: Annotated[int, arg(metavar="N")] = 0
-    """Seed of initial weights and samples."""
+    seed: Annotated[int | None, arg(metavar="N")] = None
+    """Seed of initial weights and samples; 0 if not given."""
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; the spec's own number if not given."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
     resume: Annotated[str | None, arg(metavar="RUN")] = None
-    """Continue an unfinished run: its folder, or latest for the last one started."""
+    """Continue an unfinished run: its folder, or latest for the last one started. All other
+    settings are the run's own."""
     output: Annotated[Output, arg(name="")] = Output()
 
 

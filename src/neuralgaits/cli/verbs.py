@@ -1,12 +1,17 @@
 """One function a verb: call the workflow, judge the answer, say how to show it."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from neuralgaits.cli import screen
 from neuralgaits.cli.arguments import Doctor, Inspect, Robots, Simulate, Train, Verb
 from neuralgaits.errors import InputError
+
+_TRAINING = ("spec", "seed", "init", "hidden", "steps", "out")
+"""Settings of a training that a resumed run has of its own."""
 
 
 @dataclass(frozen=True)
@@ -44,25 +49,41 @@ def carry_out(verb: Verb) -> Outcome:
 
 
 def _train(verb: Train) -> Outcome:
-    hidden = None if verb.hidden is None else _widths(verb.hidden)
+    asked = {name: getattr(verb, name) for name in _TRAINING}
+    given: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
+    if "hidden" in given:
+        given["hidden"] = _widths(given["hidden"])
+    if verb.resume is not None:
+        given = {"resume": _unfinished(verb.resume, given)}
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.train import train
 
     robot = load_robot(verb.robot)
     with TrainingProgress() as progress:
-        run = train(
-            robot,
-            spec=verb.spec,
-            seed=verb.seed,
-            init=verb.init,
-            hidden=hidden,
-            steps=verb.steps,
-            out=verb.out,
-            resume=verb.resume,
-            progress=progress,
-        )
+        run = train(robot, progress=progress, **given)
     return Outcome(run.summary, True, screen.show_training)
+
+
+def _unfinished(run: str, given: dict[str, Any]) -> Path:
+    """The run folder to go on with; on stderr if the caller left open which.
+
+    Raises: InputError if settings are given that the run has of its own, RunError if there is
+        no such run.
+    """
+    if given:
+        flags = ", ".join(f"--{name}" for name in given)
+        raise InputError(
+            f"expected --resume alone, found it with {flags}: a run goes on with its own "
+            "settings; drop them, or train anew without --resume"
+        )
+    from neuralgaits.runs import resolve_unfinished
+    from neuralgaits.runs.latest import LATEST
+
+    folder = resolve_unfinished(run)
+    if run == LATEST:
+        print(f"resuming {folder.path}", file=sys.stderr)
+    return folder.path
 
 
 def _simulate(verb: Simulate) -> Outcome:
