@@ -1,0 +1,248 @@
+"""What a proof file says, read and judged as a file: fields, types, hash, trees.
+
+Only the standard library and NumPy are needed. The reader accepts the one format it knows,
+field by field; what it does not know may change the meaning of what it knows.
+"""
+
+import json
+import math
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.errors import InputError
+from neuralgaits.interpreters.program import Program
+
+FORMAT, KIND, CHART = 1, "neuralgaits level 1", "u = (phase, level) in [0,1]^2"
+FIELDS = frozenset(
+    "format kind robot weights_sha256 spec program program_hash chart statements".split()
+)
+STATEMENT_FIELDS = frozenset("conditions region scales bounds degree root tree".split())
+MAX_DEPTH = 48
+"""Deepest tree: further halving would exhaust the digits of a double."""
+
+Corners = tuple[np.ndarray, np.ndarray]
+"""Boxes by their lower and upper corners. [boxes, 2] each."""
+
+
+class InconsistentError(Exception):
+    """The file can be read, but cannot be a proof of what it says."""
+
+
+@dataclass(frozen=True, eq=False)
+class Statement:
+    """Every element of each output is at least bound times scale, everywhere on the root box.
+
+    Attributes:
+        conditions: outputs of the Program.
+        region: its name in the spec.
+        scales, bounds: by condition; scales > 0, bounds >= 0.
+        degree: of the Taylor models, 1 or 2.
+        low, high: corners of the root box. [2] each
+        tree: the splits, depth first: 1 split, 0 leaf.
+    """
+
+    conditions: tuple[str, ...]
+    region: str
+    scales: dict[str, float]
+    bounds: dict[str, float]
+    degree: int
+    low: tuple[float, float]
+    high: tuple[float, float]
+    tree: str
+
+    def leaves(self) -> Corners:
+        """Boxes that cover the root box. Raises: InconsistentError if the tree is not one."""
+        lows, highs = [], []
+        bits = iter(self.tree)
+        stack = [(self.low, self.high, 0)]
+        while stack:
+            low, high, depth = stack.pop()
+            bit = next(bits, None)
+            if bit is None:
+                raise InconsistentError(f"the tree of {self.region} ends before its last leaf")
+            if bit == "0":
+                lows.append(low)
+                highs.append(high)
+                continue
+            parts = list(children(low, high))
+            if depth == MAX_DEPTH or not parts:
+                raise InconsistentError(f"the tree of {self.region} splits what has no width")
+            stack += [(*part, depth + 1) for part in reversed(parts)]
+        if next(bits, None) is not None:
+            raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
+        return np.array(lows), np.array(highs)
+
+
+@dataclass(frozen=True, eq=False)
+class Claims:
+    """All that a proof file says.
+
+    Attributes:
+        robot, spec: name and sha256 of the file.
+        weights_sha256: of the policy's weights file.
+        program: what the statements are about.
+        program_hash: the hash that the file gives for it.
+        statements: in the order of the file.
+    """
+
+    robot: tuple[str, str]
+    spec: tuple[str, str]
+    weights_sha256: str
+    program: Program
+    program_hash: str
+    statements: tuple[Statement, ...]
+
+
+def children(
+    low: tuple[float, float], high: tuple[float, float]
+) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
+    """Halves of a box along every axis that has a width, the first axis fastest."""
+    axes = []
+    for a, b in zip(low, high, strict=True):
+        middle = a + (b - a) * 0.5
+        axes.append([(a, b)] if a == b else [(a, middle), (middle, b)])
+    if len(axes[0]) == len(axes[1]) == 1:
+        return
+    for second in axes[1]:
+        for first in axes[0]:
+            yield (first[0], second[0]), (first[1], second[1])
+
+
+def read_claims(path: Path) -> Claims:
+    """Read a proof file. Raises: InputError in one line if it is not one of this format."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"expected a proof file at {path}, found none to read: {error}") from None
+    try:
+        table = json.loads(text, object_pairs_hook=_unique, parse_constant=_no_number)
+        return _claims(table)
+    except (ValueError, RecursionError, OverflowError) as error:
+        raise InputError(
+            f"expected a proof file of format {FORMAT}, found in {path}: {error}; write it again "
+            "with `neuralgaits certify`"
+        ) from None
+
+
+def _claims(table: Any) -> Claims:
+    if isinstance(table, dict) and table.get("format", FORMAT) != FORMAT:
+        raise ValueError(f"format {table['format']!r}")
+    fields = _fields(table, "the file", FIELDS)
+    for name, known in (("kind", KIND), ("chart", CHART)):
+        if fields[name] != known:
+            raise ValueError(f"{name} {fields[name]!r} instead of {known!r}")
+    program = _program(fields["program"])
+    entries = fields["statements"]
+    if not isinstance(entries, list) or not entries:
+        raise ValueError("no statements")
+    outputs = {output.name for output in program.outputs}
+    return Claims(
+        robot=_named_hash(fields["robot"], "robot"),
+        spec=_named_hash(fields["spec"], "spec"),
+        weights_sha256=_text(fields["weights_sha256"], "weights_sha256"),
+        program=program,
+        program_hash=_text(fields["program_hash"], "program_hash"),
+        statements=tuple(_statement(entry, outputs) for entry in entries),
+    )
+
+
+def _program(given: Any) -> Program:
+    """A Program, written in its canonical form and no other."""
+    text = given if isinstance(given, str) else json.dumps(given)
+    table = json.loads(
+        text, object_pairs_hook=_unique, parse_float=_no_number, parse_constant=_no_number
+    )
+    canonical = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    try:
+        program = Program.from_json(canonical)
+    except InputError as error:
+        raise ValueError(str(error)) from None
+    if program.to_json() != canonical:
+        raise ValueError("a Program with fields that this version does not know")
+    if [(item.name, item.shape) for item in program.inputs] != [("u", (2,))]:
+        raise ValueError("a Program that is no function of u alone")
+    if any(0 in output.shape for output in program.outputs):
+        raise ValueError("a Program with an output without elements")
+    return program
+
+
+def _statement(entry: Any, outputs: set[str]) -> Statement:
+    fields = _fields(entry, "a statement", STATEMENT_FIELDS)
+    names = fields["conditions"]
+    if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
+        raise ValueError(f"conditions {names!r}, which are not a list of names")
+    if len(set(names)) < len(names) or not set(names) <= outputs:
+        raise ValueError(f"conditions {names} that are no different outputs of the Program")
+    if fields["degree"] not in (1, 2) or not isinstance(fields["degree"], int):
+        raise ValueError(f"degree {fields['degree']!r} instead of 1 or 2")
+    tree = _text(fields["tree"], "tree")
+    if not tree or set(tree) - {"0", "1"}:
+        raise ValueError("a tree that is no string of 0 and 1")
+    corners = _fields(fields["root"], "a root box", ("low", "high"))
+    low, high = _corner(corners["low"]), _corner(corners["high"])
+    if not all(0.0 <= a <= b <= 1.0 for a, b in zip(low, high, strict=True)):
+        raise ValueError(f"a root box from {low} to {high}, which is no box of the chart")
+    return Statement(
+        conditions=tuple(names),
+        region=_text(fields["region"], "region"),
+        scales=_numbers(fields["scales"], names, "scales", positive=True),
+        bounds=_numbers(fields["bounds"], names, "bounds", positive=False),
+        degree=fields["degree"],
+        low=low,
+        high=high,
+        tree=tree,
+    )
+
+
+def _fields(table: Any, what: str, names: Collection[str]) -> dict[str, Any]:
+    """A JSON object with exactly these names. Raises: ValueError."""
+    if not isinstance(table, dict):
+        raise ValueError(f"{what} that is no JSON object")
+    wrong = sorted(set(table) ^ set(names))
+    if wrong:
+        what_is = "unknown" if wrong[0] in table else "no"
+        raise ValueError(f"{what_is} field {wrong[0]!r} in {what}")
+    return table
+
+
+def _named_hash(table: Any, what: str) -> tuple[str, str]:
+    fields = _fields(table, what, ("name", "sha256"))
+    return _text(fields["name"], f"{what} name"), _text(fields["sha256"], f"{what} sha256")
+
+
+def _text(value: Any, what: str) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"{what} that is no text")
+    return value
+
+
+def _numbers(table: Any, names: list[str], what: str, *, positive: bool) -> dict[str, float]:
+    """A finite number for each name, > 0 or >= 0, exactly as it stands in the file."""
+    fields = _fields(table, what, names)
+    for name, value in fields.items():
+        known = isinstance(value, int | float) and not isinstance(value, bool)
+        if not known or not math.isfinite(value) or value < 0 or (positive and value == 0):
+            raise ValueError(f"{value!r} among the {what}, for {name}")
+    return {name: float(value) for name, value in fields.items()}
+
+
+def _corner(value: Any) -> tuple[float, float]:
+    """Two hexadecimal floats."""
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"the corner {value!r} instead of two hexadecimal numbers")
+    return float.fromhex(_text(value[0], "a corner")), float.fromhex(_text(value[1], "a corner"))
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    names = [name for name, _ in pairs]
+    if len(set(names)) < len(names):
+        raise ValueError(f"a field that stands twice among {sorted(names)}")
+    return dict(pairs)
+
+
+def _no_number(text: str) -> float:
+    raise ValueError(f"the number {text[:40]}")
