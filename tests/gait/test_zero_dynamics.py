@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neuralgaits.errors import InputError
-from neuralgaits.gait import poincare
+from neuralgaits.gait import ZeroDynamics, poincare
 
 ZD = {}
 
@@ -84,3 +84,12 @@ def test_a_bad_full_state_is_refused():
 def test_a_bad_guess_of_the_orbit_is_refused(z0):
     with pytest.raises(InputError, match="z0: expected two finite numbers"):
         inspect.unwrap(poincare)(CASES["amber3m"].zd, z0)
+
+
+@pytest.mark.parametrize("use", [ZeroDynamics.zdot, ZeroDynamics.guard, ZeroDynamics.phi_inv])
+def test_a_policy_for_other_joints_is_refused(use):
+    zd = ZeroDynamics(CASES["amber3m"].robot, CASES["legs-2"].policy)
+    with pytest.raises(InputError, match=r"policy: expected 4 outputs, .* found shape \(3,\)"):
+        use(zd, np.array([0.0, 20.0]))
+    with pytest.raises(InputError, match="use a policy made for this robot"):
+        zd.phi(np.zeros(10))

@@ -8,8 +8,10 @@ import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
+import pytest
 from floating_base import FloatingBase
 
+from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped, dynamics
 
 STATES = 1000
@@ -144,3 +146,31 @@ def test_rotors_add_inertia_but_no_momentum(amber: PlanarBiped) -> None:
     np.testing.assert_allclose(difference, np.diag(amber.armature), atol=1e-14)
     row = -(amber.mass_matrix(q) @ dq)[0]
     np.testing.assert_allclose(dynamics.angular_momentum(amber, q, dq), row, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("method", "wrong", "message"),
+    [
+        ("mass_matrix", (np.zeros(4),), r"q: expected shape \(5,\), found \(4,\)"),
+        ("mass_matrix", (np.zeros((7, 5)),), r"q: .*found \(7, 5\); use jax.vmap"),
+        ("bias", (np.zeros(5), np.zeros(())), r"dq: expected shape \(5,\), found \(\)"),
+        ("impact", (np.zeros((2, 5)), np.zeros((2, 5))), r"q: .*use jax.vmap"),
+        ("impact", (np.full(5, np.nan), np.zeros(5)), r"q: expected finite numbers, found \[nan,"),
+        ("swing_foot", (np.zeros(3),), "q: expected shape"),
+        ("centre_of_mass", (np.zeros(3),), "q: expected shape"),
+        ("kinetic_energy", (np.zeros(5), np.full(5, np.inf)), "dq: expected finite numbers"),
+        ("potential_energy", (np.zeros(3),), "q: expected shape"),
+        ("acceleration", (np.zeros(5), np.zeros(5), np.zeros(5)), r"torque: .*\(4,\), found \(5,"),
+        ("ground_reaction_force", (np.zeros(5), np.zeros(5), np.zeros(1)), "ddq: expected shape"),
+    ],
+)
+def test_wrong_shapes_and_numbers_are_one_line(
+    amber: PlanarBiped, method: str, wrong: tuple, message: str
+) -> None:
+    with pytest.raises(InputError, match=message) as refusal:
+        getattr(amber, method)(*wrong)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_list_is_a_state_too(amber: PlanarBiped) -> None:
+    assert amber.mass_matrix([0.0] * 5).shape == (5, 5)  # pyright: ignore[reportArgumentType]

@@ -249,6 +249,9 @@ def test_binary_file(tmp_path: Path) -> None:
 def test_single_precision_is_refused() -> None:
     with jax.enable_x64(False), pytest.raises(InputError, match="jax_enable_x64"):
         load_robot("amber3m")
+    # A run opens its robot from text.
+    with jax.enable_x64(False), pytest.raises(InputError, match="opening a run"):
+        robot_from_text(AMBER, "amber3m")
 
 
 def test_a_copied_file_is_the_same_robot(tmp_path: Path) -> None:

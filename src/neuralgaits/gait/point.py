@@ -15,9 +15,15 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Coordinates, Planar, Scalar, ZeroState
 from neuralgaits.gait.coordinates import lift
-from neuralgaits.gait.policy import AbstractPolicy, Curve, OutputJet, output_jet_and_change
+from neuralgaits.gait.policy import (
+    AbstractPolicy,
+    Curve,
+    OutputJet,
+    output_jet_and_change,
+    refuse_other_joints,
+)
 from neuralgaits.robots import Impact, PlanarBiped, dynamics
-from neuralgaits.robots.impact import momentum_after
+from neuralgaits.robots import impact as impacts
 
 
 class Point:
@@ -52,7 +58,9 @@ class Point:
 
     @cached_property
     def _jet_and_change(self) -> tuple[OutputJet, Curve]:
-        return output_jet_and_change(self.policy, self.z)
+        found = output_jet_and_change(self.policy, self.z)
+        refuse_other_joints(self.robot, found[0].y)
+        return found
 
     @property
     def outputs(self) -> OutputJet:
@@ -164,13 +172,13 @@ class Point:
     @cached_property
     def torque(self) -> Actuated:
         """Joint torques that keep the outputs at zero [N m]. [m]."""
-        balance = self.robot.mass_matrix(self.q) @ self.ddq + self.robot.bias(self.q, self.dq)
-        return balance[1:]
+        mass = dynamics.mass_matrix(self.robot, self.q)
+        return (mass @ self.ddq + dynamics.bias(self.robot, self.q, self.dq))[1:]
 
     @cached_property
     def force(self) -> Planar:
         """Ground force on the stance foot, (tangential, normal) [N]. [2]."""
-        return self.robot.ground_reaction_force(self.q, self.dq, self.ddq)
+        return dynamics.ground_reaction_force(self.robot, self.q, self.dq, self.ddq)
 
     @cached_property
     def foot(self) -> Planar:
@@ -185,13 +193,13 @@ class Point:
     @cached_property
     def impact(self) -> Impact:
         """Full state after an impact in this state, and its impulse."""
-        return self.robot.impact(self.q, self.dq)
+        return impacts.impact(self.robot, self.q, self.dq)
 
     @cached_property
     def z_after(self) -> ZeroState:
         """Reset map: zero coordinates after an impact in this state. [2]. No solve."""
         q_new = self.robot.relabel @ self.q
-        momentum = momentum_after(self.robot, self.q, self.dq)
+        momentum = impacts.momentum_after(self.robot, self.q, self.dq)
         return jnp.stack([self.robot.hip_gradient @ q_new, -momentum[0]])
 
     @cached_property

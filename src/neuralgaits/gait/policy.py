@@ -9,6 +9,7 @@ import jax
 import numpy as np
 
 from neuralgaits._types import Actuated, Scalar, ZeroState
+from neuralgaits.errors import InputError
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -61,6 +62,18 @@ def output_jet(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
     y, push = jax.linearize(policy, z)
     slopes = jax.vmap(push)(np.eye(2, dtype=z.dtype))
     return OutputJet(y, slopes[0], slopes[1])
+
+
+def refuse_other_joints(robot: "PlanarBiped", y: Actuated) -> None:
+    """Check that outputs are one for each actuated joint of the robot.
+
+    Raises: InputError if the policy is for a robot with other joints.
+    """
+    if y.shape != (robot.n - 1,):
+        raise InputError(
+            f"policy: expected {robot.n - 1} outputs, one for each actuated joint of "
+            f"{robot.name}, found shape {y.shape}: use a policy made for this robot"
+        )
 
 
 Curve = Callable[[ZeroState], OutputJet]

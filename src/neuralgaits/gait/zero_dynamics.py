@@ -8,20 +8,20 @@ from collections.abc import Callable
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jax.core import Tracer
 
 from neuralgaits._types import Array, Float, FullState, Scalar, ZeroState
-from neuralgaits.errors import InputError
 from neuralgaits.gait.coordinates import lift, zero_coordinates
 from neuralgaits.gait.point import Point
-from neuralgaits.gait.policy import AbstractPolicy, output_jet
+from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_jet, refuse_other_joints
 from neuralgaits.robots import PlanarBiped, dynamics
+from neuralgaits.robots.checks import vector
 
 
 class ZeroDynamics(eqx.Module):
     """Zero dynamics dz = omega(0, z; theta) + residual(z), with guard and reset map.
 
-    All methods take single states; use `jax.vmap` for batches.
+    All methods take single states; use `jax.vmap` for batches. They raise InputError for other
+    shapes, and for a policy whose outputs are not one for each actuated joint.
 
     Attributes:
         robot: the biped.
@@ -35,7 +35,7 @@ class ZeroDynamics(eqx.Module):
 
     def point(self, z: ZeroState) -> Point:
         """Everything on the zero dynamics manifold at z, evaluated on demand."""
-        return Point(self.robot, self.policy, self.residual, _checked("z", z, 2))
+        return Point(self.robot, self.policy, self.residual, vector("z", z, 2))
 
     def zdot(self, z: ZeroState) -> ZeroState:
         """Rate of the zero dynamics. Returns: [2] (m/s, N m). Source: paper Eq. 4."""
@@ -55,10 +55,10 @@ class ZeroDynamics(eqx.Module):
         Returns: eta = (y, dy) [2m] (rad, rad/s) and z [2] (m, kg m^2/s).
         """
         n = self.robot.n
-        x = _checked("x", x, 2 * n)
+        x = vector("x", x, 2 * n)
         q, dq = x[:n], x[n:]
         z = zero_coordinates(self.robot, q, dq)
-        desired = output_jet(self.policy, z)
+        desired = self._desired(z)
         dz = self._rate(q, dq)
         slope = desired.d1 * dz[0] + desired.d2 * dz[1]
         return jnp.concatenate([q[1:] - desired.y, dq[1:] - slope]), z
@@ -69,9 +69,9 @@ class ZeroDynamics(eqx.Module):
         Returns: x = (q, dq) [2n] (rad, rad/s).
         """
         m = self.robot.n - 1
-        z = _checked("z", z, 2)
-        eta = jnp.zeros(2 * m) + eta if np.ndim(eta) == 0 else _checked("eta", eta, 2 * m)
-        desired = output_jet(self.policy, z)
+        z = vector("z", z, 2)
+        eta = jnp.zeros(2 * m) + eta if np.ndim(eta) == 0 else vector("eta", eta, 2 * m)
+        desired = self._desired(z)
         q = lift(self.robot, z[0], desired.y + eta[:m])
         theta = self.robot.link_angles @ q
         dz2 = self._fall(q)
@@ -82,6 +82,11 @@ class ZeroDynamics(eqx.Module):
         dz1 = -(z[1] + row @ known) / (row @ along)
         return jnp.concatenate([q, along * dz1 + known])
 
+    def _desired(self, z: ZeroState) -> OutputJet:
+        desired = output_jet(self.policy, z)
+        refuse_other_joints(self.robot, desired.y)
+        return desired
+
     def _fall(self, q) -> Scalar:
         """Rate of z2: the weight's moment about the stance foot."""
         return self.robot.mass * self.robot.gravity * self.robot.centre_of_mass(q)[0]
@@ -89,14 +94,3 @@ class ZeroDynamics(eqx.Module):
     def _rate(self, q, dq) -> ZeroState:
         """Rate of z in any full state of the rigid model (m/s, N m)."""
         return jnp.stack([self.robot.hip_gradient @ dq, self._fall(q)])
-
-
-def _checked(name: str, value, size: int) -> Float[Array, " k"]:
-    array = jnp.asarray(value)
-    if array.shape != (size,):
-        raise InputError(
-            f"{name}: expected shape ({size},), found {array.shape}; use jax.vmap for batches"
-        )
-    if not isinstance(array, Tracer) and not np.all(np.isfinite(array)):
-        raise InputError(f"{name}: expected finite numbers, found {value}")
-    return array

@@ -10,13 +10,14 @@ hip, swing joints downwards); every joint angle is (upper link) - (lower link). 
 theta = T q, and all kinematics are sums of constants times e(theta) = (-sin, cos).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import equinox as eqx
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
-from neuralgaits.robots import dynamics, impact
+from neuralgaits.robots import checks, dynamics, impact
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,9 @@ class MjcfLayout:
 
 class PlanarBiped(eqx.Module):
     """A planar biped with two equal legs, point feet and one unactuated coordinate.
+
+    Methods take single states and raise InputError for other shapes, and for concrete numbers
+    that are not finite; use `jax.vmap` for batches.
 
     Every array is a float64 NumPy leaf: the numbers of the robot file, never rounded.
 
@@ -132,14 +136,14 @@ class PlanarBiped(eqx.Module):
 
         Returns: [n, n] symmetric positive definite (kg m^2), armature included.
         """
-        return dynamics.mass_matrix(self, q)
+        return dynamics.mass_matrix(self, *self._checked(q=q))
 
     def bias(self, q: Coordinates, dq: Coordinates) -> Coordinates:
         """Coriolis, gravity and damping terms H of D(q) ddq + H(q, dq) = B u.
 
         Returns: [n] (N m).
         """
-        return dynamics.bias(self, q, dq)
+        return dynamics.bias(self, *self._checked(q=q, dq=dq))
 
     def impact(self, q: Coordinates, dq: Coordinates) -> impact.Impact:
         """Plastic impact of the swing foot, then relabelling of the legs.
@@ -147,28 +151,35 @@ class PlanarBiped(eqx.Module):
         Returns: `Impact(q, dq, impulse)`: [n], [n] after relabelling (rad, rad/s) and
         [2] (tangential, normal) impulse on the new stance foot (N s).
         """
-        return impact.impact(self, q, dq)
+        return impact.impact(self, *self._checked(q=q, dq=dq))
 
     def swing_foot(self, q: Coordinates) -> Planar:
         """Swing-foot position from the stance foot, (x, z). Returns: [2] (m)."""
-        return dynamics.swing_foot(self, q)
+        return dynamics.swing_foot(self, *self._checked(q=q))
 
     def centre_of_mass(self, q: Coordinates) -> Planar:
         """Centre of mass from the stance foot, (x, z). Returns: [2] (m)."""
-        return dynamics.centre_of_mass(self, q)
+        return dynamics.centre_of_mass(self, *self._checked(q=q))
 
     def kinetic_energy(self, q: Coordinates, dq: Coordinates) -> Scalar:
         """Kinetic energy, rotors included. Returns: scalar (J)."""
+        q, dq = self._checked(q=q, dq=dq)
         return 0.5 * dq @ (dynamics.mass_matrix(self, q) @ dq)
 
     def potential_energy(self, q: Coordinates) -> Scalar:
         """Potential energy above the stance foot. Returns: scalar (J)."""
-        return self.mass * self.gravity * dynamics.centre_of_mass(self, q)[1]
+        return self.mass * self.gravity * self.centre_of_mass(q)[1]
 
     def acceleration(self, q: Coordinates, dq: Coordinates, torque: Actuated) -> Coordinates:
         """Forward dynamics with the stance foot pinned. Returns: [n] (rad/s^2)."""
+        q, dq = self._checked(q=q, dq=dq)
+        torque = checks.vector("torque", torque, self.n - 1)
         return dynamics.acceleration(self, q, dq, torque)
 
     def ground_reaction_force(self, q: Coordinates, dq: Coordinates, ddq: Coordinates) -> Planar:
         """Force of the ground on the stance foot. Returns: [2] (tangential, normal) (N)."""
-        return dynamics.ground_reaction_force(self, q, dq, ddq)
+        return dynamics.ground_reaction_force(self, *self._checked(q=q, dq=dq, ddq=ddq))
+
+    def _checked(self, **vectors: Coordinates) -> Iterator[Coordinates]:
+        """The vectors in their order, each checked to be [n] and finite."""
+        return (checks.vector(name, value, self.n) for name, value in vectors.items())

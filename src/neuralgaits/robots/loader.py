@@ -40,11 +40,6 @@ def load_robot(name_or_path: str | Path) -> PlanarBiped:
     Raises: RobotError if the file cannot be used, naming the body or joint and the remedy;
         InputError if JAX runs in single precision.
     """
-    if not jax.config.read("jax_enable_x64"):
-        raise InputError(
-            'single precision: call jax.config.update("jax_enable_x64", True) before loading a '
-            "robot"
-        )
     text, fallback = _robot_text(name_or_path)
     return robot_from_text(text, fallback)
 
@@ -57,8 +52,13 @@ def robot_from_text(text: str, name: str) -> PlanarBiped:
         name: of the robot, unless the file names its model.
 
     Returns: `PlanarBiped`.
-    Raises: RobotError, as `load_robot`.
+    Raises: RobotError and InputError, as `load_robot`.
     """
+    if not jax.config.read("jax_enable_x64"):
+        raise InputError(
+            'single precision: call jax.config.update("jax_enable_x64", True) before loading a '
+            "robot or opening a run"
+        )
     model = _compile(text, name)
     tree = read_tree(model)
     refuse_ignored_physics(model)
