@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.doctor import doctor
     from neuralgaits.workflows.inspect import inspect
+    from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.simulate import simulate
     from neuralgaits.workflows.train import train
 
@@ -32,6 +33,7 @@ _HOMES = {
     "doctor": "neuralgaits.workflows.doctor",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
+    "open_run": "neuralgaits.workflows.run",
     "poincare": "neuralgaits.gait",
     "simulate": "neuralgaits.workflows.simulate",
     "specs": "neuralgaits.barriers",
@@ -47,6 +49,7 @@ __all__ = [
     "doctor",
     "inspect",
     "load_robot",
+    "open_run",
     "poincare",
     "simulate",
     "specs",

@@ -58,6 +58,7 @@ def test_importing_does_nothing(tmp_path: Path) -> None:
 
 
 def test_the_public_names_exist() -> None:
+    assert "open_run" in neuralgaits.__all__
     for name in neuralgaits.__all__:
         assert getattr(neuralgaits, name) is not None
     with pytest.raises(AttributeError, match="walk"):
