@@ -36,10 +36,13 @@ BATCH = 64
 MORE_SPLITS = 6
 """How often a leaf may be split before the check gives up on it."""
 
+DERIVED_ELSEWHERE = (
+    "the Program in the file is the spec's conditions for the robot and weights named: without a "
+    "run to compare with, it is not traced again"
+)
 ASSUMPTIONS = (
-    "the Program in the file says what the conditions mean for this robot and these weights: "
-    "it was traced from the spec, derivatives by JAX's forward mode and the activations' own "
-    "rules, and is not derived again here",
+    "the Program was traced rightly from the formulas of robot, policy and spec: derivatives by "
+    "JAX's forward mode and the activations' own rules, which are not derived again here",
     "the model is the rigid-body zero dynamics with the stored float64 numbers, in exact real "
     "arithmetic: the float32 evaluation on a robot, sampling and disturbances are outside",
     "level 1: conditions hold at every state of their regions; that trajectories stay in the "

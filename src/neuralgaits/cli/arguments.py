@@ -76,6 +76,17 @@ class Simulate:
 
 
 @dataclass(frozen=True)
+class CheckProof:
+    """Check a proof file again, with ball arithmetic only."""
+
+    file: Annotated[Positional[Path], arg(metavar="FILE")]
+    """Proof file, as in RUN/certificate/proof.json."""
+    run: Annotated[str | None, arg(metavar="RUN")] = None
+    """Run folder, or latest, that the proof must be about."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Inspect:
     """Show what a robot file holds and what is wrong with it."""
 
@@ -98,11 +109,12 @@ class Doctor:
     output: Annotated[Output, arg(name="")] = Output()
 
 
-Verb = Train | Simulate | Inspect | Robots | Doctor
+Verb = Train | Simulate | CheckProof | Inspect | Robots | Doctor
 
 _NAMED = (
     Annotated[Train, subcommand("train")]
     | Annotated[Simulate, subcommand("simulate")]
+    | Annotated[CheckProof, subcommand("check-proof")]
     | Annotated[Inspect, subcommand("inspect")]
     | Annotated[Robots, subcommand("robots")]
     | Annotated[Doctor, subcommand("doctor")]

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from neuralgaits.cli import environment
 from neuralgaits.errors import NeuralGaitsError, NonFiniteError
 
-GOOD, NO, BAD_INPUT, DEFECT, INTERRUPTED = 0, 1, 2, 70, 130
+GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 
 
 def run() -> None:
@@ -54,7 +54,6 @@ def _answer(arguments: list[str]) -> int:
 
     verb = one_line_errors(read, arguments)
     from neuralgaits.cli import verbs
-    from neuralgaits.runs.plain import to_json
 
     if not verb.output.json:
         outcome = verbs.carry_out(verb)
@@ -62,8 +61,12 @@ def _answer(arguments: list[str]) -> int:
     else:
         with _stdout_to_stderr():
             outcome = verbs.carry_out(verb)
+        from neuralgaits.runs.plain import to_json
+
         sys.stdout.write(to_json(outcome.result))
         sys.stdout.flush()
+    if outcome.undecided:
+        return UNDECIDED
     return GOOD if outcome.good else NO
 
 

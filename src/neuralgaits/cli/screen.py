@@ -73,6 +73,21 @@ def show_walks(result: Result) -> None:
     _facts(known | ({"disturb": ", ".join(changed)} if changed else {}), (*asked, "disturb"))
 
 
+def show_check(result: Result) -> None:
+    """The verdict and why, what the file claims, and what the claim rests on."""
+    colour = {"proved": "green", "rejected": "red", "undecided": "yellow"}[result["verdict"]]
+    reason = f": {result['reason']}" if result["reason"] else ""
+    _print(Text.assemble(Text(result["verdict"], colour), reason))
+    for statement in result["statements"]:
+        _print(Text(f"  {statement}"))
+    if result["unclaimed"]:
+        _print(Text(f"not claimed: {', '.join(result['unclaimed'])}"))
+    _print(Text("assuming that"))
+    for assumption in result["assumptions"]:
+        _print(Text(f"  {assumption}"))
+    _facts({"boxes": result["boxes"], "time": _seconds(result, "wall_s")}, ("boxes", "time"))
+
+
 def show_robot(result: Result) -> None:
     """Links, actuators and the whole."""
     _print(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.cli import screen
-from neuralgaits.cli.arguments import Doctor, Inspect, Robots, Simulate, Train, Verb
+from neuralgaits.cli.arguments import CheckProof, Doctor, Inspect, Robots, Simulate, Train, Verb
 from neuralgaits.errors import InputError
 
 _TRAINING = ("spec", "seed", "init", "hidden", "steps", "out")
@@ -22,11 +22,13 @@ class Outcome:
         result: what `--json` prints.
         good: False if the answer is no.
         table: shows the result to a person.
+        undecided: True if there is no answer.
     """
 
     result: dict[str, Any]
     good: bool
     table: Callable[[dict[str, Any]], None]
+    undecided: bool = False
 
     def show(self) -> None:
         """Print the result for a person on stdout."""
@@ -40,6 +42,8 @@ def carry_out(verb: Verb) -> Outcome:
             return _train(verb)
         case Simulate():
             return _simulate(verb)
+        case CheckProof():
+            return _check_proof(verb)
         case Inspect():
             return _inspect(verb)
         case Robots():
@@ -105,6 +109,16 @@ def _simulate(verb: Simulate) -> Outcome:
             video=verb.video,
         )
     return Outcome(done.summary, not any(done.summary["fell"]), screen.show_walks)
+
+
+def _check_proof(verb: CheckProof) -> Outcome:
+    from neuralgaits.cli.progress import waiting
+    from neuralgaits.workflows.check_proof import check_proof
+
+    with waiting("bounding every box again, in balls"):
+        result = check_proof(verb.file, run=verb.run)
+    verdict = result["verdict"]
+    return Outcome(result, verdict == "proved", screen.show_check, verdict == "undecided")
 
 
 def _inspect(verb: Inspect) -> Outcome:
