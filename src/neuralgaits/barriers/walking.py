@@ -26,11 +26,11 @@ from neuralgaits.barriers.regions import Box, Gait, Tube
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Point, walking_posture
+from neuralgaits.gait.posture import REFERENCE_LEG_M
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
-REFERENCE_LEG_M = 0.8731
 LIFT_OFF, LANDING = 0.15, 0.85
 """Phases between which the swing foot must be clear of the ground."""
 TORQUE_SHARE = 0.927

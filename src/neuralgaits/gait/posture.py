@@ -14,12 +14,13 @@ from neuralgaits._types import Actuated, Float
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
-# Found on AMBER-3M (leg 0.8731 m; LESSONS 42), then divided by leg length.
-GUARD = 0.17 / 0.8731
+REFERENCE_LEG_M = 0.8731
+"""Leg length of AMBER-3M, on which lengths and slopes were found (LESSONS 42)."""
+GUARD = 0.17 / REFERENCE_LEG_M
 """z1 at the guard, in leg lengths."""
-HIP_HEIGHT = 0.835 / 0.8731
+HIP_HEIGHT = 0.835 / REFERENCE_LEG_M
 """Hip height of the inverse kinematics path, in leg lengths."""
-CLEARANCE = 0.03 / 0.8731
+CLEARANCE = 0.03 / REFERENCE_LEG_M
 """Swing-foot height in mid-step on that path, in leg lengths."""
 MOMENTUM = 0.363
 """Typical z2 of a walk, in m l sqrt(g l)."""
@@ -29,8 +30,14 @@ KNEE_BEND = 0.30
 """Knee angle of both legs at the guard [rad]."""
 SWING_THIGH = 0.35
 """Up-angle of the swing thigh at the guard [rad]."""
+KNEE_SLOPE, HIP_SLOPE = -0.3, 1.1
+"""Slopes at the guard of swing knee and stance hip in z1, of the reference robot [rad/m]."""
+KNEE_LIFT, HIP_LIFT = 0.2, -0.05
+"""Biases of swing knee and swing hip that lift the foot in mid-step."""
+Z1_SCALE = 0.2 / REFERENCE_LEG_M
+"""Scale of the network's first input, in leg lengths."""
 KNEE_SLACK = 0.02
-"""Distance of the output bounds from a knee's stop [rad]."""
+"""Distance of the output bounds from the stop of a straight knee [rad]."""
 KNEE_RANGE, HIP_RANGE = 1.5, (-1.2, 0.6)
 """Widest bounds of knees (away from straight) and hips [rad]."""
 
@@ -71,13 +78,9 @@ def hip_indices(robot: "PlanarBiped") -> tuple[int, ...]:
 def walking_posture(robot: "PlanarBiped") -> Posture:
     """Bounds and starting point for a walking policy on this robot."""
     m, hips, length = robot.n - 1, hip_indices(robot), robot.leg_length
-    # A knee bends away from its closer stop: forwards like a human's, or backwards.
-    side = np.where(robot.joint_upper >= -robot.joint_lower, 1.0, -1.0)
-    lower, upper = robot.joint_lower + KNEE_SLACK, robot.joint_upper - KNEE_SLACK
-    lower = np.maximum(lower, np.where(side > 0, KNEE_SLACK, -KNEE_RANGE))
-    upper = np.minimum(robot.joint_upper, np.where(side > 0, KNEE_RANGE, -KNEE_SLACK))
+    lower, upper, side = _knee_bounds(robot)
     guard, slopes, bend = KNEE_BEND * side, np.zeros(m), np.zeros(m)
-    slopes[hips[-1] + 1 :], bend[hips[-1] + 1 :] = -0.3, 0.2
+    slopes[hips[-1] + 1 :], bend[hips[-1] + 1 :] = KNEE_SLOPE, KNEE_LIFT
     slopes, bend = slopes * side, bend * side
     hip_range = (-max(HIP_RANGE), -min(HIP_RANGE)) if robot.torso is None else HIP_RANGE
     for hip in hips:
@@ -90,15 +93,31 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
     )
     stance_thigh = float(first) + legs
     if robot.torso is None:
-        guard[hips[0]], slopes[hips[0]], bend[hips[0]] = SWING_THIGH - stance_thigh, 2.2, 0.05
+        # The one hip angle is swing thigh minus stance thigh: it does the work of both.
+        guard[hips[0]] = SWING_THIGH - stance_thigh
+        slopes[hips[0]], bend[hips[0]] = 2.0 * HIP_SLOPE, -HIP_LIFT
     else:
         guard[list(hips)] = -stance_thigh, -SWING_THIGH
-        slopes[list(hips)] = 1.1, -1.1
-        bend[list(hips)] = 0.0, -0.05
-    slopes *= 0.8731 / length
+        slopes[list(hips)] = HIP_SLOPE, -HIP_SLOPE
+        bend[list(hips)] = 0.0, HIP_LIFT
+    slopes *= REFERENCE_LEG_M / length
     guard = np.clip(guard, lower, upper)
-    scale = np.array([0.2 / 0.8731 * length, MOMENTUM * momentum_unit(robot) / 3.0])
+    scale = np.array([Z1_SCALE * length, MOMENTUM * momentum_unit(robot) / 3.0])
     return Posture(lower, upper, guard, slopes, bend, z_guard, scale, np.array([0.0, 2.7]))
+
+
+def _knee_bounds(robot: "PlanarBiped") -> tuple[Actuated, Actuated, Actuated]:
+    """Bounds of joints as if all were knees, and the sign of their bend. Returns: [m] each.
+
+    A knee bends away from its closer stop: forwards like a human's, or backwards. It keeps
+    KNEE_SLACK from straight and from that stop; the far stop it may reach.
+    """
+    forward = robot.joint_upper >= -robot.joint_lower
+    near = np.where(forward, robot.joint_lower, -robot.joint_upper)
+    far = np.where(forward, robot.joint_upper, -robot.joint_lower)
+    near, far = np.maximum(near, 0.0) + KNEE_SLACK, np.minimum(far, KNEE_RANGE)
+    bounds = np.where(forward, near, -far), np.where(forward, far, -near)
+    return *bounds, np.where(forward, 1.0, -1.0)
 
 
 def posture_path(robot: "PlanarBiped", z1: Float[np.ndarray, " N"]) -> Float[np.ndarray, "N m"]:
