@@ -8,13 +8,18 @@ the file's own coordinates; a stance foot pinned to the ground is a linear const
 # MuJoCo ships no type stubs.
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import jax
+import jax.numpy as jnp
 import mujoco
 import numpy as np
 
+from neuralgaits._types import Coordinates
+from neuralgaits.control.measurement import coordinates, leg_joints
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.robots.mjcf_state import Sensors, StateMap
+from neuralgaits.simulation.wiring import controls, measure
 
 
 class Pinned(NamedTuple):
@@ -95,6 +100,28 @@ class FloatingBase:
             embedding,
             drift,
         )
+
+
+def read_back(
+    robot: PlanarBiped, states: StateMap, qpos: np.ndarray, qvel: np.ndarray, stance: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates and rates as the controller reads them. States may have one batch axis."""
+
+    def one(sensors: Sensors, leg: Any) -> tuple[Coordinates, Coordinates]:
+        still = jnp.zeros(2)
+        return coordinates(robot, measure(sensors, still, jnp.zeros(()), still), leg)
+
+    read = jax.vmap(one) if qpos.ndim > 1 else one
+    q, dq = read(jax.tree.map(jnp.asarray, states.sensors(qpos, qvel)), jnp.asarray(stance))
+    return np.asarray(q), np.asarray(dq)
+
+
+def motor_controls(
+    robot: PlanarBiped, states: StateMap, torque: np.ndarray, stance: int
+) -> np.ndarray:
+    """Controls as the simulation sets them for torques on the actuated coordinates. [nu]."""
+    by_leg = leg_joints(robot, jnp.asarray(torque), jnp.asarray(stance))
+    return np.asarray(controls(states, by_leg))
 
 
 def plastic_impact(

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
-from floating_base import FloatingBase
+from floating_base import FloatingBase, motor_controls
 
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped, dynamics
@@ -70,7 +70,7 @@ def test_forward_dynamics_and_ground_force_solve_the_floating_base(robot: Planar
         stance = i % 2
         pinned = base.pinned(q[i], dq[i], stance)
         acceleration = pinned.embedding @ ddq[i] + pinned.drift
-        base.data.ctrl[:] = base.states.controls(torque[i], stance)
+        base.data.ctrl[:] = motor_controls(robot, base.states, torque[i], stance)
         needed = base.mass_matrix() @ acceleration + base.resistance()
         pushed = actuator_force(base) + base.foot(stance)[1].T @ force[i]
         assert_close(pushed, needed)

@@ -10,7 +10,7 @@ import jax
 import mujoco
 import numpy as np
 import pytest
-from floating_base import FloatingBase, plastic_impact
+from floating_base import FloatingBase, plastic_impact, read_back
 
 from neuralgaits._types import Array
 from neuralgaits.robots import PlanarBiped, dynamics, load_robot
@@ -47,8 +47,7 @@ def test_equals_the_floating_base_solve(robot: PlanarBiped) -> None:
         stance = i % 2
         qpos, qvel = base.states.to_mjcf(q[i], dq[i], stance)
         qvel_after, impulse = plastic_impact(base, qpos, qvel, 1 - stance)
-        sensors = base.states.sensors(qpos, qvel_after)
-        q_after, dq_after = base.states.coordinates(1 - stance, sensors)
+        q_after, dq_after = read_back(robot, base.states, qpos, qvel_after, 1 - stance)
         np.testing.assert_allclose(after.q[i], q_after, atol=1e-13)
         np.testing.assert_allclose(after.dq[i], dq_after, atol=1e-10 * np.max(np.abs(dq_after)))
         np.testing.assert_allclose(after.impulse[i], impulse, atol=1e-10 * np.max(np.abs(impulse)))
@@ -122,7 +121,7 @@ def contact_momentum(robot: PlanarBiped, q: np.ndarray, dq: np.ndarray) -> float
         mujoco.mj_step2(model, data)
     sensors = states.sensors(data.qpos, data.qvel)
     _, velocity = states.foot(1, sensors)
-    q_now, dq_now = states.coordinates(1, sensors)
+    q_now, dq_now = read_back(robot, states, data.qpos, data.qvel, 1)
     moving = float(dynamics.angular_momentum(robot, q_now, dq_now))
     arm = np.asarray(robot.centre_of_mass(q_now))
     carried = float(robot.mass) * (arm[1] * velocity[0] - arm[0] * velocity[1])

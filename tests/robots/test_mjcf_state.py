@@ -3,7 +3,7 @@
 import jax
 import numpy as np
 import pytest
-from floating_base import FloatingBase
+from floating_base import FloatingBase, motor_controls, read_back
 
 from neuralgaits.robots import PlanarBiped
 
@@ -20,8 +20,9 @@ def random_batch(robot: PlanarBiped) -> tuple[np.ndarray, ...]:
 def test_round_trip(robot: PlanarBiped) -> None:
     states = FloatingBase.of(robot).states
     q, dq, stance, foot, velocity = random_batch(robot)
-    sensors = states.sensors(*states.to_mjcf(q, dq, stance, foot, velocity))
-    back, dback = states.coordinates(stance, sensors)
+    state = states.to_mjcf(q, dq, stance, foot, velocity)
+    sensors = states.sensors(*state)
+    back, dback = read_back(robot, states, *state, stance)
     np.testing.assert_allclose(back, q, atol=1e-13)
     np.testing.assert_allclose(dback, dq, atol=1e-13)
     position, rate = states.foot(stance, sensors)
@@ -32,8 +33,7 @@ def test_round_trip(robot: PlanarBiped) -> None:
 def test_changing_the_stance_leg_is_relabelling(robot: PlanarBiped) -> None:
     states = FloatingBase.of(robot).states
     q, dq, stance, *_ = random_batch(robot)
-    sensors = states.sensors(*states.to_mjcf(q, dq, stance))
-    other, dother = states.coordinates(1 - stance, sensors)
+    other, dother = read_back(robot, states, *states.to_mjcf(q, dq, stance), 1 - stance)
     np.testing.assert_allclose(other, q @ robot.relabel.T, atol=1e-13)
     np.testing.assert_allclose(dother, dq @ robot.relabel.T, atol=1e-13)
 
@@ -58,10 +58,12 @@ def test_one_state_and_any_batch_shape(amber: PlanarBiped) -> None:
     states = FloatingBase.of(amber).states
     q, dq, stance, *_ = random_batch(amber)
     qpos, qvel = states.to_mjcf(q, dq, stance)
-    grid = states.sensors(qpos.reshape(4, 5, -1), qvel.reshape(4, 5, -1))
-    q_grid, _ = states.coordinates(stance.reshape(4, 5), grid)
-    np.testing.assert_allclose(q_grid.reshape(COUNT, -1), q, atol=1e-13)
-    one, _ = states.coordinates(int(stance[0]), states.sensors(qpos[0], qvel[0]))
+    grid = states.to_mjcf(q.reshape(4, 5, -1), dq.reshape(4, 5, -1), stance.reshape(4, 5))
+    for batch, whole in zip(grid, (qpos, qvel), strict=True):
+        np.testing.assert_array_equal(batch.reshape(COUNT, -1), whole)
+    feet, _ = states.foot(stance.reshape(4, 5), states.sensors(*grid))
+    np.testing.assert_allclose(feet, 0.0, atol=1e-13)
+    one, _ = read_back(amber, states, qpos[0], qvel[0], int(stance[0]))
     np.testing.assert_allclose(one, q[0], atol=1e-13)
 
 
@@ -70,7 +72,8 @@ def test_controls_push_the_coordinates_they_name(robot: PlanarBiped) -> None:
     base = FloatingBase.of(robot)
     q, dq, stance, *_ = random_batch(robot)
     torque = np.random.default_rng(12).normal(size=(COUNT, robot.n - 1))
-    ctrl = base.states.controls(torque, stance)
+    pairs = zip(torque, stance, strict=True)
+    ctrl = np.array([motor_controls(robot, base.states, *pair) for pair in pairs])
     _, qvel = base.states.to_mjcf(q, dq, stance)
     gear = base.model.actuator_gear[:, 0]
     joint = base.model.actuator_trnid[:, 0]

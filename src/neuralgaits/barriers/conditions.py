@@ -5,18 +5,16 @@ definition; none has a second copy. Kinds and equation numbers are the paper's.
 """
 
 from abc import abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
+from neuralgaits.barriers.functions import Quantity
 from neuralgaits.barriers.regions import Gait, Side
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
-
-Quantity = Callable[[Point], Float[Array, "..."]]
 
 
 @dataclass(frozen=True)

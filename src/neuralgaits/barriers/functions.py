@@ -18,6 +18,7 @@ from neuralgaits.robots.dynamics import (
 )
 
 Quantity = Callable[[Point], Float[Array, "..."]]
+"""What a condition is made of: a function of the point data."""
 
 
 def at_least(function: Quantity, bound: float | Float[Array, "..."]) -> Quantity:

@@ -95,18 +95,6 @@ class StateMap:
             base_velocity=qvel[..., self.root[:2]],
         )
 
-    def coordinates(self, stance: Numbers | int, sensors: Sensors) -> tuple[Numbers, Numbers]:
-        """Generalised coordinates and rates for a stance leg.
-
-        Args:
-            stance: 0 or 1. [...]
-            sensors: of the state.
-
-        Returns: q, dq: [..., n] (rad, rad/s).
-        """
-        rates = self._in_order(stance, sensors.dpitch, sensors.djoints)
-        return self._in_order(stance, sensors.pitch, sensors.joints), rates
-
     def foot(self, leg: Numbers | int, sensors: Sensors) -> tuple[Numbers, Numbers]:
         """Position and velocity of a foot's sphere centre in the world.
 
@@ -161,29 +149,6 @@ class StateMap:
         qvel[..., self.root[:2]] = np.asarray(foot_velocity) - velocity
         return qpos, qvel
 
-    def controls(self, torque: Numbers, stance: Numbers | int) -> Numbers:
-        """MuJoCo controls that produce joint torques, without any limit.
-
-        Args:
-            torque: on the actuated coordinates q[1:] [N m]. [..., m]
-            stance: 0 or 1. [...]
-
-        Returns: ctrl: [..., nu].
-        """
-        torque = np.asarray(torque, dtype=float)
-        stance = np.broadcast_to(np.asarray(stance), torque.shape[:-1])
-        k = self.joints.shape[1]
-        own, other = torque[..., :k], torque[..., k:][..., ::-1]
-        ctrl = np.zeros((*torque.shape[:-1], self.nu))
-        gears = np.array(self.layout.gears)
-        for leg in (0, 1):
-            chosen = stance == leg
-            ctrl[..., self.actuators[leg]] += np.where(chosen[..., None], own / gears[leg], 0.0)
-            lower = self.actuators[1 - leg][: other.shape[-1]]
-            share = other / gears[1 - leg][: other.shape[-1]]
-            ctrl[..., lower] += np.where(chosen[..., None], share, 0.0)
-        return ctrl
-
     def _root_to_hip(self, pitch: Numbers) -> tuple[Numbers, Numbers]:
         """Vector from the pitch axis to the hip, and its derivative by pitch. [..., 2] (m)."""
         x, z = self.layout.root_to_hip
@@ -205,15 +170,8 @@ class StateMap:
         upper = np.cumsum(_pick(joints, leg)[..., :-1], axis=-1)
         return np.concatenate([lowest, lowest + upper], axis=-1)
 
-    def _in_order(self, stance: Numbers | int, pitch: Numbers, joints: Numbers) -> Numbers:
-        """Lowest stance link, stance joints upwards, swing joints downwards. [..., n]."""
-        lowest = _pick(self._lowest(pitch, joints)[..., None], stance)
-        other = _pick(joints, 1 - np.asarray(stance))
-        down = other if self.layout.torso else other[..., :-1]
-        return np.concatenate([lowest, _pick(joints, stance), down[..., ::-1]], axis=-1)
-
     def _from_order(self, stance: Numbers, q: Numbers) -> tuple[Numbers, Numbers]:
-        """The inverse of `_in_order`: pitch [...] and joints [..., 2, k]."""
+        """Pitch [...] and joints [..., 2, k] from the lowest stance link, up and down again."""
         k = self.joints.shape[1]
         own, other = q[..., 1 : k + 1], q[..., k + 1 :][..., ::-1]
         if not self.layout.torso:
