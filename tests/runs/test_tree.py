@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs import read_metadata, read_tree, write_tree
+from neuralgaits.runs import read_tree, write_tree
 
 
 class Net(eqx.Module):
@@ -30,7 +30,7 @@ def _state(scale: float = 1.0) -> dict[str, Any]:
 
 def test_every_kind_of_leaf_comes_back(tmp_path: Path) -> None:
     path = tmp_path / "state.safetensors"
-    write_tree(path, _state(3.0), {"policy": "MLPPolicy"})
+    write_tree(path, _state(3.0))
     back = read_tree(path, _state(1.0))
     assert np.array_equal(back["net"].weight, _state(3.0)["net"].weight)
     assert isinstance(back["net"].weight, jax.Array)
@@ -40,7 +40,6 @@ def test_every_kind_of_leaf_comes_back(tmp_path: Path) -> None:
     assert type(back["step"]) is int
     assert back["f"] is jnp.tanh
     assert jax.random.uniform(back["key"]) == jax.random.uniform(jax.random.key(3))
-    assert read_metadata(path) == {"policy": "MLPPolicy"}
 
 
 def test_reads_into_shapes_alone(tmp_path: Path) -> None:

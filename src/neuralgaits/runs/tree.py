@@ -4,7 +4,6 @@ The format holds bytes, shapes and dtypes and can run no code. A file is read *i
 of the same structure: what does not fit is refused, never reshaped or cast.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -20,13 +19,13 @@ from neuralgaits.runs.atomic import write_bytes
 Tree = TypeVar("Tree")
 
 
-def write_tree(path: Path, tree: Any, metadata: Mapping[str, str] | None = None) -> None:
+def write_tree(path: Path, tree: Any) -> None:
     """Save the arrays, random keys and Python numbers of a pytree, exactly.
 
     Other leaves (functions, strings) are structure and are not stored.
     """
     arrays = {name: _to_numpy(leaf) for name, leaf in _named_leaves(tree) if _is_stored(leaf)}
-    write_bytes(path, save(arrays, metadata=dict(metadata or {})))
+    write_bytes(path, save(arrays, metadata={}))
 
 
 def read_tree(path: Path, like: Tree) -> Tree:
@@ -47,11 +46,6 @@ def read_tree(path: Path, like: Tree) -> Tree:
         _like(path, name, stored[name], leaf) if name in wanted else leaf for name, leaf in named
     ]
     return jax.tree_util.tree_unflatten(jax.tree_util.tree_structure(like), leaves)
-
-
-def read_metadata(path: Path) -> dict[str, str]:
-    """The text entries saved beside the arrays. Raises: RunError like `read_tree`."""
-    return _open(path)[1]
 
 
 def _named_leaves(tree: Any) -> list[tuple[str, Any]]:
