@@ -1,6 +1,8 @@
 import importlib.util
 import os
+import warnings
 
+import mujoco
 import pytest
 
 from neuralgaits.errors import InputError
@@ -16,6 +18,18 @@ def test_a_video_is_an_mp4(tmp_path):
 def test_a_missing_extra_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'neuralgaits\[video\]'"):
+        video.check(tmp_path / "walk.mp4")
+
+
+def test_without_opengl_there_is_one_line_and_no_warning(tmp_path, monkeypatch):
+    pytest.importorskip("imageio_ffmpeg")
+
+    def no_screen(*arguments, **settings):
+        warnings.warn("X11: DISPLAY is missing", stacklevel=1)
+        raise RuntimeError("no screen")
+
+    monkeypatch.setattr(mujoco, "Renderer", no_screen)
+    with pytest.raises(InputError, match=r"does not start \(no screen\)"):
         video.check(tmp_path / "walk.mp4")
 
 

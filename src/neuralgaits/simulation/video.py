@@ -8,6 +8,7 @@ import importlib.util
 import subprocess
 import sys
 import tempfile
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -127,7 +128,10 @@ def _renderer(model):
     # when they are destroyed: here, while nobody listens.
     listener, sys.unraisablehook = sys.unraisablehook, lambda _: None
     try:
-        return mujoco.Renderer(model, height=height, width=width)
+        with warnings.catch_warnings():
+            # The reason goes into one line below.
+            warnings.simplefilter("ignore")
+            return mujoco.Renderer(model, height=height, width=width)
     except Exception as error:
         reason = " ".join(str(error).split())[:120]
     finally:
