@@ -129,8 +129,10 @@ def read_claims(path: Path) -> Claims:
 
 
 def _claims(table: Any) -> Claims:
-    if isinstance(table, dict) and table.get("format", FORMAT) != FORMAT:
-        raise ValueError(f"format {table['format']!r}")
+    if isinstance(table, dict) and "format" in table:
+        found = table["format"]
+        if type(found) is not int or found != FORMAT:
+            raise ValueError(f"format {found!r}")
     fields = _fields(table, "the file", FIELDS)
     for name, known in (("kind", KIND), ("chart", CHART)):
         if fields[name] != known:
@@ -177,7 +179,7 @@ def _statement(entry: Any, outputs: set[str]) -> Statement:
         raise ValueError(f"conditions {names!r}, which are not a list of names")
     if len(set(names)) < len(names) or not set(names) <= outputs:
         raise ValueError(f"conditions {names} that are no different outputs of the Program")
-    if fields["degree"] not in (1, 2) or not isinstance(fields["degree"], int):
+    if type(fields["degree"]) is not int or fields["degree"] not in (1, 2):
         raise ValueError(f"degree {fields['degree']!r} instead of 1 or 2")
     tree = _text(fields["tree"], "tree")
     if not tree or set(tree) - {"0", "1"}:

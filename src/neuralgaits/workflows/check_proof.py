@@ -72,10 +72,10 @@ def _against(claims: Claims, run: str | Path) -> list[str]:
 
 def _against_spec(claims: Claims, opened: Any) -> list[str]:
     """What differs from the conditions of the opened run, traced again."""
-    from neuralgaits.interpreters.tracer import trace
+    from neuralgaits.workflows.provable import trace_spec
 
-    spec, gait, zd = opened.spec, opened.gait, opened.zero_dynamics
-    program = trace(lambda u: spec.margins(gait, zd, u), {"u": (2,)}, parameters=gait)
+    spec = opened.spec
+    program = trace_spec(spec, opened.robot, opened.gait)
     if program.hash != claims.program_hash:
         return [f"the run's conditions have the hash {program.hash}, not {claims.program_hash}"]
     known = {condition.name: condition for condition in spec.conditions}

@@ -1,0 +1,108 @@
+"""Files that are inconsistent are rejected, files of another format refused, in one line."""
+
+import base64
+from typing import Any
+
+import pytest
+from small_proof import checked, write
+
+from neuralgaits.certificate.claims import children, read_claims
+from neuralgaits.errors import InputError
+
+
+def _flip(data: str) -> str:
+    raw = bytearray(base64.b64decode(data))
+    raw[-3] ^= 1
+    return base64.b64encode(raw).decode()
+
+
+def _change_constant(table: dict[str, Any], number: int) -> None:
+    row = table["program"]["constants"][number]
+    row[2] = _flip(row[2])
+
+
+INCONSISTENT = {
+    "weights": lambda t: _change_constant(t, 0),
+    "constant": lambda t: _change_constant(t, 1),
+    "operation": lambda t: t["program"]["operations"][3].__setitem__(0, "sin"),
+    "hash": lambda t: t.__setitem__("program_hash", t["program_hash"][::-1]),
+    "tree cut": lambda t: t["statements"][0].__setitem__("tree", t["statements"][0]["tree"][:-1]),
+    "tree grown": lambda t: t["statements"][2].__setitem__(
+        "tree", t["statements"][2]["tree"] + "0"
+    ),
+    "tree that ends in a split": lambda t: t["statements"][2].__setitem__(
+        "tree", t["statements"][2]["tree"][:-1] + "1"
+    ),
+    "tree of one leaf and more": lambda t: t["statements"][0].__setitem__(
+        "tree", "0" + t["statements"][0]["tree"][1:]
+    ),
+    "tree too deep": lambda t: t["statements"][2].__setitem__("tree", "1" * 60 + "0" * 61),
+}
+
+
+@pytest.mark.parametrize("name", INCONSISTENT)
+def test_inconsistent_files_are_rejected(tmp_path, mutated, name):
+    INCONSISTENT[name](mutated)
+    report = checked(tmp_path, mutated)
+    assert report.verdict == "rejected"
+    assert report.boxes == 0
+    assert ("tree" if name.startswith("tree") else "hash") in str(report.reason)
+
+
+UNREADABLE = {
+    "version": lambda t: t.__setitem__("format", 2),
+    "true version": lambda t: t.__setitem__("format", True),
+    "kind": lambda t: t.__setitem__("kind", "neuralgaits level 2"),
+    "chart": lambda t: t.__setitem__("chart", "z"),
+    "unknown field": lambda t: t.__setitem__("note", "trust me"),
+    "missing field": lambda t: t.pop("spec"),
+    "unknown in a statement": lambda t: t["statements"][0].__setitem__("skip", True),
+    "unknown in the Program": lambda t: t["program"].__setitem__("skip", True),
+    "version of the Program": lambda t: t["program"].__setitem__("version", 2),
+    "unknown output": lambda t: t["statements"][1].__setitem__("conditions", ["bow"]),
+    "repeated output": lambda t: t["statements"][1].__setitem__("conditions", ["bowl", "bowl"]),
+    "no statements": lambda t: t.__setitem__("statements", []),
+    "no conditions": lambda t: t["statements"][0].__setitem__("conditions", []),
+    "NaN": lambda t: t["statements"][0]["bounds"].__setitem__("bowl", float("nan")),
+    "negative bound": lambda t: t["statements"][0]["bounds"].__setitem__("bowl", -0.1),
+    "no bound": lambda t: t["statements"][0]["bounds"].pop("wave"),
+    "no scale": lambda t: t["statements"][0]["scales"].__setitem__("bowl", 0.0),
+    "degree": lambda t: t["statements"][0].__setitem__("degree", 3),
+    "true degree": lambda t: t["statements"][0].__setitem__("degree", True),
+    "root": lambda t: t["statements"][0]["root"].__setitem__("high", [(1.0).hex(), (1.5).hex()]),
+    "root upside down": lambda t: t["statements"][0]["root"].__setitem__("high", ["-0x1p-1"] * 2),
+    "root of decimals": lambda t: t["statements"][0]["root"].__setitem__("low", [0.0, 0.0]),
+    "tree": lambda t: t["statements"][0].__setitem__("tree", "1002"),
+    "empty tree": lambda t: t["statements"][0].__setitem__("tree", ""),
+    "operand": lambda t: t["program"]["operations"][0].__setitem__(1, [0, 9]),
+    "fraction": lambda t: t["program"]["operations"][0].__setitem__(2, 2.0),
+}
+
+
+@pytest.mark.parametrize("name", UNREADABLE)
+def test_what_the_format_does_not_know_is_refused(tmp_path, mutated, name):
+    UNREADABLE[name](mutated)
+    with pytest.raises(InputError, match="expected a proof file of format 1") as caught:
+        checked(tmp_path, mutated)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", "[" * 100_000, '{"format": 1, "format": 1}'])
+def test_no_proof_file_at_all(tmp_path, text):
+    with pytest.raises(InputError, match="expected a proof file"):
+        read_claims(write(tmp_path, text))
+    with pytest.raises(InputError, match="none to read"):
+        read_claims(tmp_path / "absent.json")
+
+
+def test_children_cover_their_box():
+    low, high = (0.0, 0.25), (1.0, 0.75)
+    parts = list(children(low, high))
+    area = sum((b[0] - a[0]) * (b[1] - a[1]) for a, b in parts)
+    assert area == (high[0] - low[0]) * (high[1] - low[1])
+    assert [part[0] for part in parts] == [(0.0, 0.25), (0.5, 0.25), (0.0, 0.5), (0.5, 0.5)]
+    assert list(children((0.5, 0.0), (0.5, 1.0))) == [
+        ((0.5, 0.0), (0.5, 0.5)),
+        ((0.5, 0.5), (0.5, 1.0)),
+    ]
+    assert list(children((0.5, 0.5), (0.5, 0.5))) == []

@@ -1,0 +1,53 @@
+"""A proof is about a run only if every file and every weight is the run's own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_proof import CENTRE, FILES, program, sha256, weights, with_program, write
+
+from neuralgaits.certificate.check import check
+from neuralgaits.certificate.claims import read_claims
+from neuralgaits.certificate.run_match import differences
+from neuralgaits.errors import RunError
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for name, text in FILES.items():
+        (folder / name).write_text(text)
+    (folder / "policy.safetensors").write_bytes(weights())
+    return folder
+
+
+def test_a_proof_of_the_run_has_no_differences(tmp_path, proof, run):
+    assert differences(read_claims(write(tmp_path, proof)), run) == []
+
+
+@pytest.mark.parametrize("file", ["robot.xml", "spec.py", "policy.safetensors"])
+def test_the_file_that_differs_is_named(tmp_path, proof, run, file):
+    content = weights(CENTRE + 1e-16 * 2**4) if file.startswith("policy") else b"another"
+    (run / file).write_bytes(content)
+    wrong = differences(read_claims(write(tmp_path, proof)), run)
+    assert wrong[0].startswith(file)
+    assert sha256(content) in wrong[0]
+
+
+def test_weights_in_the_program_must_be_those_of_the_run(tmp_path, mutated, run):
+    other = CENTRE.copy()
+    other[1] = np.nextafter(other[1], 1.0)
+    claims = read_claims(write(tmp_path, with_program(mutated, program(other))))
+    assert check(claims).verdict == "proved"
+    (line,) = differences(claims, run)
+    assert "policy.centre" in line
+
+
+def test_missing_and_damaged_runs_are_one_line(tmp_path, proof, run):
+    claims = read_claims(write(tmp_path, proof))
+    (run / "policy.safetensors").write_bytes(b"\x10\0\0\0\0\0\0\0 nonsense")
+    with pytest.raises(RunError, match="damaged"):
+        differences(claims, run)
+    with pytest.raises(RunError, match="give a run folder"):
+        differences(claims, tmp_path / "nowhere")
