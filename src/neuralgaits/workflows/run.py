@@ -83,8 +83,9 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
         name = f"{folder.path / SPEC}:{name.rpartition(':')[2]}"
     spec = specs.load(name, robot)
     found = plain(spec.describe())
-    if found != config["described"]:
-        part = next(key for key, value in found.items() if value != config["described"].get(key))
+    kept = config.get("described") or {}
+    if found != kept:
+        part = next(key for key, value in found.items() if value != kept.get(key))
         raise RunError(
             f"expected the spec the run was trained with, found other {part} in {name!r}: the run "
             "was trained from a GaitSpec that no file defines, or by another version; write the "
