@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         poincare,
     )
     from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.certify import certify
     from neuralgaits.workflows.doctor import doctor
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.run import open_run
@@ -30,6 +31,7 @@ _HOMES = {
     "HybridInvariantPolicy": "neuralgaits.gait",
     "MLPPolicy": "neuralgaits.gait",
     "ZeroDynamics": "neuralgaits.gait",
+    "certify": "neuralgaits.workflows.certify",
     "doctor": "neuralgaits.workflows.doctor",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
@@ -46,6 +48,7 @@ __all__ = [
     "MLPPolicy",
     "ZeroDynamics",
     "__version__",
+    "certify",
     "doctor",
     "inspect",
     "load_robot",

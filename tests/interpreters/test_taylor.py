@@ -5,6 +5,7 @@ operation is five hundred last places of a double, so no tolerance is needed.
 """
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -210,7 +211,8 @@ def test_random_programs(degree, steps, seed, half):
     with np.errstate(all="ignore"):
         boxes = (centre[None], np.array([half]))
         low, high = evaluate(program, {"u": boxes}, TaylorAlgebra(degree))["h"].range()
-        exact = evaluate(program, {"u": points.T}, _Extended())["h"]
+        extended: Any = _Extended()
+        exact = evaluate(program, {"u": points.T}, extended)["h"]
     bounded = np.isfinite(low) & np.isfinite(high)
     assert np.all(((low <= exact) & (exact <= high)) | ~bounded)
 

@@ -76,6 +76,21 @@ class Simulate:
 
 
 @dataclass(frozen=True)
+class Certify:
+    """Prove the gait's conditions for every state of their regions."""
+
+    run: Run
+    """Run folder, or latest."""
+    level: Annotated[int, arg(metavar="N")] = 1
+    """Statement to prove; 1: every condition holds on its region."""
+    budget: Annotated[float | None, arg(metavar="SECONDS")] = None
+    """Stop after this time; what is proved by then is kept."""
+    resume: bool = False
+    """Go on with the boxes of the last certificate."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class CheckProof:
     """Check a proof file again, with ball arithmetic only."""
 
@@ -109,11 +124,12 @@ class Doctor:
     output: Annotated[Output, arg(name="")] = Output()
 
 
-Verb = Train | Simulate | CheckProof | Inspect | Robots | Doctor
+Verb = Train | Simulate | Certify | CheckProof | Inspect | Robots | Doctor
 
 _NAMED = (
     Annotated[Train, subcommand("train")]
     | Annotated[Simulate, subcommand("simulate")]
+    | Annotated[Certify, subcommand("certify")]
     | Annotated[CheckProof, subcommand("check-proof")]
     | Annotated[Inspect, subcommand("inspect")]
     | Annotated[Robots, subcommand("robots")]

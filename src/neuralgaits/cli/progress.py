@@ -1,4 +1,4 @@
-"""Progress on stderr: a training's bar with loss and ETA, or lines without a terminal."""
+"""Progress on stderr: bars of a training and of a proof, or lines without a terminal."""
 
 import sys
 import time
@@ -68,6 +68,46 @@ class TrainingProgress:
         if step == first_step:
             return ""
         return f"  ETA {(total - step) * (now - start) / (step - first_step):.0f} s"
+
+
+class ProofProgress:
+    """A callback `(proved share, boxes)` for the workflow, open while it runs."""
+
+    def __init__(self) -> None:
+        self._console = Console(stderr=True)
+        self._bar = Progress(
+            TextColumn("proved"),
+            BarColumn(),
+            TextColumn("{task.percentage:.1f} %  {task.fields[boxes]} boxes"),
+            TimeElapsedColumn(),
+            console=self._console,
+            transient=True,
+        )
+        self._task = self._bar.add_task("", total=1.0, boxes=0)
+        self._last = ""
+
+    def __enter__(self) -> "ProofProgress":
+        if self._console.is_terminal:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._console.is_terminal:
+            self._bar.stop()
+
+    def __call__(self, share: float, boxes: int) -> None:
+        """Show the proved share of all conditions' regions."""
+        line = f"proved {100.0 * share:.1f} %"
+        if self._console.is_terminal:
+            self._bar.update(self._task, completed=share, boxes=boxes)
+        elif line != self._last:
+            self._last = line
+            print(f"{line}  {boxes} boxes", file=sys.stderr)
 
 
 def waiting(what: str) -> AbstractContextManager[object]:

@@ -1,5 +1,6 @@
 """Results as tables for a person, on stdout."""
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -73,9 +74,36 @@ def show_walks(result: Result) -> None:
     _facts(known | ({"disturb": ", ".join(changed)} if changed else {}), (*asked, "disturb"))
 
 
+_COLOURS = {"proved": "green", "refuted": "red", "rejected": "red", "undecided": "yellow"}
+
+
+def show_proof(result: Result) -> None:
+    """The verdict on each condition, with its margin (in scales) or the state that breaks it."""
+    rows = []
+    for name, entry in result["conditions"].items():
+        point, detail = entry["counterexample"], ""
+        if point is not None:
+            detail = f"{point['margin']:.3g} at z = ({point['z'][0]:.6g}, {point['z'][1]:.6g})"
+        elif entry["verdict"] == "undecided":
+            detail = f"{entry['undecided_boxes']} boxes left"
+        # Rounded down: less than everything never reads as everything.
+        share = f"{math.floor(1e4 * entry['proved_fraction']) / 100:g} %"
+        verdict = Text(entry["verdict"], _COLOURS[entry["verdict"]])
+        margin, boxes = _number(entry["margin"]), _number(entry["boxes"])
+        rows.append((name, verdict, share, margin, boxes, detail))
+    head = ("condition", "verdict", "proved", "margin", "boxes", "")
+    _print(_table(head, rows))
+    reason = f": {result['reason']}" if result.get("reason") else ""
+    verdict = Text(result["verdict"], _COLOURS[result["verdict"]])
+    _print(Text.assemble(verdict, f" at level {result['level']}{reason}"))
+    facts = {"boxes": result["boxes"], "time": _seconds(result, "wall_s")}
+    facts |= {name: result.get(name) for name in ("proof", "map")}
+    _facts(facts, facts)
+
+
 def show_check(result: Result) -> None:
     """The verdict and why, what the file claims, and what the claim rests on."""
-    colour = {"proved": "green", "rejected": "red", "undecided": "yellow"}[result["verdict"]]
+    colour = _COLOURS[result["verdict"]]
     reason = f": {result['reason']}" if result["reason"] else ""
     _print(Text.assemble(Text(result["verdict"], colour), reason))
     for statement in result["statements"]:

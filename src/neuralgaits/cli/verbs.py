@@ -7,7 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.cli import screen
-from neuralgaits.cli.arguments import CheckProof, Doctor, Inspect, Robots, Simulate, Train, Verb
+from neuralgaits.cli.arguments import (
+    Certify,
+    CheckProof,
+    Doctor,
+    Inspect,
+    Robots,
+    Simulate,
+    Train,
+    Verb,
+)
 from neuralgaits.errors import InputError
 
 _TRAINING = ("spec", "seed", "init", "hidden", "steps", "out")
@@ -42,6 +51,8 @@ def carry_out(verb: Verb) -> Outcome:
             return _train(verb)
         case Simulate():
             return _simulate(verb)
+        case Certify():
+            return _certify(verb)
         case CheckProof():
             return _check_proof(verb)
         case Inspect():
@@ -109,6 +120,22 @@ def _simulate(verb: Simulate) -> Outcome:
             video=verb.video,
         )
     return Outcome(done.summary, not any(done.summary["fell"]), screen.show_walks)
+
+
+def _certify(verb: Certify) -> Outcome:
+    from neuralgaits.cli.progress import ProofProgress
+    from neuralgaits.workflows.certify import certify
+
+    with ProofProgress() as progress:
+        done = certify(
+            verb.run,
+            level=verb.level,
+            budget=verb.budget,
+            resume=verb.resume,
+            progress=progress,
+        )
+    verdict = done.verdict
+    return Outcome(done.summary, verdict == "proved", screen.show_proof, verdict == "undecided")
 
 
 def _check_proof(verb: CheckProof) -> Outcome:

@@ -4,6 +4,7 @@ The format holds bytes, shapes and dtypes and can run no code. A file is read *i
 of the same structure: what does not fit is refused, never reshaped or cast.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -46,6 +47,17 @@ def read_tree(path: Path, like: Tree) -> Tree:
         _like(path, name, stored[name], leaf) if name in wanted else leaf for name, leaf in named
     ]
     return jax.tree_util.tree_unflatten(jax.tree_util.tree_structure(like), leaves)
+
+
+def write_arrays(path: Path, arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> None:
+    """Save arrays under plain names, with text entries beside them."""
+    kept = {name: np.array(array, order="C") for name, array in arrays.items()}
+    write_bytes(path, save(kept, metadata=dict(metadata)))
+
+
+def read_arrays(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Arrays and text entries of a file, whatever it holds. Raises: RunError if it is damaged."""
+    return _open(path)
 
 
 def _named_leaves(tree: Any) -> list[tuple[str, Any]]:

@@ -1,0 +1,80 @@
+"""Conditions on one box of the chart, and their bounds over boxes and values at points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.certificate.tree import Corners
+from neuralgaits.interpreters import POINT, Program, evaluate, fold
+from neuralgaits.interpreters.taylor import TaylorAlgebra
+
+BATCH = 512
+"""Boxes bounded at once: the working set of a Program then stays in the processor's cache."""
+INPUT = "u"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Margins of some conditions on one root box.
+
+    Attributes:
+        region: name of the spec's region the box belongs to.
+        low, high: corners in (phase, level).
+        names: of the conditions, outputs of the Program.
+        scales: of the conditions. [C]
+        program: margins by condition name as a function of u; more outputs cost time only.
+        degree: of the Taylor models.
+    """
+
+    region: str
+    low: tuple[float, float]
+    high: tuple[float, float]
+    names: tuple[str, ...]
+    scales: tuple[float, ...]
+    program: Program
+    degree: int = 2
+
+    def bounds(
+        self, low: Corners, high: Corners
+    ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
+        """Bounds on each condition's smallest element over boxes, in scales; NaN if unbounded."""
+        centre = low + (high - low) * 0.5
+        # Up by two last places: the corners lie inside whatever the centre was rounded to.
+        half = np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)
+        with np.errstate(all="ignore"):
+            models = evaluate(self.program, {INPUT: (centre, half)}, self._algebra, self._folded)
+            ranges = [models[name].range() for name in self.names]
+        return self._smallest([r[0] for r in ranges], low), self._smallest(
+            [r[1] for r in ranges], low
+        )
+
+    def values(self, u: Corners) -> Float[np.ndarray, "B C"]:
+        """Each condition's smallest element at points, in scales, in plain float64."""
+        with np.errstate(all="ignore"):
+            values = evaluate(self.program, {INPUT: u}, POINT)
+        return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
+
+    def grid(self, size: int) -> Corners:
+        """Points that cover the box, its edges included. [n, 2]."""
+        lines = [
+            np.linspace(self.low[k], self.high[k], size if self.high[k] > self.low[k] else 1)
+            for k in (0, 1)
+        ]
+        return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+
+    def _smallest(self, elements: Sequence[np.ndarray], boxes: np.ndarray) -> np.ndarray:
+        """Smallest of each condition's elements [n, B], in scales; NaN wins."""
+        rows = [np.broadcast_to(e.min(axis=0), len(boxes)) for e in elements]
+        return np.stack(rows, axis=1) / np.array(self.scales)
+
+    @cached_property
+    def _algebra(self) -> TaylorAlgebra:
+        return TaylorAlgebra(self.degree)
+
+    @cached_property
+    def _folded(self):
+        with np.errstate(all="ignore"):
+            return fold(self.program, self._algebra)

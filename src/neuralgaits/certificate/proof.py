@@ -1,0 +1,140 @@
+"""Proof files: what is claimed, and the trees of boxes on which it was found to hold.
+
+A file holds everything that a reader needs: the Program with the weights in it, root boxes,
+bounds, and one bit for each box. It holds no intermediate result to be believed.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.certificate.cells import Cells
+from neuralgaits.certificate.problem import Problem
+from neuralgaits.certificate.search import Search
+from neuralgaits.certificate.tree import to_bits
+from neuralgaits.interpreters import Program
+from neuralgaits.runs import write_text
+
+FORMAT = 1
+KIND = "neuralgaits level 1"
+CHART = "u = (phase, level) in [0,1]^2"
+CLAIMED = 0.99
+"""Share of the margin found that is claimed: other arithmetic may bound a box less tightly."""
+
+SIMILAR = 4.0
+"""Conditions whose numbers of boxes differ by about this factor or less share a statement."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """Every element of every condition is at least bound x scale on the root box.
+
+    Attributes:
+        conditions: outputs of the Program.
+        region: the box's name in the spec.
+        scales, bounds: by condition; bounds are not negative.
+        degree: of the Taylor models it was found with.
+        low, high: corners of the root in (phase, level).
+        tree: see `tree`.
+    """
+
+    conditions: tuple[str, ...]
+    region: str
+    scales: Mapping[str, float]
+    bounds: Mapping[str, float]
+    degree: int
+    low: tuple[float, float]
+    high: tuple[float, float]
+    tree: str
+
+    @property
+    def boxes(self) -> int:
+        """Number of leaves."""
+        return self.tree.count("0")
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A proof file.
+
+    Attributes:
+        robot, spec: name and sha256 of the text of each.
+        weights_sha256: of the weights file.
+        program: whose outputs the statements are about.
+        statements: what is claimed.
+    """
+
+    robot: Mapping[str, str]
+    spec: Mapping[str, str]
+    weights_sha256: str
+    program: Program
+    statements: tuple[Statement, ...]
+
+    def write(self, path: Path) -> None:
+        """Write the file, whole or not at all."""
+        table = {
+            "format": FORMAT,
+            "kind": KIND,
+            "robot": dict(self.robot),
+            "weights_sha256": self.weights_sha256,
+            "spec": dict(self.spec),
+            "chart": CHART,
+            "program_hash": self.program.hash,
+            "statements": [_row(statement) for statement in self.statements],
+            "program": json.loads(self.program.to_json()),
+        }
+        write_text(path, json.dumps(table, allow_nan=False, ensure_ascii=False, indent=1) + "\n")
+
+
+def prove(problem: Problem, state: Search) -> list[Statement]:
+    """The statements that a search has found, with the smallest trees for them.
+
+    Conditions that need about as many boxes share a statement: a reader then shares most of the
+    work between them, and does not bound the easy ones on the boxes of the hard ones.
+    """
+    cells = state.cells
+    proved = np.all((cells.lower >= 0.0) | ~cells.is_leaf[:, None], axis=0)
+    groups: dict[int, list[int]] = {}
+    for column, name in enumerate(problem.names):
+        if proved[column] and name not in state.refuted:
+            boxes = _statement(problem, cells, [column]).boxes
+            groups.setdefault(round(math.log(boxes, SIMILAR)), []).append(column)
+    return [_statement(problem, cells, columns) for _, columns in sorted(groups.items())]
+
+
+def _statement(problem: Problem, cells: Cells, columns: list[int]) -> Statement:
+    """The statement about some columns, all proved on every leaf."""
+    bounds = CLAIMED * cells.lower[cells.is_leaf][:, columns].min(axis=0)
+    enough = np.all(cells.lower[:, columns] >= bounds, axis=1)
+    names = tuple(problem.names[column] for column in columns)
+    return Statement(
+        names,
+        problem.region,
+        {name: problem.scales[column] for name, column in zip(names, columns, strict=True)},
+        dict(zip(names, bounds.tolist(), strict=True)),
+        problem.degree,
+        problem.low,
+        problem.high,
+        to_bits(cells.first, enough, 2 ** len(cells.axes)),
+    )
+
+
+def _row(statement: Statement) -> dict[str, Any]:
+    return {
+        "conditions": list(statement.conditions),
+        "region": statement.region,
+        "scales": dict(statement.scales),
+        "bounds": dict(statement.bounds),
+        "degree": statement.degree,
+        "root": {"low": _hex(statement.low), "high": _hex(statement.high)},
+        "tree": statement.tree,
+    }
+
+
+def _hex(corner: Sequence[float]) -> list[str]:
+    return [float(value).hex() for value in corner]

@@ -1,0 +1,56 @@
+"""A search on disk, so that a later one goes on where it ended."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+
+from neuralgaits.certificate.cells import Cells
+from neuralgaits.certificate.problem import Problem
+from neuralgaits.certificate.search import Search
+from neuralgaits.certificate.verdicts import Counterexample
+from neuralgaits.errors import RunError
+from neuralgaits.runs import read_arrays, write_arrays
+
+_FIELDS = ("low", "high", "first", "depth", "lower", "upper")
+
+
+def save(path: Path, problem: Problem, state: Search) -> None:
+    """Write one root's boxes, whole or not at all."""
+    arrays = {name: getattr(state.cells, name) for name in _FIELDS} | {"seen": state.seen}
+    refuted = {
+        name: {"u": point.u, "z": point.z, "margin": point.margin}
+        for name, point in state.refuted.items()
+    }
+    write_arrays(path, arrays, {"problem": fingerprint(problem), "refuted": json.dumps(refuted)})
+
+
+def load(path: Path, problem: Problem) -> Search:
+    """Read what `save` wrote. Raises: RunError if it is damaged or of another problem."""
+    arrays, metadata = read_arrays(path)
+    if metadata.get("problem") != fingerprint(problem):
+        raise RunError(
+            f"expected boxes of this run's conditions in {path}, found those of another gait, "
+            "spec or version: certify without --resume"
+        )
+    points = {
+        name: Counterexample(tuple(row["u"]), tuple(row["z"]), row["margin"])
+        for name, row in json.loads(metadata["refuted"]).items()
+    }
+    cells = Cells(**{name: np.asarray(arrays[name]) for name in _FIELDS})
+    return Search(cells, arrays["seen"], points)
+
+
+def fingerprint(problem: Problem) -> str:
+    """What bounds depend on, as a hash."""
+    text = json.dumps(
+        [
+            problem.region,
+            [float(value).hex() for value in (*problem.low, *problem.high, *problem.scales)],
+            problem.names,
+            problem.degree,
+            problem.program.hash,
+        ]
+    )
+    return hashlib.sha256(text.encode()).hexdigest()

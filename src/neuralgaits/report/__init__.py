@@ -1,0 +1,1 @@
+"""Figures from saved data; nothing is computed again here."""

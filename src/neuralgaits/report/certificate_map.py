@@ -1,0 +1,113 @@
+"""Map of a certificate: which boxes of the zero dynamics plane are proved, refuted, undecided."""
+
+import textwrap
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from neuralgaits.runs import read_arrays, write_bytes
+
+PROVED, UNDECIDED, REFUTED = 0, 1, 2
+"""States of a box: all conditions proved, some open, some violated everywhere on it."""
+
+_GREENS = LinearSegmentedColormap.from_list("margin", ["#e5f5e0", "#74c476", "#00592b"])
+_ORANGE, _RED = "#fdae61", "#b2182b"
+
+
+def draw_file(data: Path, figure: Path) -> Path:
+    """Draw saved boxes. Returns: the path of the PNG file."""
+    arrays, metadata = read_arrays(data)
+    drawn = draw(
+        arrays["corners"],
+        arrays["answer"],
+        arrays["margin"],
+        arrays["counterexamples"],
+        metadata.get("title", ""),
+    )
+    buffer = BytesIO()
+    FigureCanvasAgg(drawn).print_png(buffer)
+    write_bytes(figure, buffer.getvalue())
+    return figure
+
+
+def draw(
+    corners: np.ndarray,
+    answer: np.ndarray,
+    margin: np.ndarray,
+    counterexamples: np.ndarray,
+    title: str,
+) -> Figure:
+    """The map.
+
+    Args:
+        corners: of each box in (z1, z2), in order around it; boxes may be curves. [N, 4, 2]
+        answer: PROVED, UNDECIDED or REFUTED. [N]
+        margin: smallest proved margin of a box, in scales. [N]
+        counterexamples: states that break a condition. [M, 2]
+        title: one line.
+    """
+    figure = Figure(figsize=(8.0, 5.5), dpi=150, layout="constrained")
+    axes = figure.add_subplot()
+    proved = np.flatnonzero(answer == PROVED)
+    # The least margin on top: regions overlap, and the picture shows the worst.
+    proved = proved[np.argsort(-margin[proved], kind="stable")]
+    # Curves (fences, guard) have no area: their edge carries the colour.
+    curve = _is_curve(corners)
+    width = np.where(curve, 3.0, 0.25)
+    top = float(np.max(margin[proved][~curve[proved]], initial=1e-6))
+    boxes = PolyCollection(
+        list(corners[proved]), array=margin[proved], cmap=_GREENS, edgecolors="face"
+    )
+    boxes.set(clim=(0.0, top), linewidths=width[proved])
+    axes.add_collection(boxes)
+    outlines = proved[~curve[proved]]
+    axes.add_collection(
+        PolyCollection(
+            list(corners[outlines]), facecolors="none", edgecolors="#00441b30", linewidths=0.3
+        )
+    )
+    for state, colour in ((UNDECIDED, _ORANGE), (REFUTED, _RED)):
+        chosen = answer == state
+        axes.add_collection(
+            PolyCollection(
+                list(corners[chosen]),
+                facecolors=colour,
+                edgecolors=colour,
+                linewidths=width[chosen],
+            )
+        )
+    if len(counterexamples):
+        axes.plot(*counterexamples.T, "kx", markersize=8, markeredgewidth=2)
+    axes.autoscale_view()
+    axes.set(xlabel="z1, hip ahead of the stance foot [m]")
+    axes.set(ylabel="z2, angular momentum about the stance foot [kg m²/s]")
+    axes.set_title("\n".join(textwrap.wrap(title, 90)), fontsize=10)
+    figure.colorbar(boxes, ax=axes, label="least proved margin of the box [scale of its condition]")
+    _legend(axes, answer, len(counterexamples))
+    return figure
+
+
+def _legend(axes, answer: np.ndarray, points: int) -> None:
+    handles: list = [
+        Patch(color=colour, label=f"{label} ({np.sum(answer == state)} boxes)")
+        for state, colour, label in (
+            (PROVED, "#74c476", "proved"),
+            (UNDECIDED, _ORANGE, "undecided"),
+            (REFUTED, _RED, "violated"),
+        )
+    ]
+    if points:
+        handles += axes.plot([], [], "kx", label=f"counterexample ({points})")
+    axes.legend(handles=handles, loc="upper center", fontsize=8)
+
+
+def _is_curve(corners: np.ndarray) -> np.ndarray:
+    """Boxes without area. [N]."""
+    across, up = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
+    return (np.abs(across).max(axis=1) == 0.0) | (np.abs(up).max(axis=1) == 0.0)

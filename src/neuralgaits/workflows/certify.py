@@ -1,0 +1,208 @@
+"""Prove that the conditions of a run's spec hold for every state of their regions (level 1)."""
+
+import hashlib
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from neuralgaits.certificate.judge import judge
+from neuralgaits.certificate.problem import Problem
+from neuralgaits.certificate.proof import Proof, Statement, prove
+from neuralgaits.certificate.saved import load, save
+from neuralgaits.certificate.schedule import Progress, box_count, explore
+from neuralgaits.certificate.search import Confirm, Search
+from neuralgaits.certificate.verdicts import ConditionVerdict, Counterexample, Verdict
+from neuralgaits.errors import InputError, SpecError
+from neuralgaits.interpreters import Program
+from neuralgaits.interpreters.prune import prune
+from neuralgaits.runs import plain
+from neuralgaits.workflows.certificate_figure import write_map
+from neuralgaits.workflows.provable import trace_spec
+from neuralgaits.workflows.run import ROBOT, SPEC, WEIGHTS, Run, open_run
+
+FOLDER = "certificate"
+PROOF, SUMMARY = f"{FOLDER}/proof.json", f"{FOLDER}/summary.json"
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What was proved.
+
+    Attributes:
+        verdict: of the whole: refuted if a condition is, proved if all are.
+        conditions: the verdict on each.
+        summary: what `certify --json` prints.
+    """
+
+    verdict: Verdict
+    conditions: Mapping[str, ConditionVerdict]
+    summary: dict[str, Any]
+
+
+def certify(
+    run: Run | str | Path,
+    *,
+    level: int = 1,
+    budget: float | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> Certificate:
+    """Prove every condition of a run's spec on its region, or find a state that breaks it.
+
+    Args:
+        run: a run, its folder, or `latest`.
+        level: 1; this version makes no other statement.
+        budget: seconds after which what is proved so far is kept and reported.
+        resume: go on with the boxes of the run's last certificate.
+        progress: called with (proved share, boxes) now and then.
+
+    Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
+    Raises: InputError on bad settings; RunError if there are no such boxes to go on with.
+    """
+    began = time.perf_counter()
+    deadline = time.monotonic() + _seconds(budget)
+    if level != 1:
+        raise InputError(
+            f"expected level 1 (every condition on its region), found {level}: this version "
+            "proves no other level"
+        )
+    trained = open_run(run)
+    try:
+        program = trace_spec(trained.spec, trained.robot, trained.gait)
+    except SpecError as error:
+        return _finish(trained, _no_program(trained), began, reason=str(error))
+    problems = _problems(trained, program)
+    with threadpool_limits(1):
+        states = explore(
+            problems,
+            [_saved(trained, k, problem) if resume else None for k, problem in enumerate(problems)],
+            _confirmer(trained),
+            deadline=deadline,
+            progress=progress,
+        )
+    return _written(trained, program, problems, states, began)
+
+
+def _seconds(budget: float | None) -> float:
+    if budget is None:
+        return np.inf
+    if not 0.0 < budget < np.inf:
+        raise InputError(f"expected a budget of more than 0 seconds, found {budget}")
+    return budget
+
+
+def _problems(run: Run, program: Program) -> list[Problem]:
+    """One for each box of each region that has conditions."""
+    problems = []
+    for region, boxes in run.spec.regions.items():
+        conditions = [c for c in run.spec.conditions if c.region == region]
+        if not conditions:
+            continue
+        names = tuple(condition.name for condition in conditions)
+        scales = tuple(float(condition.scale) for condition in conditions)
+        part = prune(program, names)
+        problems += [Problem(region, box.low, box.high, names, scales, part) for box in boxes]
+    return problems
+
+
+def _confirmer(run: Run) -> Confirm:
+    """Asks the conditions' own Python functions, in float64, about one point."""
+    conditions = {condition.name: condition for condition in run.spec.conditions}
+    gait, zd = run.gait, run.zero_dynamics
+
+    def confirm(name: str, u: np.ndarray) -> Counterexample | None:
+        condition, z = conditions[name], gait.z(u)
+        margin = np.min(np.asarray(condition.margins(gait, zd, zd.point(z)))) / condition.scale
+        if not margin < 0.0:
+            return None
+        state = (float(z[0]), float(z[1]))
+        return Counterexample((float(u[0]), float(u[1])), state, float(margin))
+
+    return confirm
+
+
+def _boxes_file(run: Run, number: int) -> Path:
+    return run.path / FOLDER / f"boxes-{number}.safetensors"
+
+
+def _saved(run: Run, number: int, problem: Problem) -> Search:
+    return load(_boxes_file(run, number), problem)
+
+
+def _written(
+    run: Run,
+    program: Program,
+    problems: Sequence[Problem],
+    states: Sequence[Search],
+    began: float,
+) -> Certificate:
+    """Save everything and give the verdicts."""
+    pairs = list(zip(problems, states, strict=True))
+    for number, pair in enumerate(pairs):
+        save(_boxes_file(run, number), *pair)
+    statements = tuple(statement for pair in pairs for statement in prove(*pair))
+    proof = run.path / PROOF
+    if statements:
+        _proof(run, program, statements).write(proof)
+    else:
+        proof.unlink(missing_ok=True)
+    verdicts = {}
+    for condition in run.spec.conditions:
+        roots = [pair for pair in pairs if pair[0].region == condition.region]
+        claims = [s.bounds.get(condition.name) for s in statements if s.region == condition.region]
+        claimed = [bound for bound in claims if bound is not None]
+        margin = min(claimed) if len(claimed) == len(roots) else None
+        verdicts[condition.name] = judge(condition.name, roots, margin)
+    figure = write_map(run, problems, states, run.path / FOLDER)
+    return _finish(
+        run,
+        verdicts,
+        began,
+        boxes=box_count(states),
+        proof=proof if statements else None,
+        map=figure,
+    )
+
+
+def _proof(run: Run, program: Program, statements: tuple[Statement, ...]) -> Proof:
+    config = run.folder.config
+    return Proof(
+        {"name": config["robot"], "sha256": config["copies"][ROBOT]},
+        {"name": config["spec"], "sha256": config["copies"][SPEC]},
+        hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
+        program,
+        statements,
+    )
+
+
+def _no_program(run: Run) -> dict[str, ConditionVerdict]:
+    nothing = ConditionVerdict("undecided", 0.0, 0, None, None, 0)
+    return {condition.name: nothing for condition in run.spec.conditions}
+
+
+def _finish(
+    run: Run, verdicts: Mapping[str, ConditionVerdict], began: float, **more: Any
+) -> Certificate:
+    answers = {verdict.verdict for verdict in verdicts.values()}
+    verdict: Verdict = "proved" if answers <= {"proved"} else "undecided"
+    if "refuted" in answers:
+        verdict = "refuted"
+    summary = {
+        "run": run.path,
+        "robot": run.folder.config["robot"],
+        "spec": run.folder.config["spec"],
+        "verdict": verdict,
+        "level": 1,
+        "conditions": {name: asdict(entry) for name, entry in verdicts.items()},
+        "boxes": 0,
+        "proof": None,
+        "wall_s": time.perf_counter() - began,
+    }
+    summary = plain(summary | more)
+    run.folder.write_json(SUMMARY, summary)
+    return Certificate(verdict, verdicts, summary)

@@ -1,0 +1,228 @@
+"""The search proves what holds, refutes what does not, and never proves NaN."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.certificate.cells import Cells
+from neuralgaits.certificate.judge import judge
+from neuralgaits.certificate.problem import Problem
+from neuralgaits.certificate.proof import CLAIMED, prove
+from neuralgaits.certificate.saved import load, save
+from neuralgaits.certificate.schedule import explore
+from neuralgaits.certificate.search import open_on, search, start
+from neuralgaits.certificate.tree import halves, to_bits
+from neuralgaits.certificate.verdicts import Counterexample
+from neuralgaits.errors import RunError
+from neuralgaits.interpreters.tracer import trace
+
+SQUARE = ((0.0, 0.0), (1.0, 1.0))
+
+
+def _problem(low=SQUARE[0], high=SQUARE[1], scale=1.0, degree=2, **functions) -> Problem:
+    program = trace(lambda u: {name: f(u) for name, f in functions.items()}, {"u": (2,)})
+    names = tuple(functions)
+    return Problem("square", low, high, names, (scale,) * len(names), program, degree)
+
+
+def _confirm(problem: Problem):
+    def confirm(name, u):
+        margin = problem.values(u[None])[0, problem.names.index(name)]
+        point = (float(u[0]), float(u[1]))
+        return Counterexample(point, point, float(margin)) if margin < 0 else None
+
+    return confirm
+
+
+def _run(problem: Problem, state=None, **options):
+    return explore([problem], [state], _confirm(problem), **options)[0]
+
+
+def _verdict(problem, state, name):
+    claims = [s.bounds[name] for s in prove(problem, state) if name in s.conditions]
+    return judge(name, [(problem, state)], min(claims) if claims else None)
+
+
+def bowl(u):
+    """Least value 0.1, at (0.3, 0.6)."""
+    return 0.1 + (u[0] - 0.3) ** 2 + jnp.tanh(u[1] - 0.6) ** 2
+
+
+def ripple(u):
+    """Least value 0.02 on a curve."""
+    return 1.02 + jnp.sin(9.0 * u[0] + 4.0 * u[1])
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_margins_are_proved_and_nearly_sharp(degree):
+    problem = _problem(bowl=bowl, ripple=ripple, degree=degree, scale=2.0)
+    state = _run(problem)
+    for name, least in (("bowl", 0.1), ("ripple", 0.02)):
+        verdict = _verdict(problem, state, name)
+        assert verdict.verdict == "proved"
+        assert verdict.proved_fraction == 1.0
+        assert verdict.counterexample is None
+        assert verdict.margin is not None
+        assert 0.6 * least / 2.0 < verdict.margin <= least / 2.0
+
+
+def test_a_planted_violation_is_refuted_with_its_point():
+    def dented(u):
+        return bowl(u) - 0.11 * jnp.exp(-4e3 * ((u[0] - 0.301) ** 2 + (u[1] - 0.603) ** 2))
+
+    problem = _problem(bowl=bowl, dented=dented)
+    state = _run(problem)
+    assert _verdict(problem, state, "bowl").verdict == "proved"
+    found = _verdict(problem, state, "dented")
+    assert found.verdict == "refuted"
+    assert found.margin is None
+    assert 0.5 < found.proved_fraction < 1.0
+    point = found.counterexample
+    assert point is not None
+    assert dented(np.array(point.u)) == pytest.approx(point.margin)
+    assert point.margin < 0.0
+    assert np.hypot(point.u[0] - 0.301, point.u[1] - 0.603) < 0.05
+    assert all("dented" not in s.conditions for s in prove(problem, state))
+
+
+def test_a_violation_everywhere_needs_no_search():
+    problem = _problem(never=lambda u: -1.0 - u[0])
+    state = _run(problem)
+    verdict = _verdict(problem, state, "never")
+    assert (verdict.verdict, verdict.proved_fraction) == ("refuted", 0.0)
+    assert verdict.undecided_boxes == 0
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda u: 1.0 + jnp.sqrt(u[0] - 0.5),
+        lambda u: 2.0 + 1.0 / (u[0] - u[1]),
+        lambda u: 5.0 + jnp.log1p(-u[0]),
+        lambda u: jnp.exp(1e3 * u[0]),
+    ],
+)
+def test_nan_and_infinity_are_not_proved(function):
+    problem = _problem(bad=function, good=bowl)
+    # No confirmation: what is not proved must not become so by any other way.
+    state = explore([problem], [None], lambda name, u: None, deadline=np.inf)[0]
+    assert _verdict(problem, state, "bad").verdict == "undecided"
+    assert _verdict(problem, state, "bad").proved_fraction < 1.0
+    assert _verdict(problem, state, "bad").undecided_boxes > 0
+    assert _verdict(problem, state, "good").verdict == "proved"
+    assert all(s.conditions == ("good",) for s in prove(problem, state))
+
+
+def test_bounds_hold_at_random_points():
+    problem = _problem(bowl=bowl, ripple=ripple, both=lambda u: jnp.stack([bowl(u), ripple(u)]))
+    cells = _run(problem).cells
+    draw = np.random.default_rng(1)
+    known = np.flatnonzero(np.isfinite(cells.lower[:, 0]))
+    for _ in range(20):
+        share = draw.uniform(size=(len(known), 2))
+        u = cells.low[known] + share * (cells.high[known] - cells.low[known])
+        values = problem.values(u)
+        assert np.all(cells.lower[known] <= values)
+        assert np.all(values <= cells.upper[known])
+
+
+def test_the_budget_ends_the_search_and_a_later_one_goes_on(tmp_path):
+    problem = _problem(ripple=lambda u: ripple(u) - 0.0199, degree=1)
+    first = search(
+        problem, start(problem, _confirm(problem)), _confirm(problem), phase="decide", most=2000
+    )
+    unfinished = _verdict(problem, first, "ripple")
+    assert unfinished.verdict == "undecided"
+    assert 0.5 < unfinished.proved_fraction < 1.0
+    save(tmp_path / "boxes", problem, first)
+    second = _run(problem, load(tmp_path / "boxes", problem))
+    assert _verdict(problem, second, "ripple").verdict == "proved"
+    assert len(second.cells.first) > len(first.cells.first)
+    whole = _run(problem)
+    assert {s.tree for s in prove(problem, whole)} == {s.tree for s in prove(problem, second)}
+    late = _run(problem, deadline=0.0)
+    assert np.all(late.cells.depth <= 3)
+
+
+def test_saved_boxes_of_another_problem_are_refused(tmp_path):
+    problem = _problem(bowl=bowl)
+    save(tmp_path / "boxes", problem, _run(problem))
+    with pytest.raises(RunError, match="without --resume"):
+        load(tmp_path / "boxes", _problem(bowl=lambda u: bowl(u) + 0.1))
+
+
+def test_refutations_are_saved(tmp_path):
+    problem = _problem(sunken=lambda u: bowl(u) - 0.2)
+    state = _run(problem)
+    save(tmp_path / "boxes", problem, state)
+    assert load(tmp_path / "boxes", problem).refuted == state.refuted
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "children"),
+    [(*SQUARE, 4), ((0.0, 0.15), (1.0, 0.15), 2), ((1.0, 0.0), (1.0, 0.7), 2)],
+)
+def test_the_leaves_of_a_statement_cover_its_root(low, high, children):
+    problem = _problem(low, high, bowl=lambda u: bowl(u) - 0.0999)
+    state = _run(problem)
+    assert np.all(np.ptp(state.cells.low, axis=0)[[a not in state.cells.axes for a in (0, 1)]] == 0)
+    (statement,) = prove(problem, state)
+    lows, highs = [], []
+    stack = [(np.array([low]), np.array([high]))]
+    for bit in statement.tree:
+        box_low, box_high = stack.pop()
+        if bit == "0":
+            lows.append(box_low[0])
+            highs.append(box_high[0])
+        else:
+            parts = halves(box_low, box_high, state.cells.axes)
+            assert len(parts[0]) == children
+            stack += [(parts[0][k : k + 1], parts[1][k : k + 1]) for k in reversed(range(children))]
+    assert not stack
+    sizes = (np.array(highs) - np.array(lows))[:, list(state.cells.axes)].prod(axis=1)
+    whole = (np.array(high) - np.array(low))[list(state.cells.axes)].prod()
+    assert sizes.sum() == pytest.approx(whole)
+    lower, _ = problem.bounds(np.array(lows), np.array(highs))
+    assert np.all(lower[:, 0] >= statement.bounds["bowl"])
+    assert statement.boxes == len(lows)
+
+
+def test_children_stand_in_the_order_of_the_format():
+    low, high = halves(np.zeros((1, 2)), np.array([[1.0, 2.0]]), (0, 1))
+    assert low.tolist() == [[0, 0], [0.5, 0], [0, 1], [0.5, 1]]
+    assert high.tolist() == [[0.5, 1], [1, 1], [0.5, 2], [1, 2]]
+    first = np.array([1, -1, 5, -1, -1, -1, -1, -1, -1])
+    assert to_bits(first, first < 0, 4) == "101000000"
+    with pytest.raises(ValueError, match="node 3 open"):
+        to_bits(first, (first < 0) & (np.arange(9) != 3), 4)
+
+
+def test_a_child_keeps_what_its_parent_knows():
+    cells = Cells.start(*SQUARE, 2)
+    leaf = np.flatnonzero(cells.is_leaf)[:1]
+    cells = cells.with_bounds(leaf, np.array([[0.5, np.nan]]), np.array([[0.9, np.nan]]))
+    unknown = np.array([[0.2, np.nan]] * 4)
+    boxes = cells.children_of(leaf)
+    cells = cells.with_children(leaf, *boxes, unknown, unknown + 1.0)
+    assert np.all(cells.lower[-4:, 0] == 0.5)
+    assert np.all(cells.lower[-4:, 1] == -np.inf)
+    assert np.all(cells.upper[-4:, 0] == 0.9)
+    assert cells.share(np.ones(len(cells.first), bool)) == 1.0
+
+
+def test_a_condition_of_one_point_cannot_be_split():
+    problem = _problem((0.3, 0.6), (0.3, 0.6), bowl=bowl, zero=lambda u: 0.1 - bowl(u))
+    state = _run(problem)
+    assert not open_on(problem, state, "decide").any()
+    assert _verdict(problem, state, "bowl").verdict == "proved"
+    assert _verdict(problem, state, "zero").verdict != "proved"  # Zero to rounding: no margin.
+
+
+def test_easy_and_hard_conditions_are_stated_apart():
+    problem = _problem(easy=lambda u: 1.0 + u[0], hard=lambda u: ripple(u) - 0.015)
+    state = _run(problem)
+    easy, hard = prove(problem, state)
+    assert (easy.conditions, hard.conditions) == (("easy",), ("hard",))
+    assert easy.boxes == 64
+    assert hard.boxes > 4 * easy.boxes
+    assert easy.bounds["easy"] == CLAIMED * state.cells.lower[state.cells.is_leaf, 0].min()

@@ -1,0 +1,71 @@
+"""The verb certify: exit codes, one JSON object, a table."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import neuralgaits as ng
+from neuralgaits.cli import screen
+from neuralgaits.cli.main import main
+from neuralgaits.workflows.train import train
+
+SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+Captured = pytest.CaptureFixture[str]
+
+
+@pytest.fixture(scope="module", params=["small", "relu"])
+def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
+    """A run of one step: it breaks conditions, or cannot be proved at all."""
+    root = tmp_path_factory.mktemp("run")
+    spec = f"{SMALL}:{request.param}"
+    made = train(ng.load_robot("amber3m"), spec, steps=1, out=root / "run", root=root)
+    return request.param, made.path
+
+
+def test_the_exit_code_is_the_verdict(run, capfd: Captured) -> None:
+    name, path = run
+    code, verdict = {"small": (1, "refuted"), "relu": (3, "undecided")}[name]
+    assert main(["certify", str(path), "--json"]) == code
+    out, err = capfd.readouterr()
+    result = json.loads(out)
+    assert result["verdict"] == verdict
+    assert json.loads((path / "certificate" / "summary.json").read_text()) == result
+    assert ("proved" in err) == (name == "small")
+    assert main(["certify", str(path), "--budget", "5"]) == code
+    out, _ = capfd.readouterr()
+    assert f"{verdict} at level 1" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [(["--level", "2"], "level 1"), (["--budget", "-1"], "budget"), ([], "run folder")],
+)
+def test_bad_input_is_one_line_and_2(words: list[str], found: str, capfd: Captured) -> None:
+    assert main(["certify", "no-such-run", *words]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert found in err
+
+
+def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
+    entry = {"verdict": "undecided", "proved_fraction": 0.99999, "boxes": 7, "margin": None}
+    point = {"u": [0.5, 0.5], "z": [0.01, 17.5], "margin": -0.25}
+    result = {
+        "verdict": "refuted",
+        "level": 1,
+        "boxes": 9,
+        "wall_s": 1.5,
+        "proof": None,
+        "conditions": {
+            "open": entry | {"counterexample": None, "undecided_boxes": 3},
+            "broken": entry | {"verdict": "refuted", "counterexample": point},
+        },
+    }
+    screen.show_proof(result)
+    out = capsys.readouterr().out
+    assert "99.99 %" in out
+    assert "100 %" not in out
+    assert "3 boxes left" in out
+    assert "-0.25 at z = (0.01, 17.5)" in " ".join(out.split())

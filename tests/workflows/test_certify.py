@@ -1,0 +1,165 @@
+"""The certify workflow: a proof of a trained gait, refutations, budgets, what cannot be traced."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import neuralgaits as ng
+from neuralgaits.certificate.claims import read_claims
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.runs import read_arrays
+from neuralgaits.workflows.certify import certify
+from neuralgaits.workflows.run import open_run
+from neuralgaits.workflows.train import train
+
+SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+FIELDS = {"verdict", "level", "conditions", "wall_s", "proof"}
+ENTRY = {"verdict", "proved_fraction", "boxes", "margin", "counterexample"}
+
+
+@pytest.fixture(scope="module")
+def amber():
+    return ng.load_robot("amber3m")
+
+
+@pytest.fixture(scope="module")
+def gait(trained, tmp_path_factory):
+    """The default gait in a folder of this file's own: other tests read the shared one."""
+    return open_run(shutil.copytree(trained.path, tmp_path_factory.mktemp("gait") / "run"))
+
+
+@pytest.fixture(scope="module")
+def certificate(gait):
+    """The default gait's proof."""
+    return certify(gait)
+
+
+@pytest.fixture(scope="module")
+def poor(amber, tmp_path_factory):
+    """A run of one gradient step: some conditions cannot hold."""
+    root = tmp_path_factory.mktemp("poor")
+    return train(amber, f"{SMALL}:small", hidden=(4,), steps=1, out=root / "run", root=root)
+
+
+def test_the_default_gait_is_proved(gait, certificate):
+    summary = certificate.summary
+    assert summary["verdict"] == certificate.verdict == "proved"
+    assert set(summary) >= FIELDS
+    assert summary["level"] == 1
+    assert sorted(summary["conditions"]) == sorted(c.name for c in gait.spec.conditions)
+    for name, entry in summary["conditions"].items():
+        assert set(entry) >= ENTRY
+        assert (entry["verdict"], entry["proved_fraction"]) == ("proved", 1.0), name
+        assert entry["margin"] > 0.0
+        assert entry["boxes"] >= 1
+    folder = gait.path / "certificate"
+    assert json.loads((folder / "summary.json").read_text()) == summary
+    assert Path(summary["proof"]) == folder / "proof.json"
+    assert (folder / "map.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_margins_are_those_of_samples_or_less(gait, certificate):
+    draw, zd = np.random.default_rng(0), gait.zero_dynamics
+    for region, boxes in gait.spec.regions.items():
+        for box in boxes:
+            point = zd.point(gait.gait.z(draw.uniform(box.low, box.high)))
+            for condition in gait.spec.conditions:
+                if condition.region == region:
+                    values = np.asarray(condition.margins(gait.gait, zd, point))
+                    margin = certificate.conditions[condition.name].margin
+                    assert np.all(values / condition.scale >= margin), condition.name
+
+
+def test_the_proof_file_is_about_the_run(gait, certificate):
+    claims = read_claims(gait.path / "certificate" / "proof.json")
+    assert claims.program.hash == claims.program_hash
+    stated = [name for statement in claims.statements for name in statement.conditions]
+    assert sorted(set(stated)) == sorted(c.name for c in gait.spec.conditions)
+    for statement in claims.statements:
+        low, high = statement.leaves()
+        axes = [k for k in (0, 1) if statement.high[k] > statement.low[k]]
+        whole = np.prod([statement.high[k] - statement.low[k] for k in axes])
+        assert np.sum(np.prod((high - low)[:, axes], axis=1)) == pytest.approx(whole)
+        box = (statement.low, statement.high)
+        assert box in [tuple(b) for b in gait.spec.regions[statement.region]]
+    assert (gait.path / "certificate" / "proof.json").stat().st_size < 200_000
+
+
+def test_the_same_run_gives_the_same_proof(gait, certificate):
+    path = gait.path / "certificate" / "proof.json"
+    before = path.read_bytes()
+    assert certify(gait, resume=True).verdict == "proved"
+    assert path.read_bytes() == before
+
+
+def test_a_gait_that_breaks_conditions_is_refuted_at_a_state(poor):
+    told = []
+    done = certify(poor, progress=lambda share, boxes: told.append((share, boxes)))
+    assert done.verdict == "refuted"
+    assert told
+    assert all(0.0 <= share <= 1.0 for share, _ in told)
+    broken = {n: v for n, v in done.conditions.items() if v.verdict == "refuted"}
+    assert broken
+    conditions = {c.name: c for c in poor.spec.conditions}
+    zd = poor.zero_dynamics
+    for name, verdict in broken.items():
+        point, condition = verdict.counterexample, conditions[name]
+        assert point is not None
+        z = poor.gait.z(np.array(point.u))
+        np.testing.assert_allclose(z, point.z)
+        value = np.min(np.asarray(condition.margins(poor.gait, zd, zd.point(z))))
+        assert value / condition.scale == pytest.approx(point.margin)
+        assert value < 0.0
+        assert verdict.proved_fraction < 1.0
+    proof = done.summary["proof"]
+    stated = set()
+    if proof is not None:
+        stated = {name for s in read_claims(Path(proof)).statements for name in s.conditions}
+    assert not stated & set(broken)
+    arrays, _ = read_arrays(poor.path / "certificate" / "map.safetensors")
+    assert len(arrays["counterexamples"]) >= len(broken)
+
+
+def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
+    run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
+    short = certify(run, budget=1e-9)
+    assert short.verdict == "undecided"
+    entry = short.summary["conditions"]["torque-lower"]
+    assert entry["verdict"] == "undecided"
+    assert entry["undecided_boxes"] > 0
+    assert entry["margin"] is None
+    done = certify(run, resume=True)
+    assert done.verdict == "proved"
+    whole = certificate.summary["conditions"]["torque-lower"]
+    assert done.summary["conditions"]["torque-lower"]["boxes"] == whole["boxes"]
+
+
+def test_relu_is_undecided_and_says_why(amber, tmp_path):
+    run = train(amber, f"{SMALL}:relu", steps=1, out=tmp_path / "run", root=tmp_path)
+    done = certify(run)
+    assert done.verdict == "undecided"
+    assert done.summary["proof"] is None
+    assert "max" in done.summary["reason"]
+    assert all(v.verdict == "undecided" for v in done.conditions.values())
+
+
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        ({"level": 2}, "level 1"),
+        ({"budget": 0.0}, "budget"),
+        ({"budget": float("nan")}, "budget"),
+    ],
+)
+def test_bad_settings(gait, options, found):
+    with pytest.raises(InputError, match=found):
+        certify(gait, **options)
+
+
+def test_resume_without_boxes(amber, tmp_path):
+    run = train(amber, f"{SMALL}:small", hidden=(3,), steps=1, out=tmp_path / "run", root=tmp_path)
+    with pytest.raises(RunError, match="boxes"):
+        certify(run, resume=True)
