@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     )
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.certify import certify
+    from neuralgaits.workflows.check_proof import check_proof
     from neuralgaits.workflows.doctor import doctor
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.run import open_run
@@ -32,6 +33,7 @@ _HOMES = {
     "MLPPolicy": "neuralgaits.gait",
     "ZeroDynamics": "neuralgaits.gait",
     "certify": "neuralgaits.workflows.certify",
+    "check_proof": "neuralgaits.workflows.check_proof",
     "doctor": "neuralgaits.workflows.doctor",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
@@ -49,6 +51,7 @@ __all__ = [
     "ZeroDynamics",
     "__version__",
     "certify",
+    "check_proof",
     "doctor",
     "inspect",
     "load_robot",
