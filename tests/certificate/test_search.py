@@ -144,6 +144,22 @@ def test_the_budget_ends_the_search_and_a_later_one_goes_on(tmp_path):
     assert np.all(late.cells.depth <= 3)
 
 
+def test_running_out_of_memory_keeps_what_was_proved(monkeypatch):
+    bounds, calls = Problem.bounds, []
+
+    def exhausted(self, low, high):
+        calls.append(len(low))
+        if sum(calls) > 500:
+            raise MemoryError
+        return bounds(self, low, high)
+
+    monkeypatch.setattr(Problem, "bounds", exhausted)
+    problem = _problem(ripple=lambda u: ripple(u) - 0.0199, degree=1)
+    verdict = _verdict(problem, _run(problem), "ripple")
+    assert verdict.verdict == "undecided"
+    assert verdict.proved_fraction > 0.5
+
+
 def test_saved_boxes_of_another_problem_are_refused(tmp_path):
     problem = _problem(bowl=bowl)
     save(tmp_path / "boxes", problem, _run(problem))

@@ -34,6 +34,8 @@ def explore(
 ) -> list[Search]:
     """Decide all conditions on all roots, then raise the margins, until done or the deadline.
 
+    Running out of memory ends it like the deadline.
+
     Args:
         problems: one for each root.
         states: where an earlier search ended; None to start.
@@ -60,15 +62,19 @@ def explore(
         left = list(range(len(problems)))
         while left and time.monotonic() < deadline:
             for number in left:
-                current[number] = search(
-                    problems[number],
-                    current[number],
-                    confirm,
-                    phase=phase,
-                    most=most[number],
-                    deadline=min(deadline, time.monotonic() + TURN_S),
-                    progress=told(number),
-                )
+                try:
+                    current[number] = search(
+                        problems[number],
+                        current[number],
+                        confirm,
+                        phase=phase,
+                        most=most[number],
+                        deadline=min(deadline, time.monotonic() + TURN_S),
+                        progress=told(number),
+                    )
+                except MemoryError:
+                    # A round is added whole or not at all: what was there still stands.
+                    return current
             left = [n for n in left if len(to_split(problems[n], current[n], phase, most[n]))]
     if progress is not None:
         progress(proved_share(problems, current), box_count(current))
