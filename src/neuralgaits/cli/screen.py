@@ -106,6 +106,8 @@ def show_check(result: Result) -> None:
     colour = _COLOURS[result["verdict"]]
     reason = f": {result['reason']}" if result["reason"] else ""
     _print(Text.assemble(Text(result["verdict"], colour), reason))
+    weights = f"weights of sha256 {result['weights_sha256'][:12]}..."
+    _print(Text(f"claims for {result['robot']}, spec {result['spec']}, {weights}"))
     for statement in result["statements"]:
         _print(Text(f"  {statement}"))
     if result["unclaimed"]:

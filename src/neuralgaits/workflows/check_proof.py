@@ -28,14 +28,20 @@ def check_proof(
 
     Returns: verdict ("proved", "rejected" or "undecided"), reason (None if proved), statements
         (in words), unclaimed (conditions without a statement), boxes (bounded), wall_s,
-        assumptions, proof, run.
+        assumptions, proof, run, and what the file is about: robot, spec, weights_sha256.
 
     Raises: InputError in one line if the file is no proof file; RunError if there is no such run.
     """
     began = time.perf_counter()
     claims = read_claims(Path(file))
     wrong = [] if run is None else _against(claims, run)
-    result: dict[str, Any] = {"proof": str(file), "run": None if run is None else str(run)}
+    result: dict[str, Any] = {
+        "proof": str(file),
+        "run": None if run is None else str(run),
+        "robot": claims.robot[0],
+        "spec": claims.spec[0],
+        "weights_sha256": claims.weights_sha256,
+    }
     if wrong:
         result |= {
             "verdict": "rejected",
