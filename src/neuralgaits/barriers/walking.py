@@ -97,7 +97,7 @@ def walking(
     samples = {
         "tube": 48,
         "lift-off": 12,
-        "swing": 12,
+        "swing": 16,
         "landing": 12,
         "fence-lower": 16,
         "fence-upper": 16,

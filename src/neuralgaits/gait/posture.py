@@ -26,12 +26,15 @@ MOMENTUM = 0.363
 """Typical z2 of a walk, in m l sqrt(g l)."""
 TORSO_LEAN = -0.05
 """Torso angle of the path [rad]: slightly forward."""
-KNEE_BEND = 0.30
+KNEE_BEND = 0.40
 """Knee angle of both legs at the guard [rad]."""
-SWING_THIGH = 0.35
+SWING_THIGH = 0.40
 """Up-angle of the swing thigh at the guard [rad]."""
-KNEE_SLOPE, HIP_SLOPE = -0.3, 1.1
-"""Slopes at the guard of swing knee and stance hip in z1, of the reference robot [rad/m]."""
+GUARD_LEAN = -0.15
+"""Torso angle at the guard [rad]. From a lean of zero and a slope of zero in the stance knee,
+training settles in a slower gait that pushes and steps in the floor stop more often."""
+STANCE_KNEE_SLOPE, SWING_KNEE_SLOPE, HIP_SLOPE = 1.6, -0.3, 0.3
+"""Slopes at the guard of both knees and the stance hip in z1, of the reference robot [rad/m]."""
 KNEE_LIFT, HIP_LIFT = 0.2, -0.05
 """Biases of swing knee and swing hip that lift the foot in mid-step."""
 Z1_SCALE = 0.2 / REFERENCE_LEG_M
@@ -80,7 +83,8 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
     m, hips, length = robot.n - 1, hip_indices(robot), robot.leg_length
     lower, upper, side = _knee_bounds(robot)
     guard, slopes, bend = KNEE_BEND * side, np.zeros(m), np.zeros(m)
-    slopes[hips[-1] + 1 :], bend[hips[-1] + 1 :] = KNEE_SLOPE, KNEE_LIFT
+    slopes[: hips[0]], slopes[hips[-1] + 1 :] = STANCE_KNEE_SLOPE, SWING_KNEE_SLOPE
+    bend[hips[-1] + 1 :] = KNEE_LIFT
     slopes, bend = slopes * side, bend * side
     hip_range = (-max(HIP_RANGE), -min(HIP_RANGE)) if robot.torso is None else HIP_RANGE
     for hip in hips:
@@ -97,7 +101,7 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
         guard[hips[0]] = SWING_THIGH - stance_thigh
         slopes[hips[0]], bend[hips[0]] = 2.0 * HIP_SLOPE, -HIP_LIFT
     else:
-        guard[list(hips)] = -stance_thigh, -SWING_THIGH
+        guard[list(hips)] = GUARD_LEAN - stance_thigh, GUARD_LEAN - SWING_THIGH
         slopes[list(hips)] = HIP_SLOPE, -HIP_SLOPE
         bend[list(hips)] = 0.0, HIP_LIFT
     slopes *= REFERENCE_LEG_M / length
