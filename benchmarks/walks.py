@@ -1,7 +1,7 @@
 """Full-order walks in MuJoCo: long walks, starts all over the tube, disturbances, the gait itself.
 
 Asked: 20 of 20 seeds walk 1000 steps; 200 of 200 starts walk 100 steps; 20 of 20 survive every
-disturbance; figures of the gait as in the table. STEPS=100 shortens the long walks.
+disturbance; figures of the gait as in the table. STEPS=100 shortens the long walks; CONTROLLERS=pd runs one controller.
 """
 
 import os
@@ -22,7 +22,7 @@ DISTURBANCES = {
     "push +8 N s": ({}, 8.0),
     "push -8 N s": ({}, -8.0),
 }
-CONTROLLERS = ("fblin", "pd")
+CONTROLLERS = os.environ.get("CONTROLLERS", "fblin,pd").split(",")
 
 
 def main() -> None:

@@ -141,21 +141,15 @@ class Trainer:
     def step(self, state: TrainState) -> tuple[TrainState, Loss]:
         """One gradient step on fresh samples. Not synchronised: results arrive when read."""
         key = jax.random.key(self.seed)
-        parameters, optimizer, loss = self._step(
-            state.parameters, state.optimizer, key, state.step
-        )
-        state = state._replace(
-            step=state.step + 1, parameters=parameters, optimizer=optimizer
-        )
+        parameters, optimizer, loss = self._step(state.parameters, state.optimizer, key, state.step)
+        state = state._replace(step=state.step + 1, parameters=parameters, optimizer=optimizer)
         return state, loss
 
     def validate(self, state: TrainState) -> TrainState:
         """Keep the parameters if their loss on the validation samples is the lowest."""
         loss = self.report(self.gait(state.parameters), seed=0).loss
         if loss < float(state.best_loss):
-            return state._replace(
-                best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64)
-            )
+            return state._replace(best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64))
         return state
 
     def gait(self, parameters: Float[Array, " P"]) -> Gait:
