@@ -1,7 +1,8 @@
 """Full-order walks in MuJoCo: long walks, starts all over the tube, disturbances, the gait itself.
 
 Asked: 20 of 20 seeds walk 1000 steps; 200 of 200 starts walk 100 steps; 20 of 20 survive every
-disturbance; figures of the gait as in the table. STEPS=100 shortens the long walks; CONTROLLERS=pd runs one controller.
+disturbance; figures of the gait as in the table. STEPS=100 shortens the long walks,
+CONTROLLERS=pd runs one controller.
 """
 
 import os

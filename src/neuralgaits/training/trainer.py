@@ -208,7 +208,8 @@ def _make_evaluate(spec: GaitSpec, robot: PlanarBiped, layout: Layout, residual)
         margins, torque = margin_matrix(spec, robot, gait, u, residual)
         return barrier_loss(spec, layout, margins, torque), margins
 
-    return eqx.filter_jit(evaluate, compiler_options=COMPILER)
+    # The options go on to jax.jit; equinox's overloads leave them out.
+    return eqx.filter_jit(evaluate, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]
 
 
 @eqx.filter_jit
