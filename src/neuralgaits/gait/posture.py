@@ -27,7 +27,7 @@ MOMENTUM = 0.363
 TORSO_LEAN = -0.05
 """Torso angle of the path [rad]: slightly forward."""
 KNEE_BEND = 0.40
-"""Knee angle of both legs at the guard [rad]."""
+"""Knee angles of a leg at the guard, all together [rad]."""
 SWING_THIGH = 0.40
 """Up-angle of the swing thigh at the guard [rad]."""
 GUARD_LEAN = -0.15
@@ -85,7 +85,9 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
     guard, slopes, bend = KNEE_BEND * side, np.zeros(m), np.zeros(m)
     slopes[: hips[0]], slopes[hips[-1] + 1 :] = STANCE_KNEE_SLOPE, SWING_KNEE_SLOPE
     bend[hips[-1] + 1 :] = KNEE_LIFT
-    slopes, bend = slopes * side, bend * side
+    # Legs of three links share one knee's bend between their two.
+    knees = max(hips[0], 1)
+    guard, slopes, bend = guard / knees, slopes * side / knees, bend * side / knees
     hip_range = (-max(HIP_RANGE), -min(HIP_RANGE)) if robot.torso is None else HIP_RANGE
     for hip in hips:
         lower[hip] = max(robot.joint_lower[hip], hip_range[0])
