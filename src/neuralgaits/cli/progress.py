@@ -4,33 +4,29 @@ import sys
 import time
 from contextlib import AbstractContextManager
 from types import TracebackType
+from typing import Self
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 _LINES = 10
 
 
-class TrainingProgress:
-    """A callback `(step, total, loss)` for the workflow, open while it runs."""
+class _OnTerminal:
+    """A bar on stderr, shown while the context is open and only on a terminal."""
 
-    def __init__(self) -> None:
+    def __init__(self, *columns: ProgressColumn | str) -> None:
         self._console = Console(stderr=True)
-        self._bar = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.fields[count]}"),
-            TimeElapsedColumn(),
-            TextColumn("{task.fields[eta]}"),
-            TimeRemainingColumn(),
-            console=self._console,
-            transient=True,
-        )
-        self._task = self._bar.add_task("compiling", total=None, count="", eta="")
-        self._next_line = 0.0
-        self._first: tuple[int, float] | None = None
+        self._bar = Progress(*columns, console=self._console, transient=True)
 
-    def __enter__(self) -> "TrainingProgress":
+    def __enter__(self) -> Self:
         if self._console.is_terminal:
             self._bar.start()
         return self
@@ -43,6 +39,23 @@ class TrainingProgress:
     ) -> None:
         if self._console.is_terminal:
             self._bar.stop()
+
+
+class TrainingProgress(_OnTerminal):
+    """A callback `(step, total, loss)` for the workflow, open while it runs."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[count]}"),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[eta]}"),
+            TimeRemainingColumn(),
+        )
+        self._task = self._bar.add_task("compiling", total=None, count="", eta="")
+        self._next_line = 0.0
+        self._first: tuple[int, float] | None = None
 
     def __call__(self, step: int, total: int, loss: float) -> None:
         """Show that `step` of `total` gradient steps are done, with the loss there."""
@@ -70,35 +83,18 @@ class TrainingProgress:
         return f"  ETA {(total - step) * (now - start) / (step - first_step):.0f} s"
 
 
-class ProofProgress:
+class ProofProgress(_OnTerminal):
     """A callback `(proved share, boxes)` for the workflow, open while it runs."""
 
     def __init__(self) -> None:
-        self._console = Console(stderr=True)
-        self._bar = Progress(
+        super().__init__(
             TextColumn("proved"),
             BarColumn(),
             TextColumn("{task.percentage:.1f} %  {task.fields[boxes]} boxes"),
             TimeElapsedColumn(),
-            console=self._console,
-            transient=True,
         )
         self._task = self._bar.add_task("", total=1.0, boxes=0)
         self._last = ""
-
-    def __enter__(self) -> "ProofProgress":
-        if self._console.is_terminal:
-            self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        if self._console.is_terminal:
-            self._bar.stop()
 
     def __call__(self, share: float, boxes: int) -> None:
         """Show the proved share of all conditions' regions."""

@@ -21,7 +21,7 @@ from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.network import Network, scaled_inputs
 from neuralgaits.gait.policy import AbstractPolicy
-from neuralgaits.gait.posture import Posture, walking_posture
+from neuralgaits.gait.posture import Posture, hip_indices, walking_posture
 from neuralgaits.robots.dynamics import angular_momentum, swing_foot
 
 if TYPE_CHECKING:
@@ -187,7 +187,7 @@ def _match(policy: HybridInvariantPolicy, robot: "PlanarBiped") -> HybridInvaria
 
 def _foot_on_ground(robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated) -> Actuated:
     """Move the swing hip until the swing foot is on the ground at the guard."""
-    hip = swing_hip_index(robot)
+    hip = hip_indices(robot)[-1]
     direction = np.zeros(robot.n - 1, dtype=outputs.dtype)
     direction[hip] = 1.0
 
@@ -199,9 +199,3 @@ def _foot_on_ground(robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated) ->
         value, slope = jax.jvp(height, (angle,), (jnp.ones_like(angle),))
         angle = angle - value / slope
     return outputs + angle * direction
-
-
-def swing_hip_index(robot: "PlanarBiped") -> int:
-    """Index of the swing hip among the actuated joints (the only hip without a torso)."""
-    joints = robot.n - 1
-    return joints // 2

@@ -59,8 +59,12 @@ class Trainer:
     """Trains gaits for one robot and one spec; gaits may differ in their weights only.
 
     Attributes:
-        robot: the biped; spec: what to train for; steps: gradient steps; seed: of the samples.
-        residual: optional residual zero dynamics z -> [2].
+        robot: the biped.
+        spec: what to train for.
+        steps: gradient steps in all.
+        seed: of the samples.
+        sampler: samples of a step.
+        validation: samples that choose the best weights and report on a gait.
     """
 
     robot: PlanarBiped
@@ -74,7 +78,7 @@ class Trainer:
     _unflatten: Callable
     _optimizer: optax.GradientTransformation
     _template: Gait
-    _layout: Layout
+    _validation_layout: Layout
 
     @classmethod
     def build(
@@ -116,18 +120,18 @@ class Trainer:
         checked = lay_out(spec, robot, template, validation)
         evaluate = _make_evaluate(spec, robot, checked, residual)
         return cls(
-            robot,
-            spec,
-            steps,
-            seed,
-            sampler,
-            validation,
-            step,
-            evaluate,
-            unflatten,
-            optimizer,
-            template,
-            checked,
+            robot=robot,
+            spec=spec,
+            steps=steps,
+            seed=seed,
+            sampler=sampler,
+            validation=validation,
+            _step=step,
+            _evaluate=evaluate,
+            _unflatten=unflatten,
+            _optimizer=optimizer,
+            _template=template,
+            _validation_layout=checked,
         )
 
     def init(self, gait: Gait) -> TrainState:
@@ -161,10 +165,10 @@ class Trainer:
         """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch)."""
         u = self.validation.draw(jax.random.key(seed))
         loss, margins = self._evaluate(gait, u)
-        margins, rows = np.asarray(margins), self._layout.counts
+        margins, rows = np.asarray(margins), self._validation_layout.counts
         named = {
             name: margins[rows[:, block.start]][:, block]
-            for name, block in self._layout.columns.items()
+            for name, block in self._validation_layout.columns.items()
         }
         return Report(float(loss.total), named)
 

@@ -62,7 +62,6 @@ def train(
         config = {
             "robot": robot.name,
             "spec": spec if isinstance(spec, str) else spec.name,
-            "conditions": [condition.name for condition in loaded.conditions],
             "seed": seed,
             "init": init,
             "hidden": _widths(gait),
