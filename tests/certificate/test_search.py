@@ -1,15 +1,18 @@
 """The search proves what holds, refutes what does not, and never proves NaN."""
 
+import time
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.certificate import schedule
 from neuralgaits.certificate.cells import Cells
 from neuralgaits.certificate.judge import judge
 from neuralgaits.certificate.problem import Problem
 from neuralgaits.certificate.proof import CLAIMED, prove
 from neuralgaits.certificate.saved import load, save
-from neuralgaits.certificate.schedule import explore
+from neuralgaits.certificate.schedule import SearchInterrupted, explore
 from neuralgaits.certificate.search import open_on, search, start
 from neuralgaits.certificate.tree import halves, to_bits
 from neuralgaits.certificate.verdicts import Counterexample
@@ -142,6 +145,64 @@ def test_the_budget_ends_the_search_and_a_later_one_goes_on(tmp_path):
     assert {s.tree for s in prove(problem, whole)} == {s.tree for s in prove(problem, second)}
     late = _run(problem, deadline=0.0)
     assert np.all(late.cells.depth <= 3)
+
+
+def test_no_time_means_no_work():
+    problem = _problem(bowl=bowl)
+    state = _run(problem, deadline=0.0)
+    assert not state.begun
+    assert _verdict(problem, state, "bowl").proved_fraction == 0.0
+    whole, later = _run(problem), _run(problem, state)
+    assert [s.tree for s in prove(problem, later)] == [s.tree for s in prove(problem, whole)]
+
+
+@pytest.mark.parametrize("calls", [1, 2, 6])
+def test_an_interrupt_carries_what_was_found(calls, monkeypatch):
+    bounds, count = Problem.bounds, []
+
+    def interrupted(self, low, high):
+        count.append(len(low))
+        if len(count) == calls:
+            raise KeyboardInterrupt
+        return bounds(self, low, high)
+
+    monkeypatch.setattr(Problem, "bounds", interrupted)
+    problem = _problem(ripple=lambda u: ripple(u) - 0.0199, degree=1)
+    with pytest.raises(SearchInterrupted) as stop:
+        _run(problem)
+    (state,) = stop.value.states
+    assert state.begun == (calls > 1)
+    whole, later = _run(problem), _run(problem, state)
+    assert {s.tree for s in prove(problem, later)} == {s.tree for s in prove(problem, whole)}
+
+
+def test_boxes_have_an_end_and_a_budget_lifts_it(monkeypatch):
+    def zero(u):
+        return jnp.tanh(u[0] - 0.3) ** 2
+
+    problem = _problem(zero=zero, degree=1)
+    monkeypatch.setattr(schedule, "MAX_BOXES", 300)
+    capped = _run(problem)
+    assert 300 <= len(capped.cells.first) <= 85 + 300
+    assert _verdict(problem, capped, "zero").verdict == "undecided"
+    assert len(_run(problem, capped).cells.first) > len(capped.cells.first)
+    deadline = time.monotonic() + 0.5
+    assert len(_run(problem, deadline=deadline).cells.first) > 1000
+    monkeypatch.setattr(schedule, "MEMORY_BYTES", 700 * capped.cells.nbytes / 385)
+    held = _run(problem, deadline=time.monotonic() + 60.0)
+    assert time.monotonic() < deadline + 50.0
+    assert 600 < len(held.cells.first) <= 720
+
+
+def test_a_wide_network_is_bounded_in_smaller_batches():
+    narrow, wide = np.ones((8, 2)), np.ones((2048, 2))
+
+    def batch(weights):
+        problem = _problem(f=lambda u: 1.0 + jnp.sum(jnp.square(weights @ u)))
+        return problem.batch
+
+    assert batch(narrow) == 512
+    assert batch(wide) == 64
 
 
 def test_running_out_of_memory_keeps_what_was_proved(monkeypatch):

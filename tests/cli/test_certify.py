@@ -8,6 +8,7 @@ import pytest
 import neuralgaits as ng
 from neuralgaits.cli import screen
 from neuralgaits.cli.main import main
+from neuralgaits.cli.progress import ProofProgress
 from neuralgaits.workflows.train import train
 
 SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
@@ -35,6 +36,24 @@ def test_the_exit_code_is_the_verdict(run, capfd: Captured) -> None:
     assert main(["certify", str(path), "--budget", "5"]) == code
     out, _ = capfd.readouterr()
     assert f"{verdict} at level 1" in out
+
+
+@pytest.mark.parametrize("run", ["small"], indirect=True)
+def test_ctrl_c_is_130_and_says_how_to_go_on(run, capfd: Captured, monkeypatch) -> None:
+    _, path = run
+
+    def ctrl_c(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ProofProgress, "__call__", ctrl_c)
+    assert main(["certify", str(path)]) == 130
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "--resume" in err
+    summary = json.loads((path / "certificate" / "summary.json").read_text())
+    assert "interrupted" in summary["reason"]
+    monkeypatch.undo()
+    assert main(["certify", str(path), "--resume"]) == 1
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import time
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,10 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits.certificate.claims import read_claims
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.certificate.schedule import SearchInterrupted
+from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
+from neuralgaits.workflows import certify as certify_module
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
@@ -125,8 +128,13 @@ def test_a_gait_that_breaks_conditions_is_refuted_at_a_state(poor):
 
 def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
+    began = time.monotonic()
     short = certify(run, budget=1e-9)
+    assert time.monotonic() - began < 0.8 * certificate.summary["wall_s"] + 1.0
     assert short.verdict == "undecided"
+    assert "budget" in short.summary["reason"]
+    assert short.summary["proof"] is None
+    assert sum(v.proved_fraction for v in short.conditions.values()) == 0.0
     entry = short.summary["conditions"]["torque-lower"]
     assert entry["verdict"] == "undecided"
     assert entry["undecided_boxes"] > 0
@@ -135,6 +143,50 @@ def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     assert done.verdict == "proved"
     whole = certificate.summary["conditions"]["torque-lower"]
     assert done.summary["conditions"]["torque-lower"]["boxes"] == whole["boxes"]
+
+
+def test_an_interrupted_search_keeps_what_it_has(gait, certificate, tmp_path):
+    run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
+    shares = []
+
+    def ctrl_c(share, boxes):
+        del boxes
+        shares.append(share)
+        if len(shares) == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(SearchInterrupted):
+        certify(run, progress=ctrl_c)
+    kept = json.loads((run.path / "certificate" / "summary.json").read_text())
+    assert kept["verdict"] == "undecided"
+    assert "interrupted" in kept["reason"]
+    fractions = [entry["proved_fraction"] for entry in kept["conditions"].values()]
+    assert 0.0 < np.mean(fractions) < 1.0
+    proof = run.path / "certificate" / "proof.json"
+    done = certify(run, resume=True)
+    assert done.verdict == "proved"
+    assert "reason" not in done.summary
+    stated = {s.region: s for s in read_claims(proof).statements}
+    whole = {s.region: s for s in read_claims(gait.path / "certificate" / "proof.json").statements}
+    assert stated.keys() == whole.keys()
+    for region, one in stated.items():
+        for name, bound in one.bounds.items():
+            assert bound > 0.5 * whole[region].bounds.get(name, 0.0)
+
+
+def test_a_proof_of_what_cannot_be_traced_any_more_is_removed(gait, tmp_path, monkeypatch):
+    run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
+    proof = run.path / "certificate" / "proof.json"
+    proof.write_text("{}")
+
+    def untraceable(*parts):
+        raise SpecError("a kink in mine.py:7")
+
+    monkeypatch.setattr(certify_module, "trace_spec", untraceable)
+    done = certify(run)
+    assert (done.verdict, done.summary["proof"]) == ("undecided", None)
+    assert "mine.py:7" in done.summary["reason"]
+    assert not proof.exists()
 
 
 def test_relu_is_undecided_and_says_why(amber, tmp_path):

@@ -1,7 +1,7 @@
 """The boxes that a search has made of one root box, and what is known on each."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -49,6 +49,11 @@ class Cells:
     def axes(self) -> tuple[int, ...]:
         """Axes along which boxes are split."""
         return split_axes(self.low[0], self.high[0])
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that the boxes take."""
+        return sum(getattr(self, item.name).nbytes for item in fields(self))
 
     @property
     def is_leaf(self) -> np.ndarray:

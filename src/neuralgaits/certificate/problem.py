@@ -9,10 +9,12 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.certificate.tree import Corners
 from neuralgaits.interpreters import POINT, Program, evaluate, fold
-from neuralgaits.interpreters.taylor import TaylorAlgebra
+from neuralgaits.interpreters.taylor import TERMS, TaylorAlgebra
 
-BATCH = 512
-"""Boxes bounded at once: the working set of a Program then stays in the processor's cache."""
+LEAST_BATCH, MOST_BATCH = 64, 512
+"""Boxes bounded at once: fewer waste time in calls, more exhaust the processor's cache."""
+CACHE_BYTES = 2**22
+"""What the largest result of an operation may take, over a batch: about a core's own cache."""
 INPUT = "u"
 
 
@@ -36,6 +38,13 @@ class Problem:
     scales: tuple[float, ...]
     program: Program
     degree: int = 2
+
+    @cached_property
+    def batch(self) -> int:
+        """Boxes to bound at once."""
+        largest = max((operation.size for operation in self.program.operations), default=1)
+        one = TERMS[self.degree] * largest * np.dtype(np.float64).itemsize
+        return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
 
     def bounds(
         self, low: Corners, high: Corners

@@ -15,7 +15,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.certificate.cells import Cells
-from neuralgaits.certificate.problem import BATCH, Problem
+from neuralgaits.certificate.problem import Problem
 from neuralgaits.certificate.verdicts import Counterexample
 
 Confirm = Callable[[str, np.ndarray], Counterexample | None]
@@ -25,7 +25,7 @@ Phase = Literal["decide", "tighten"]
 MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
 """How deep boxes are split to decide, to raise a margin, and around a refutation."""
 MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
-"""Boxes added by one search of a root, to decide and to raise margins: memory has an end."""
+"""Boxes added by one search of a root without a deadline, to decide and to raise margins."""
 TIGHT = 0.7
 """Share of the smallest margin seen that is worth proving: the rest would cost more boxes."""
 GRID = 33
@@ -46,15 +46,25 @@ class Search:
     seen: Float[np.ndarray, " C"]
     refuted: Mapping[str, Counterexample] = field(default_factory=dict)
 
+    @classmethod
+    def untouched(cls, problem: Problem) -> "Search":
+        """The first grid of boxes, about which nothing is known."""
+        cells = Cells.start(problem.low, problem.high, len(problem.names))
+        return cls(cells, np.full(len(problem.names), np.inf))
+
+    @property
+    def begun(self) -> bool:
+        """Whether anything was looked at."""
+        return bool(np.any(self.cells.lower > -np.inf) or np.any(self.seen < np.inf))
+
 
 def start(problem: Problem, confirm: Confirm) -> Search:
     """Bound the first grid of boxes and look at points."""
-    cells = Cells.start(problem.low, problem.high, len(problem.names))
-    grid = np.flatnonzero(cells.is_leaf)
-    for batch in np.split(grid, range(BATCH, len(grid), BATCH)):
+    state = Search.untouched(problem)
+    cells, grid = state.cells, np.flatnonzero(state.cells.is_leaf)
+    for batch in np.split(grid, range(problem.batch, len(grid), problem.batch)):
         cells = cells.with_bounds(batch, *problem.bounds(cells.low[batch], cells.high[batch]))
-    state = Search(cells, np.full(len(problem.names), np.inf))
-    return _look(problem, state, problem.grid(GRID), confirm)
+    return _look(problem, replace(state, cells=cells), problem.grid(GRID), confirm)
 
 
 def search(
@@ -120,7 +130,8 @@ def _round(
     """Split the leaves `work`, as many as there is time for."""
     family = 2 ** len(state.cells.axes)
     done, parts = 0, []
-    for batch in np.split(work, range(BATCH // family, len(work), BATCH // family)):
+    size = problem.batch // family
+    for batch in np.split(work, range(size, len(work), size)):
         low, high = state.cells.children_of(batch)
         parts.append((low, high, *problem.bounds(low, high)))
         done += len(batch)

@@ -14,6 +14,10 @@ from neuralgaits.cli import environment
 from neuralgaits.errors import NeuralGaitsError, NonFiniteError
 
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
+_AFTER_INTERRUPT = {
+    "train": "; --resume RUN continues from its last checkpoint",
+    "certify": "; --resume goes on with what was proved",
+}
 
 
 def run() -> None:
@@ -30,9 +34,8 @@ def main(arguments: list[str]) -> int:
     except SystemExit as stop:
         return GOOD if stop.code is None else int(stop.code)
     except KeyboardInterrupt as error:
-        hint = "; --resume RUN continues from its last checkpoint"
-        training = "train" in arguments[:2]
-        return _fail(f"interrupted{hint if training else ''}", error, INTERRUPTED, verbose)
+        hints = [hint for verb, hint in _AFTER_INTERRUPT.items() if verb in arguments[:2]]
+        return _fail(f"interrupted{''.join(hints)}", error, INTERRUPTED, verbose)
     except BrokenPipeError:
         # The reader of our output has gone; Python would complain again while it exits.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

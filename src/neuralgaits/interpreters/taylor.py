@@ -25,8 +25,8 @@ from neuralgaits.interpreters.program import Program
 TINY = 1e-250
 """Absolute growth, for results that underflow."""
 
-# Coefficients in the order 1, e1, e2, e1^2, e1 e2, e2^2.
-_TERMS = {1: 3, 2: 6}
+TERMS = {1: 3, 2: 6}
+"""Coefficients by degree, in the order 1, e1, e2, e1^2, e1 e2, e2^2."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class TaylorAlgebra:
                 f"Taylor models take one input of shape (2,), found {names}: trace a function of u"
             )
         centre, half = (np.asarray(part, dtype=np.float64) for part in inputs[names[0]])
-        poly = np.zeros((_TERMS[self.degree], 2, len(centre)))
+        poly = np.zeros((TERMS[self.degree], 2, len(centre)))
         poly[0] = centre.T
         poly[1, 0], poly[2, 1] = half.T
         return {names[0]: Taylor(poly, np.zeros((2, len(centre))))}
@@ -100,7 +100,7 @@ class TaylorAlgebra:
 
     def constant(self, array: np.ndarray) -> Taylor:
         """Exactly these doubles on every box."""
-        poly = np.zeros((_TERMS[self.degree], array.size, 1))
+        poly = np.zeros((TERMS[self.degree], array.size, 1))
         poly[0] = array[:, None]
         return Taylor(poly, np.zeros((array.size, 1)))
 

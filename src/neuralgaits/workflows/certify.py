@@ -14,7 +14,12 @@ from neuralgaits.certificate.judge import judge
 from neuralgaits.certificate.problem import Problem
 from neuralgaits.certificate.proof import Proof, Statement, prove
 from neuralgaits.certificate.saved import load, save
-from neuralgaits.certificate.schedule import Progress, box_count, explore
+from neuralgaits.certificate.schedule import (
+    Progress,
+    SearchInterrupted,
+    box_count,
+    explore,
+)
 from neuralgaits.certificate.search import Confirm, Search
 from neuralgaits.certificate.verdicts import ConditionVerdict, Counterexample, Verdict
 from neuralgaits.errors import InputError, SpecError
@@ -27,6 +32,7 @@ from neuralgaits.workflows.run import ROBOT, SPEC, WEIGHTS, Run, open_run
 
 FOLDER = "certificate"
 PROOF, SUMMARY = f"{FOLDER}/proof.json", f"{FOLDER}/summary.json"
+MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,8 @@ def certify(
         progress: called with (proved share, boxes) now and then.
 
     Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
-    Raises: InputError on bad settings; RunError if there are no such boxes to go on with.
+    Raises: InputError on bad settings; RunError if there are no such boxes to go on with;
+        SearchInterrupted for KeyboardInterrupt, with everything found by then in the folder.
     """
     began = time.perf_counter()
     deadline = time.monotonic() + _seconds(budget)
@@ -75,17 +82,21 @@ def certify(
     try:
         program = trace_spec(trained.spec, trained.robot, trained.gait)
     except SpecError as error:
+        # A proof of what could be traced once would be taken for a proof of this run.
+        (trained.path / PROOF).unlink(missing_ok=True)
         return _finish(trained, _no_program(trained), began, reason=str(error))
     problems = _problems(trained, program)
-    with threadpool_limits(1):
-        states = explore(
-            problems,
-            [_saved(trained, k, problem) if resume else None for k, problem in enumerate(problems)],
-            _confirmer(trained),
-            deadline=deadline,
-            progress=progress,
-        )
-    return _written(trained, program, problems, states, began)
+    before = [_saved(trained, k, problem) if resume else None for k, problem in enumerate(problems)]
+    try:
+        with threadpool_limits(1):
+            states = explore(
+                problems, before, _confirmer(trained), deadline=deadline, progress=progress
+            )
+    except SearchInterrupted as stop:
+        _written(trained, program, problems, stop.states, began, "interrupted")
+        raise
+    ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
+    return _written(trained, program, problems, states, began, ended)
 
 
 def _seconds(budget: float | None) -> float:
@@ -140,8 +151,9 @@ def _written(
     problems: Sequence[Problem],
     states: Sequence[Search],
     began: float,
+    ended: str | None,
 ) -> Certificate:
-    """Save everything and give the verdicts."""
+    """Save everything and give the verdicts. `ended` says what cut the search short, if it was."""
     pairs = list(zip(problems, states, strict=True))
     for number, pair in enumerate(pairs):
         save(_boxes_file(run, number), *pair)
@@ -159,14 +171,10 @@ def _written(
         margin = min(claimed) if len(claimed) == len(roots) else None
         verdicts[condition.name] = judge(condition.name, roots, margin)
     figure = write_map(run, problems, states, run.path / FOLDER)
-    return _finish(
-        run,
-        verdicts,
-        began,
-        boxes=box_count(states),
-        proof=proof if statements else None,
-        map=figure,
-    )
+    more: dict[str, Any] = {"map": figure, "proof": proof if statements else None}
+    if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
+        more["reason"] = f"{ended or 'the search ran out of boxes'}; {MORE}"
+    return _finish(run, verdicts, began, boxes=box_count(states), **more)
 
 
 def _proof(run: Run, program: Program, statements: tuple[Statement, ...]) -> Proof:
