@@ -51,7 +51,7 @@ PLAIN = {
         "torso_angle joint_angles joint_rates torques normal_force foot_height foot_forward"
         " foot_vertical_velocity hip_height hip_forward hip_speed forward_rate transversal_inertia"
         " hip_state momentum reset_hip_sum reset_hip output_mismatch rate_mismatch state_mismatch"
-        " impulse normal_impulse old_foot_lift"
+        " impulse normal_impulse old_foot_lift squared_mismatch"
     ).split()
 }
 WITH_SETTINGS = {
@@ -65,6 +65,10 @@ WITH_SETTINGS = {
     "at_least": f.at_least(f.hip_height, 0.7),
     "at_most": f.at_most(f.joint_angles, np.array([1.0, 2.0, 3.0, 4.0])),
     "after_reset": f.after_reset(f.torso_angle),
+    "torque_lower": f.torque_reserve("lower", 0.8),
+    "torque_upper": f.torque_reserve("upper", 0.8),
+    "knee_bend": f.knee_bend((0, 3), (1.0, -1.0), 0.05),
+    "foot_above_arc": f.foot_above_arc(0.02),
 }
 
 
@@ -114,6 +118,9 @@ def test_geometry(read):
     same(v["foot_on_circle"], (foot[:, 0] - 0.05) ** 2 + (foot[:, 1] + 0.65) ** 2 - 0.7**2)
     arc = 0.02 * (1.0 - (s["z"][:, 0] / 0.17) ** 2)
     same(v["parabolic_clearance"], foot[:, 1] - arc + 0.001)
+    same(v["foot_above_arc"], foot[:, 1] - 0.08 * U[:, 0] * (1.0 - U[:, 0]))
+    knees = s["q"][:, [1, 4]] * np.array([1.0, -1.0])
+    same(v["knee_bend"], knees - 0.05)
 
 
 def test_rates(read):
@@ -176,6 +183,9 @@ def test_torques_do_the_work(amber, read):
 
     power = (energy(step) - energy(-step)) / (2.0 * step)
     same(np.sum(v["torques"] * s["dq"][:, 1:], axis=1), power, 1e-4)
+    share = v["torques"] / (0.8 * 41.0)
+    same(v["torque_lower"], 1.0 + share)
+    same(v["torque_upper"], 1.0 - share)
 
 
 def test_impact(amber, read):
@@ -191,6 +201,7 @@ def test_impact(amber, read):
     same(v["reset_hip"], s["z+"][:, 0])
     same(v["reset_hip_sum"], s["z+"][:, 0] + s["z"][:, 0])
     same(v["output_mismatch"], s["eta"][:, :4])
+    same(v["squared_mismatch"], -np.sum(s["eta"][:, :4] ** 2, axis=1))
     same(v["rate_mismatch"], s["eta"][:, 4:], 1e-8)
     same(v["state_mismatch"], np.concatenate([s["q+"], s["dq+"]], axis=1) - s["x+"], 1e-8)
     same(v["after_reset"], places(s["x+"][:, :5])[3])

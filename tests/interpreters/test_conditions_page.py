@@ -7,7 +7,7 @@ import jax
 import numpy as np
 import pytest
 
-from neuralgaits.barriers import functions, specs
+from neuralgaits.barriers import functions, quantities, specs
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.interpreters import ops
@@ -28,13 +28,16 @@ QUANTITIES = {
     "impulse_cone_forward": functions.impulse_cone_forward(0.5),
     "impulse_cone_backward": functions.impulse_cone_backward(0.5),
     "after_reset": functions.after_reset(functions.torso_angle),
+    "torque_reserve": functions.torque_reserve("upper", 0.9),
+    "knee_bend": functions.knee_bend((0, 3), (1.0, 1.0), 0.05),
+    "foot_above_arc": functions.foot_above_arc(0.02),
 } | {
     name: getattr(functions, name)
     for name in (
         "torso_angle joint_angles joint_rates torques normal_force foot_height foot_forward"
         " foot_vertical_velocity hip_height hip_forward hip_speed forward_rate transversal_inertia"
         " hip_state momentum reset_hip_sum reset_hip output_mismatch rate_mismatch state_mismatch"
-        " impulse normal_impulse old_foot_lift"
+        " impulse normal_impulse old_foot_lift squared_mismatch"
     ).split()
 }
 
@@ -80,7 +83,7 @@ def test_no_quantity_is_forgotten():
         for name, value in vars(functions).items()
         if callable(value)
         and not name.startswith("_")
-        and getattr(value, "__module__", "") == functions.__name__
+        and getattr(value, "__module__", "") in (functions.__name__, quantities.__name__)
     }
     assert public == set(QUANTITIES)
 

@@ -11,7 +11,7 @@ from typing import Literal
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
-from neuralgaits.barriers.functions import Quantity
+from neuralgaits.barriers.quantities import Quantity
 from neuralgaits.barriers.regions import Gait, Side
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics

@@ -4,11 +4,10 @@ Every function takes the point data and returns a scalar, or one entry a joint. 
 by the caller: see `at_least` and `at_most`. No abs, max or clip: two inequalities instead.
 """
 
-from collections.abc import Callable
-
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Float, Planar, Scalar
+from neuralgaits.barriers import quantities
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point
 from neuralgaits.robots.dynamics import (
@@ -17,18 +16,19 @@ from neuralgaits.robots.dynamics import (
     swing_foot_velocity,
 )
 
-Quantity = Callable[[Point], Float[Array, "..."]]
-"""What a condition is made of: a function of the point data."""
-
-
-def at_least(function: Quantity, bound: float | Float[Array, "..."]) -> Quantity:
-    """The quantity minus a lower bound: g >= 0 keeps it above."""
-    return lambda p: function(p) - bound
-
-
-def at_most(function: Quantity, bound: float | Float[Array, "..."]) -> Quantity:
-    """An upper bound minus the quantity: g >= 0 keeps it below."""
-    return lambda p: bound - function(p)
+at_least = quantities.AtLeast
+at_most = quantities.AtMost
+after_reset = quantities.AfterReset
+friction_forward = quantities.FrictionForward
+friction_backward = quantities.FrictionBackward
+impulse_cone_forward = quantities.ImpulseConeForward
+impulse_cone_backward = quantities.ImpulseConeBackward
+torque_reserve = quantities.TorqueReserve
+knee_bend = quantities.KneeBend
+foot_above_arc = quantities.FootAboveArc
+foot_on_circle = quantities.FootOnCircle
+parabolic_clearance = quantities.ParabolicClearance
+orbital_energy = quantities.OrbitalEnergy
 
 
 def torso_angle(p: Point) -> Scalar:
@@ -58,16 +58,6 @@ def normal_force(p: Point) -> Scalar:
     return p.force[1]
 
 
-def friction_forward(coefficient: float) -> Quantity:
-    """Slack of the friction cone against forward tangential force [N]."""
-    return lambda p: coefficient * p.force[1] - p.force[0]
-
-
-def friction_backward(coefficient: float) -> Quantity:
-    """Slack of the friction cone against backward tangential force [N]."""
-    return lambda p: coefficient * p.force[1] + p.force[0]
-
-
 def foot_height(p: Point) -> Scalar:
     """Swing-foot height [m]."""
     return p.foot[1]
@@ -81,29 +71,6 @@ def foot_forward(p: Point) -> Scalar:
 def foot_vertical_velocity(p: Point) -> Scalar:
     """Vertical swing-foot velocity [m/s]."""
     return p.foot_velocity[1]
-
-
-def foot_on_circle(centre: tuple[float, float], radius: float) -> Quantity:
-    """Squared distance of the swing foot from a circle's centre, minus radius^2 [m^2].
-
-    Source: paper Table 1, swing foot clearance.
-    """
-
-    def clearance(p: Point) -> Scalar:
-        x, z = p.foot[0] - centre[0], p.foot[1] - centre[1]
-        return x * x + z * z - radius**2
-
-    return clearance
-
-
-def parabolic_clearance(height: float, half_width: float, slack: float = 0.0) -> Quantity:
-    """Foot height above height (1 - (z1/half_width)^2) - slack [m]."""
-
-    def clearance(p: Point) -> Scalar:
-        x = p.z[0] / half_width
-        return p.foot[1] - height * (1.0 - x * x) + slack
-
-    return clearance
 
 
 def hip_height(p: Point) -> Scalar:
@@ -141,19 +108,6 @@ def momentum(p: Point) -> Scalar:
     return p.z[1]
 
 
-def orbital_energy(height: float, tilt: float = 0.0) -> Quantity:
-    """E - tilt z1 with E = (z2/(m h))^2 - (g/h) z1^2 [m^2/s^2].
-
-    Source: DESIGN, coordinates; Pratt and Drakunov (2007).
-    """
-
-    def energy(p: Point) -> Scalar:
-        speed = p.z[1] / (p.robot.mass * height)
-        return speed * speed - (p.robot.gravity / height) * p.z[0] * p.z[0] - tilt * p.z[0]
-
-    return energy
-
-
 def reset_hip_sum(p: Point) -> Scalar:
     """z1 after the reset plus z1 before: 0 for a symmetric step [m]. Paper Table 1."""
     return p.z_after[0] + p.z[0]
@@ -167,6 +121,12 @@ def reset_hip(p: Point) -> Scalar:
 def output_mismatch(p: Point) -> Actuated:
     """Outputs after the impact, y+ = R q_a - y_d(Delta(z)) [rad]. [m]. Paper: symmetry."""
     return (p.robot.relabel @ p.q)[1:] - p.after.outputs.y
+
+
+def squared_mismatch(p: Point) -> Scalar:
+    """Minus the squared output mismatch [rad^2]: as a barrier it makes the mismatch decay."""
+    error = output_mismatch(p)
+    return -(error @ error)
 
 
 def rate_mismatch(p: Point) -> Actuated:
@@ -195,21 +155,6 @@ def normal_impulse(p: Point) -> Scalar:
     return p.impact.impulse[1]
 
 
-def impulse_cone_forward(coefficient: float) -> Quantity:
-    """Slack of the impulse's friction cone, forward [N s]."""
-    return lambda p: coefficient * p.impact.impulse[1] - p.impact.impulse[0]
-
-
-def impulse_cone_backward(coefficient: float) -> Quantity:
-    """Slack of the impulse's friction cone, backward [N s]."""
-    return lambda p: coefficient * p.impact.impulse[1] + p.impact.impulse[0]
-
-
 def old_foot_lift(p: Point) -> Scalar:
     """Vertical velocity of the old stance foot just after the impact [m/s]."""
     return swing_foot_velocity(p.robot, p.impact.q, p.impact.dq)[1]
-
-
-def after_reset(function: Quantity) -> Quantity:
-    """The same quantity read at the point after the reset."""
-    return lambda p: function(p.after)

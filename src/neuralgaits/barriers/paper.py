@@ -16,7 +16,7 @@ from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Equality
 from neuralgaits.barriers.regions import Box, Gait, Tube
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
-from neuralgaits.gait import MLPPolicy, Point
+from neuralgaits.gait import MLPPolicy
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -83,7 +83,7 @@ def authors(robot: "PlanarBiped") -> GaitSpec:
         Equality("foot-on-guard", "ends", 1.0, f.foot_height, 1e-3, "absolute"),
         Barrier("impact-lower", "late", 1.0, f.at_least(f.reset_hip_sum, -0.15), 1.0),
         Barrier("impact-upper", "late", 1.0, f.at_most(f.reset_hip_sum, 0.15), 1.0),
-        Barrier("symmetry-late", "late", 1.0, _squared_symmetry, 0.1),
+        Barrier("symmetry-late", "late", 1.0, f.squared_mismatch, 0.1),
     ]
     return GaitSpec(
         "authors",
@@ -97,12 +97,6 @@ def authors(robot: "PlanarBiped") -> GaitSpec:
         _recipe((0.05, 0.2, 0.6), {"everywhere": BATCH, "ends": 512, "late": 512}),
         {"reset-hip-sum": 10.0, "symmetry": 6.0, "foot-on-guard": 10.0},
     )
-
-
-def _squared_symmetry(p: Point):
-    """Minus the squared output mismatch: as a barrier it makes the mismatch decay."""
-    error = f.output_mismatch(p)
-    return -(error @ error)
 
 
 def _recipe(milestones: tuple[float, ...], samples: dict[str, int]) -> Recipe:

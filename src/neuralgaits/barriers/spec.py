@@ -1,13 +1,14 @@
 """A gait specification: conditions on regions, where training starts and how it proceeds."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers.conditions import AbstractCondition
+from neuralgaits.barriers.description import describe_condition
 from neuralgaits.barriers.regions import Box, Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
@@ -118,13 +119,17 @@ class GaitSpec:
         return replace(self, conditions=kept, weights=weights)
 
     def describe(self) -> dict[str, Any]:
-        """Everything about the spec but its functions, as plain data: what a run saves."""
+        """Everything about the spec as plain data: what a run saves.
+
+        Conditions and quantities of this package are described in full, by name and numbers;
+        a user's own functions by their names alone.
+        """
         return {
             "name": self.name,
             "recipe": asdict(self.recipe),
             "regions": dict(self.regions),
             "weights": dict(self.weights),
-            "conditions": [_described(condition) for condition in self.conditions],
+            "conditions": [describe_condition(condition) for condition in self.conditions],
         }
 
     def margins(
@@ -133,9 +138,3 @@ class GaitSpec:
         """Margins of all conditions at one chart point, each in its own units."""
         point = zd.point(gait.z(u))
         return {c.name: c.margins(gait, zd, point) for c in self.conditions}
-
-
-def _described(condition: AbstractCondition) -> dict[str, Any]:
-    values = {f.name: getattr(condition, f.name) for f in fields(condition)}
-    numbers = {name: value for name, value in values.items() if not callable(value)}
-    return {"kind": type(condition).__name__} | numbers

@@ -22,10 +22,11 @@ from neuralgaits.barriers.conditions import (
     Pointwise,
     TubeWidth,
 )
+from neuralgaits.barriers.quantities import Quantity
 from neuralgaits.barriers.regions import Box, Gait, Tube
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
-from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Point, walking_posture
+from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, walking_posture
 from neuralgaits.gait.posture import REFERENCE_LEG_M
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ LIFT_OFF, LANDING = 0.15, 0.85
 """Phases between which the swing foot must be clear of the ground."""
 TORQUE_SHARE = 0.927
 """Share of the torque limit the zero dynamics may use: 38 of 41 N m on AMBER-3M."""
+LEAST_BEND = 0.05
+"""Bend of a knee away from straight that is always kept [rad]."""
 START_ENERGIES = (0.23, 0.57)
 """Orbital energies of the initial fences [m^2/s^2]."""
 
@@ -182,8 +185,8 @@ def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
         Pointwise("normal-force", "tube", weight, f.at_least(f.normal_force, 0.35 * weight)),
         Pointwise("friction-forward", "tube", 0.45 * weight, f.friction_forward(0.45)),
         Pointwise("friction-backward", "tube", 0.45 * weight, f.friction_backward(0.45)),
-        Pointwise("torque-lower", "tube", 1.0, lambda p: 1.0 + _torque_share(p)),
-        Pointwise("torque-upper", "tube", 1.0, lambda p: 1.0 - _torque_share(p)),
+        Pointwise("torque-lower", "tube", 1.0, f.torque_reserve("lower", TORQUE_SHARE)),
+        Pointwise("torque-upper", "tube", 1.0, f.torque_reserve("upper", TORQUE_SHARE)),
         Pointwise("rate-lower", "tube", rate, f.at_least(f.joint_rates, -rate)),
         Pointwise("rate-upper", "tube", rate, f.at_most(f.joint_rates, rate)),
         Pointwise("forward", "tube", unit.speed, f.at_least(f.forward_rate, forward)),
@@ -195,13 +198,8 @@ def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
         ),
     ]
     if len(_knees(robot)):
-        conditions.append(Pointwise("knee", "tube", 0.5, partial(_knee_bend, robot)))
+        conditions.append(Pointwise("knee", "tube", 0.5, _knee_bend(robot)))
     return conditions
-
-
-def _torque_share(p: Point):
-    """Torques as shares of what the zero dynamics may use. [m]."""
-    return p.torque / (TORQUE_SHARE * p.robot.torque_limit)
 
 
 def _inertia(unit: Units, reference: float) -> float:
@@ -215,13 +213,12 @@ def _knees(robot: "PlanarBiped") -> np.ndarray:
     return np.flatnonzero(one_sided)
 
 
-def _knee_bend(robot: "PlanarBiped", p: Point):
-    """How much further than 0.05 rad each knee is bent away from straight [rad]."""
+def _knee_bend(robot: "PlanarBiped") -> Quantity:
+    """How much further than LEAST_BEND each knee is bent away from straight [rad]."""
     knees = _knees(robot)
-    side = np.where(robot.joint_upper[knees] > -robot.joint_lower[knees], 1.0, -1.0)
-    selected = np.zeros((len(knees), robot.n), dtype=p.z.dtype)
-    selected[np.arange(len(knees)), knees + 1] = side
-    return selected @ p.q - 0.05
+    forward = robot.joint_upper[knees] > -robot.joint_lower[knees]
+    sides = np.where(forward, 1.0, -1.0)
+    return f.knee_bend(tuple(knees.tolist()), tuple(sides.tolist()), LEAST_BEND)
 
 
 def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
@@ -230,18 +227,12 @@ def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
     # Without rotor inertia the faster lift-off is out of reach (LESSONS 46).
     rise = (0.1 if np.any(robot.armature > 0) else 0.05) * unit.speed
     ceiling, clearance = 0.12 * unit.length, 0.02 * unit.length
-
-    def above_arc(p: Point):
-        start, guard = p.policy.z1_range
-        phase = (p.z[0] - start) / (guard - start)
-        return p.foot[1] - clearance * 4.0 * phase * (1.0 - phase)
-
     speed = 0.5 * unit.speed
     velocity = f.foot_vertical_velocity
     return [
         Pointwise("foot-ceiling", "tube", ceiling, f.at_most(f.foot_height, ceiling)),
         Pointwise("foot-rises", "lift-off", speed, f.at_least(velocity, rise)),
-        Pointwise("foot-clears", "swing", 0.05 * unit.length, above_arc),
+        Pointwise("foot-clears", "swing", 0.05 * unit.length, f.foot_above_arc(clearance)),
         Pointwise("foot-falls", "landing", speed, f.at_most(velocity, -0.1 * unit.speed)),
     ]
 

@@ -1,0 +1,52 @@
+"""Conditions and their quantities as plain data, read off the very objects that are evaluated.
+
+Those of this package are described in full, by name and numbers, so that a reader can derive
+them on its own. Of a user's own functions and kinds only the names are known.
+"""
+
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.barriers import conditions, functions, quantities
+from neuralgaits.barriers.conditions import AbstractCondition
+
+_NAMES = {
+    id(value): name
+    for name, value in vars(functions).items()
+    if getattr(value, "__module__", None) in (functions.__name__, quantities.__name__)
+}
+
+
+def describe_condition(condition: AbstractCondition) -> dict[str, Any]:
+    """A condition as data: "kind" (or "user" and its class) and its fields."""
+    kind = type(condition)
+    known = vars(conditions).get(kind.__name__) is kind
+    described: dict[str, Any] = {"kind": kind.__name__} if known else {"user": kind.__qualname__}
+    for item in fields(condition):
+        key = "quantity" if item.name == "function" else item.name
+        described[key] = _plain(getattr(condition, item.name))
+    return described
+
+
+def describe_quantity(quantity: Callable[..., Any]) -> dict[str, Any]:
+    """A quantity as data: "function", its name in `functions`, and its numbers; or "user"."""
+    name = _NAMES.get(id(type(quantity)), _NAMES.get(id(quantity)))
+    if name is None:
+        return {"user": getattr(quantity, "__qualname__", type(quantity).__qualname__)}
+    described: dict[str, Any] = {"function": name}
+    for item in fields(quantity) if is_dataclass(quantity) else ():
+        key = "of" if item.name == "function" else item.name
+        described[key] = _plain(getattr(quantity, item.name))
+    return described
+
+
+def _plain(value: Any) -> Any:
+    if callable(value):
+        return describe_quantity(value)
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    # Arrays and NumPy's scalars; what is neither is already plain.
+    return np.asarray(value).tolist() if hasattr(value, "__array__") else value

@@ -1,0 +1,200 @@
+"""Quantities with numbers in them, as data: what they compute and what they say of themselves.
+
+A condition's quantity is a function of the point data. Where it has numbers, it is a record of
+this file, so that the very object that is evaluated also says what it is: a run saves it, and a
+proof file tells it to readers that derive the same quantity on their own.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from neuralgaits._types import Actuated, Array, Float, Scalar
+from neuralgaits.gait import Point
+
+Quantity = Callable[[Point], Float[Array, "..."]]
+"""What a condition is made of: a function of the point data."""
+
+Bound = float | Float[Array, "..."]
+
+
+# Records are compared by identity, like functions: a bound may be an array.
+@dataclass(frozen=True, eq=False)
+class AtLeast:
+    """The quantity minus a lower bound: g >= 0 keeps it above."""
+
+    function: Quantity
+    bound: Bound
+
+    def __call__(self, p: Point) -> Float[Array, "..."]:
+        """Quantity minus bound, in the quantity's unit."""
+        return self.function(p) - self.bound
+
+
+@dataclass(frozen=True, eq=False)
+class AtMost:
+    """An upper bound minus the quantity: g >= 0 keeps it below."""
+
+    function: Quantity
+    bound: Bound
+
+    def __call__(self, p: Point) -> Float[Array, "..."]:
+        """Bound minus quantity, in the quantity's unit."""
+        return self.bound - self.function(p)
+
+
+@dataclass(frozen=True, eq=False)
+class AfterReset:
+    """The same quantity read at the point after the reset."""
+
+    function: Quantity
+
+    def __call__(self, p: Point) -> Float[Array, "..."]:
+        """The quantity on the manifold above z_after."""
+        return self.function(p.after)
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionForward:
+    """Slack of the friction cone against forward tangential force [N]."""
+
+    coefficient: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Coefficient times normal minus tangential force [N]."""
+        return self.coefficient * p.force[1] - p.force[0]
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionBackward:
+    """Slack of the friction cone against backward tangential force [N]."""
+
+    coefficient: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Coefficient times normal plus tangential force [N]."""
+        return self.coefficient * p.force[1] + p.force[0]
+
+
+@dataclass(frozen=True, eq=False)
+class ImpulseConeForward:
+    """Slack of the impulse's friction cone, forward [N s]."""
+
+    coefficient: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Coefficient times normal minus tangential impulse [N s]."""
+        return self.coefficient * p.impact.impulse[1] - p.impact.impulse[0]
+
+
+@dataclass(frozen=True, eq=False)
+class ImpulseConeBackward:
+    """Slack of the impulse's friction cone, backward [N s]."""
+
+    coefficient: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Coefficient times normal plus tangential impulse [N s]."""
+        return self.coefficient * p.impact.impulse[1] + p.impact.impulse[0]
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueReserve:
+    """What is left of the torque limits on one side, as a share of what may be used. [m].
+
+    Attributes:
+        side: "lower" for the most negative torque, "upper" for the largest.
+        share: of the robot's limits that the zero dynamics may use.
+    """
+
+    side: Literal["lower", "upper"]
+    share: float
+
+    def __call__(self, p: Point) -> Actuated:
+        """One plus or minus torque over (share x limit). [m]."""
+        used = p.torque / (self.share * p.robot.torque_limit)
+        return 1.0 + used if self.side == "lower" else 1.0 - used
+
+
+@dataclass(frozen=True, eq=False)
+class KneeBend:
+    """How much further than `least` knees are bent away from straight [rad]. [knees].
+
+    Attributes:
+        joints: which of the actuated joints are knees, counted from 0.
+        sides: for each, 1.0 if it bends to positive angles, -1.0 if to negative ones.
+        least: [rad].
+    """
+
+    joints: tuple[int, ...]
+    sides: tuple[float, ...]
+    least: float
+
+    def __call__(self, p: Point) -> Float[Array, " k"]:
+        """Bend minus least [rad]. [knees]."""
+        knees = np.array(self.joints)
+        selected = np.zeros((len(knees), p.robot.n), dtype=p.z.dtype)
+        selected[np.arange(len(knees)), knees + 1] = self.sides
+        return selected @ p.q - self.least
+
+
+@dataclass(frozen=True, eq=False)
+class FootAboveArc:
+    """Swing-foot height above the arc 4 t (1 - t) clearance over the phase t of the step [m]."""
+
+    clearance: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Foot height minus arc [m]."""
+        start, guard = p.policy.z1_range
+        phase = (p.z[0] - start) / (guard - start)
+        return p.foot[1] - self.clearance * 4.0 * phase * (1.0 - phase)
+
+
+@dataclass(frozen=True, eq=False)
+class FootOnCircle:
+    """Squared distance of the swing foot from a circle's centre, minus radius^2 [m^2].
+
+    Source: paper Table 1, swing foot clearance.
+    """
+
+    centre: tuple[float, float]
+    radius: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Positive outside the circle [m^2]."""
+        x, z = p.foot[0] - self.centre[0], p.foot[1] - self.centre[1]
+        return x * x + z * z - self.radius**2
+
+
+@dataclass(frozen=True, eq=False)
+class ParabolicClearance:
+    """Foot height above height (1 - (z1/half_width)^2) - slack [m]."""
+
+    height: float
+    half_width: float
+    slack: float = 0.0
+
+    def __call__(self, p: Point) -> Scalar:
+        """Foot height minus parabola plus slack [m]."""
+        x = p.z[0] / self.half_width
+        return p.foot[1] - self.height * (1.0 - x * x) + self.slack
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitalEnergy:
+    """E - tilt z1 with E = (z2/(m h))^2 - (g/h) z1^2 [m^2/s^2].
+
+    Source: DESIGN, coordinates; Pratt and Drakunov (2007).
+    """
+
+    height: float
+    tilt: float = 0.0
+
+    def __call__(self, p: Point) -> Scalar:
+        """Orbital energy minus tilt [m^2/s^2]."""
+        speed = p.z[1] / (p.robot.mass * self.height)
+        falling = (p.robot.gravity / self.height) * p.z[0] * p.z[0]
+        return speed * speed - falling - self.tilt * p.z[0]
