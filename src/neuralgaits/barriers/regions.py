@@ -12,7 +12,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial.chebyshev import chebder, poly2cheb
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.gait.policy import AbstractPolicy
@@ -89,25 +89,25 @@ class Tube(eqx.Module):
                     curvature * half**2,
                 ]
             )
-            series.append(np.pad(chebyshev.poly2cheb(power), (0, degree - 2)))
+            series.append(np.pad(poly2cheb(power), (0, degree - 2)))
         ends = None if span is None else np.asarray(span, dtype=np.float64)
         return cls(series[0], series[1], np.asarray(unit), ends, trained)
 
     def fences(self, phase: Scalar) -> Float[Array, "2"]:
         """Value of zeta on the lower and the upper fence [(kg m^2/s)^2]. [2]."""
         series = jnp.stack([self.lower, self.upper])
-        return self.unit * (series @ _chebyshev(2.0 * phase - 1.0, series.shape[1]))
+        return self.unit * (series @ chebyshev(2.0 * phase - 1.0, series.shape[1]))
 
     def fence_slopes(self, phase: Scalar) -> Float[Array, "2"]:
         """Slope d zeta / d phase of both fences [(kg m^2/s)^2]. [2]."""
         series = jnp.stack([self.lower, self.upper])
         size = series.shape[1]
-        derivative = np.stack([np.pad(chebyshev.chebder(row), (0, 1)) for row in np.eye(size)])
-        basis = _chebyshev(2.0 * phase - 1.0, size)
+        derivative = np.stack([np.pad(chebder(row), (0, 1)) for row in np.eye(size)])
+        basis = chebyshev(2.0 * phase - 1.0, size)
         return self.unit * (series @ ((2.0 * derivative).astype(basis.dtype) @ basis))
 
 
-def _chebyshev(x: Scalar, size: int) -> Float[Array, " k"]:
+def chebyshev(x: Scalar, size: int) -> Float[Array, " k"]:
     """Chebyshev polynomials T_0 .. T_(size - 1). Returns: [size]."""
     values = [jnp.ones_like(x), x]
     while len(values) < size:

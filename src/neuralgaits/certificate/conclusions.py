@@ -1,0 +1,182 @@
+"""What follows from proved premises: the closing arithmetic of levels 2 and 3, in balls.
+
+The arguments are in docs/guarantees.md. Numbers come from the theorem's parameters and the
+bounds that were proved; a comparison holds only if it is certain.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from flint import arb
+
+from neuralgaits.certificate.theorems import (
+    Corner,
+    Orbit,
+    Premise,
+    WalkingSet,
+    orbit_premises,
+    safe_premises,
+    strips,
+    walking_premises,
+)
+
+Bounds = Mapping[tuple[str, Corner, Corner], float]
+"""Proved bound times scale of an output on a root box, by (output, low, high)."""
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """The answer for one level.
+
+    Attributes:
+        level: 2 or 3.
+        verdict: proved, or undecided with a reason.
+        reason: what is missing; None if proved.
+        words: the statement, one sentence each; empty if it is not proved.
+        figures: numbers that were proved on the way, by name.
+    """
+
+    level: int
+    verdict: Literal["proved", "undecided"]
+    reason: str | None
+    words: tuple[str, ...]
+    figures: Mapping[str, float]
+
+
+def walking(
+    shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]], bounds: Bounds
+) -> Conclusion:
+    """Level 2: the walking set is forward invariant, and safe.
+
+    Args:
+        shape: of the set.
+        boxes: (condition, low, high) of every box of every condition of the spec.
+        bounds: what is proved.
+    """
+    needed = [Premise(*box, strict=False) for box in (*boxes, *strips(shape, boxes))]
+    missing = _missing([*walking_premises(shape), *needed], bounds)
+    uncarried = {name for name, *_ in boxes} - set(shape.carried)
+    first, last = shape.ends
+    whole = (first, 0.0), (last, 1.0)
+    if missing is None and not (0.0 < shape.start_strip < 0.1 and 0.0 < shape.guard_strip < 0.1):
+        missing = "strips outside (0, 0.1)"
+    if missing is None and not 0.0 < shape.risen <= shape.falling < 1.0 - shape.guard_strip:
+        missing = "phases of rise and fall that are not in order"
+    if missing is not None:
+        return Conclusion(2, "undecided", missing, (), {})
+    pace = bounds["set/forward", *whole]
+    longest = (arb(last) - arb(first)) / arb(pace)
+    figures = {
+        "step_time_at_most_s": _above(longest),
+        "forward_at_least_per_s": pace,
+        "inertia_at_least_kg_m": bounds["set/inertia", *whole],
+        "relative_width": bounds["set/width", (first, 0.0), (last, 0.0)],
+        "foot_falls_at_least_m_s": bounds["set/foot-falls", (shape.falling, 0.0), whole[1]],
+    }
+    pushed, safe = "", ""
+    if any(shape.disturbance):
+        bound = "({!r} m/s, {!r} N m)".format(*shape.disturbance)
+        pushed = f", whatever d(t) with |d| <= {bound} is added to dz"
+    unsafe = [premise for premise in safe_premises(shape) if _missing([premise], bounds)]
+    if unsafe:
+        safe = " and the barrier functions not negative"
+    words = (
+        f"T is every state with phase from {first!r} to {last!r} between the fences{safe}, up to "
+        "where the swing foot meets the ground",
+        f"every trajectory of the projected hybrid zero dynamics that starts in T{pushed}, stays "
+        "between the fences, meets the ground once and transversally within "
+        f"{figures['step_time_at_most_s']:.4g} s, and is reset into T: it walks for ever",
+        f"along it hold: {', '.join(shape.carried)}",
+    )
+    if uncarried:
+        words += (f"holding on their regions only: {', '.join(sorted(uncarried))}",)
+    return Conclusion(2, "proved", None, words, figures)
+
+
+def attraction(shape: WalkingSet, orbit: Orbit, unit: float, bounds: Bounds) -> Conclusion:
+    """Level 3: one periodic orbit, enclosed, that attracts the walking set; rests on level 2.
+
+    Args:
+        shape: of the set.
+        orbit: thin tube and bounds on the expansion.
+        unit: of zeta [(kg m^2/s)^2].
+        bounds: what is proved.
+    """
+    missing = _missing(orbit_premises(shape), bounds)
+    if missing is not None:
+        return Conclusion(3, "undecided", missing, (), {})
+    over = arb(shape.start_strip) + arb(shape.guard_strip)
+    contraction = arb(orbit.gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
+    low = arb(orbit.reset_gain[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
+    high = arb(orbit.reset_gain[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
+    middle = [(2 * arb(unit) * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
+    figures = {
+        "contraction_at_most": _above(contraction),
+        "multiplier_at_least": _below(low),
+        "multiplier_at_most": _above(high),
+        "z2_at_mid_step_at_least": _below(middle[0]),
+        "z2_at_mid_step_at_most": _above(middle[1]),
+        "z2_width_at_most": orbit.z2_width,
+    }
+    if not contraction < 1:
+        reason = f"the return map is not shown to contract: |P'| <= {_above(contraction):.4g}"
+        return Conclusion(3, "undecided", reason, (), figures)
+    if not (low > 0 and high < 1):
+        reason = f"the multiplier is enclosed in [{_below(low):.4g}, {_above(high):.4g}] only"
+        return Conclusion(3, "undecided", reason, (), figures)
+    words = (
+        "the return map of the section at mid-step contracts by "
+        f"{figures['contraction_at_most']:.4f} or more on all of T: one periodic orbit, and every "
+        "trajectory of the undisturbed system in T converges to it",
+        f"at mid-step the orbit has z2 in [{figures['z2_at_mid_step_at_least']:.6f}, "
+        f"{figures['z2_at_mid_step_at_most']:.6f}] kg m^2/s, and is known to {orbit.z2_width!r} "
+        "everywhere",
+        f"its multiplier is in [{figures['multiplier_at_least']:.4f}, "
+        f"{figures['multiplier_at_most']:.4f}]",
+    )
+    return Conclusion(3, "proved", None, words, figures)
+
+
+def _missing(premises: Sequence[Premise], bounds: Bounds) -> str | None:
+    """The first premise without a sufficient bound, in words."""
+    for output, low, high, strict in premises:
+        bound = bounds.get((output, low, high))
+        enough = bound is not None and (bound > 0.0 if strict else bound >= 0.0)
+        if not enough:
+            return f"{output} from {low} to {high} is not proved"
+    return None
+
+
+def _end(orbit: Orbit, shape: WalkingSet) -> arb:
+    """Bound on the expansion series near phases 0 and 1, where a step begins and ends."""
+    worst = arb(0)
+    for series in (orbit.expansion, orbit.slowest, orbit.fastest):
+        for side, width in ((-1, shape.start_strip), (1, shape.guard_strip)):
+            around = arb(side, 2.0 * width * (1.0 + 2.0**-50))
+            worst += abs(_value(series, around))
+    return worst
+
+
+def _integral(series: Sequence[float]) -> arb:
+    """Integral of a Chebyshev series over phases 0 to 1."""
+    total = arb(0)
+    for k in range(0, len(series), 2):
+        total += arb(series[k]) / (1 - k * k)
+    return total
+
+
+def _value(series: Sequence[float], x: arb) -> arb:
+    """Chebyshev series at x, by Clenshaw."""
+    ahead, further = arb(0), arb(0)
+    for coefficient in reversed(series[1:]):
+        ahead, further = 2 * x * ahead - further + arb(coefficient), ahead
+    return x * ahead - further + arb(series[0])
+
+
+def _above(x: arb) -> float:
+    return float(x.upper()) * (1.0 + 2.0**-50)
+
+
+def _below(x: arb) -> float:
+    return float(x.lower()) * (1.0 - 2.0**-50)

@@ -1,0 +1,75 @@
+"""The return map of a tube, differentiated: expansion along a step and gain of its reset.
+
+On a tube the hip moves forward, so phase can stand for time: d zeta / d phase = F(phase, zeta)
+with zeta = z2^2 / 2. The derivative of the return map of a section is then
+
+    P' = rho exp(integral of dF/dzeta over the step),
+
+with rho the gain of guard and reset together: how far a neighbouring trajectory is moved at the
+phase where this one lands, per distance at the phase where this one met the guard.
+Source: CERTIFICATE.md section 6, in (phase, zeta) instead of (z1, z2).
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.barriers import Gait
+from neuralgaits.gait import Point, ZeroDynamics
+
+
+def state(gait: Gait, phase: Scalar, zeta: Scalar) -> Float[Array, "2"]:
+    """Zero dynamics state at a phase, with z2 = sqrt(2 zeta) > 0 (m, kg m^2/s). [2]."""
+    start, guard = gait.span
+    return jnp.stack([start + phase * (guard - start), jnp.sqrt(2.0 * zeta)])
+
+
+def slope(gait: Gait, point: Point) -> Scalar:
+    """F: d zeta / d phase along the flow [(kg m^2/s)^2]."""
+    start, guard = gait.span
+    return point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
+
+
+def expansion(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Scalar:
+    """dF/dzeta at a chart point: rate at which trajectories part, per phase."""
+
+    def along(zeta):
+        return slope(gait, zd.point(state(gait, u[0], zeta)))
+
+    zeta = 0.5 * gait.z(u)[1] ** 2
+    return jax.jvp(along, (zeta,), (jnp.ones_like(zeta),))[1]
+
+
+class Landing(NamedTuple):
+    """What guard and reset do to a state, and to its neighbours."""
+
+    phase: Scalar
+    """Phase after the reset."""
+    zeta: Scalar
+    """zeta after the reset [(kg m^2/s)^2]."""
+    gain: Scalar
+    """rho: distance of a neighbour after the reset per distance before it."""
+
+
+def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
+    """Reset of a chart point near the guard. The formula of rho holds at its own guard level."""
+
+    def ends(phase, zeta):
+        point = zd.point(state(gait, phase, zeta))
+        after = point.z_after
+        return point.foot[1], gait.phase(after[0]), 0.5 * after[1] * after[1]
+
+    zeta = 0.5 * gait.z(u)[1] ** 2
+    here, one, zero = (u[0], zeta), jnp.ones_like(zeta), jnp.zeros_like(zeta)
+    (_, phase, after), by_phase = jax.jvp(ends, here, (one, zero))
+    by_zeta = jax.jvp(ends, here, (zero, one))[1]
+    before = slope(gait, zd.point(state(gait, *here)))
+    behind = slope(gait, zd.point(state(gait, phase, after)))
+    # A neighbour at zeta + 1 meets the guard later by `later` phases, and `off` away from here.
+    later = -by_zeta[0] / (by_phase[0] + by_zeta[0] * before)
+    off = 1.0 + before * later
+    moved_phase = by_phase[1] * later + by_zeta[1] * off
+    moved_zeta = by_phase[2] * later + by_zeta[2] * off
+    return Landing(phase, after, moved_zeta - behind * moved_phase)

@@ -1,0 +1,152 @@
+"""What levels 2 and 3 rest on: parameters of the sets, and the statements that are premises.
+
+A theorem is parameters and a list of premises. A premise is an output of the Program that must
+not be negative on a root box; the proof file has a statement for each. `conclusions` draws the
+conclusion from the proved bounds. Needs no JAX.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+Corner = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class WalkingSet:
+    """The set T of `walking_set` and where its premises hold.
+
+    Attributes:
+        start_strip: T begins this far before phase 0: a reset need not land on the line.
+        guard_strip: T ends this far behind phase 1, and the guard lies within as much of it.
+        risen: until this phase the swing foot rises.
+        falling: from this phase it falls; in between it is above the ground.
+        disturbance: bound on what may be added to dz (m/s, N m).
+        barriers: names of the spec's barrier conditions.
+        carried: the spec's conditions, by name, that hold on the strips as well.
+    """
+
+    start_strip: float
+    guard_strip: float
+    risen: float
+    falling: float
+    disturbance: tuple[float, float]
+    barriers: tuple[str, ...]
+    carried: tuple[str, ...]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last phase of T."""
+        return -self.start_strip, 1.0 + self.guard_strip
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A thin tube around the periodic orbit, and bounds on how trajectories part.
+
+    Series are Chebyshev coefficients over the phase mapped to [-1, 1].
+
+    Attributes:
+        lower, upper: fences of the thin tube, zeta in units of the tube's unit.
+        z2_width: bound on the thin tube's width in z2 [kg m^2/s].
+        expansion: upper bound of dF/dzeta over the walking set.
+        gain: bound of |rho| over the walking set's guard.
+        slowest, fastest: bounds of dF/dzeta over the thin tube.
+        reset_gain: bounds of rho over the thin tube's guard.
+    """
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    z2_width: float
+    expansion: tuple[float, ...]
+    gain: float
+    slowest: tuple[float, ...]
+    fastest: tuple[float, ...]
+    reset_gain: tuple[float, float]
+
+
+class Premise(NamedTuple):
+    """An output that must not be negative, or must be positive, on a root box."""
+
+    output: str
+    low: Corner
+    high: Corner
+    strict: bool = True
+
+
+def walking_premises(shape: WalkingSet) -> list[Premise]:
+    """Premises of level 2 about the set itself; for the spec's conditions see `strips`."""
+    first, last = shape.ends
+    before, inside = 1.0 - shape.guard_strip, (shape.risen, shape.falling)
+    whole = (first, 0.0), (last, 1.0)
+    lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
+    strip = (before, 0.0), (last, 1.0)
+    found = [
+        Premise("set/forward", *whole),
+        Premise("set/inertia", *whole),
+        Premise("set/width", *lower),
+        Premise("set/fence-lower", *lower),
+        Premise("set/fence-upper", *upper),
+        Premise("set/foot-rises", (first, 0.0), (shape.risen, 1.0)),
+        Premise("set/foot-above", (inside[0], 0.0), (inside[1], 1.0)),
+        Premise("set/foot-falls", (shape.falling, 0.0), (last, 1.0)),
+        Premise("set/foot-above", (before, 0.0), (before, 1.0)),
+        Premise("set/foot-below", (last, 0.0), (last, 1.0)),
+        Premise("set/reset-phase", *strip),
+        Premise("set/reset-level", *strip),
+    ]
+    for name in shape.barriers:
+        found.append(Premise(f"set/after {name}", *strip, strict=False))
+        if any(shape.disturbance):
+            found.append(Premise(f"set/rate {name}", *whole, strict=False))
+    return found
+
+
+def safe_premises(shape: WalkingSet) -> list[Premise]:
+    """What makes all of T safe from the start; without them, its safe part is what is kept."""
+    first, last = shape.ends
+    whole = (first, 0.0), (last, 1.0)
+    return [Premise(f"set/value {name}", *whole, strict=False) for name in shape.barriers]
+
+
+def orbit_premises(shape: WalkingSet) -> list[Premise]:
+    """Premises of level 3 beside those of level 2."""
+    first, last = shape.ends
+    whole = (first, 0.0), (last, 1.0)
+    lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
+    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    return [
+        Premise("orbit/expansion", *whole, strict=False),
+        Premise("orbit/gain", *strip, strict=False),
+        Premise("orbit/fence-lower", *lower),
+        Premise("orbit/fence-upper", *upper),
+        Premise("orbit/inside", *lower),
+        Premise("orbit/inside", *upper),
+        Premise("orbit/reset-level", *strip),
+        Premise("orbit/width", *lower, strict=False),
+        Premise("orbit/slowest", *whole, strict=False),
+        Premise("orbit/fastest", *whole, strict=False),
+        Premise("orbit/reset-gain", *strip, strict=False),
+    ]
+
+
+def strips(
+    shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]]
+) -> Iterator[tuple[str, Corner, Corner]]:
+    """Boxes of the carried conditions beyond phases 0 and 1.
+
+    Args:
+        shape: of the set.
+        boxes: (condition, low, high) of level 1.
+    """
+    for name, low, high in boxes:
+        if name not in shape.carried:
+            continue
+        if low[0] == high[0] == 1.0:
+            ahead, behind = 1.0 - shape.guard_strip, 1.0 + shape.guard_strip
+            yield name, (ahead, low[1]), (behind, high[1])
+            continue
+        if low[0] == 0.0:
+            yield name, (-shape.start_strip, low[1]), (0.0, high[1])
+        if high[0] == 1.0:
+            yield name, (1.0, low[1]), (1.0 + shape.guard_strip, high[1])
