@@ -74,14 +74,16 @@ def proof() -> dict[str, Any]:
     about = program()
     edge = ((0.0, 1.0), (1.0, 1.0))
     return {
-        "format": 1,
-        "kind": "neuralgaits level 1",
+        "format": 2,
+        "kind": "neuralgaits certificate",
         "robot": {"name": "point", "sha256": sha256(FILES["robot.xml"])},
         "weights_sha256": sha256(weights()),
         "spec": {"name": "bowl", "sha256": sha256(FILES["spec.py"])},
         "program": json.loads(about.to_json()),
         "program_hash": about.hash,
-        "chart": "u = (phase, level) in [0,1]^2",
+        "chart": "u = (phase, level)",
+        "theorems": [],
+        "model": None,
         "statements": [
             statement(about, {"bowl": 0.11, "wave": 0.81}),
             statement(about, {"bowl": 0.12}, degree=1),

@@ -50,9 +50,9 @@ def test_inconsistent_files_are_rejected(tmp_path, mutated, name):
 
 
 UNREADABLE = {
-    "version": lambda t: t.__setitem__("format", 2),
+    "version": lambda t: t.__setitem__("format", 1),
     "true version": lambda t: t.__setitem__("format", True),
-    "kind": lambda t: t.__setitem__("kind", "neuralgaits level 2"),
+    "kind": lambda t: t.__setitem__("kind", "neuralgaits level 1"),
     "chart": lambda t: t.__setitem__("chart", "z"),
     "unknown field": lambda t: t.__setitem__("note", "trust me"),
     "missing field": lambda t: t.pop("spec"),
@@ -72,6 +72,12 @@ UNREADABLE = {
     "root": lambda t: t["statements"][0]["root"].__setitem__("high", [(1.0).hex(), (1.5).hex()]),
     "root upside down": lambda t: t["statements"][0]["root"].__setitem__("high", ["-0x1p-1"] * 2),
     "root of decimals": lambda t: t["statements"][0]["root"].__setitem__("low", [0.0, 0.0]),
+    "root outside the strips": lambda t: t["statements"][0]["root"].__setitem__(
+        "low", [(-0.06).hex(), (0.0).hex()]
+    ),
+    "theorems": lambda t: t.__setitem__("theorems", {}),
+    "theorem without a level": lambda t: t.__setitem__("theorems", [{"start": "0x0p+0"}]),
+    "model": lambda t: t.__setitem__("model", []),
     "tree": lambda t: t["statements"][0].__setitem__("tree", "1002"),
     "empty tree": lambda t: t["statements"][0].__setitem__("tree", ""),
     "operand": lambda t: t["program"]["operations"][0].__setitem__(1, [0, 9]),
@@ -82,12 +88,12 @@ UNREADABLE = {
 @pytest.mark.parametrize("name", UNREADABLE)
 def test_what_the_format_does_not_know_is_refused(tmp_path, mutated, name):
     UNREADABLE[name](mutated)
-    with pytest.raises(InputError, match="expected a proof file of format 1") as caught:
+    with pytest.raises(InputError, match="expected a proof file of format 2") as caught:
         checked(tmp_path, mutated)
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", "[" * 100_000, '{"format": 1, "format": 1}'])
+@pytest.mark.parametrize("text", ["", "[]", "{}", "[" * 100_000, '{"format": 2, "format": 2}'])
 def test_no_proof_file_at_all(tmp_path, text):
     with pytest.raises(InputError, match="expected a proof file"):
         read_claims(write(tmp_path, text))

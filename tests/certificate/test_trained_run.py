@@ -26,14 +26,16 @@ def table(trained, program) -> dict[str, Any]:
     claim = statement(prune(program, [NAME]), {NAME: 0.0}, box=(box.low, box.high))
     claim |= {"region": REGION, "scales": {NAME: condition.scale}}
     return {
-        "format": 1,
-        "kind": "neuralgaits level 1",
+        "format": 2,
+        "kind": "neuralgaits certificate",
         "robot": {"name": "amber3m", "sha256": sha256((trained.path / ROBOT).read_bytes())},
         "weights_sha256": sha256((trained.path / WEIGHTS).read_bytes()),
         "spec": {"name": "walking", "sha256": sha256((trained.path / SPEC).read_bytes())},
         "program": json.loads(program.to_json()),
         "program_hash": program.hash,
-        "chart": "u = (phase, level) in [0,1]^2",
+        "chart": "u = (phase, level)",
+        "theorems": [],
+        "model": None,
         "statements": [claim],
     }
 

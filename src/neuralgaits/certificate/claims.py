@@ -16,11 +16,14 @@ import numpy as np
 from neuralgaits.errors import InputError
 from neuralgaits.interpreters.program import Program
 
-FORMAT, KIND, CHART = 1, "neuralgaits level 1", "u = (phase, level) in [0,1]^2"
+FORMAT, KIND, CHART = 2, "neuralgaits certificate", "u = (phase, level)"
 FIELDS = frozenset(
-    "format kind robot weights_sha256 spec program program_hash chart statements".split()
+    "format kind robot weights_sha256 spec program program_hash chart statements theorems"
+    " model".split()
 )
 STATEMENT_FIELDS = frozenset("conditions region scales bounds degree root tree".split())
+FIRST_PHASE, LAST_PHASE = -0.05, 1.05
+"""Root boxes may reach this far: strips before the start of a step and behind its guard."""
 MAX_DEPTH = 48
 """Deepest tree: further halving would exhaust the digits of a double."""
 
@@ -39,7 +42,7 @@ class Statement:
     Attributes:
         conditions: outputs of the Program.
         region: its name in the spec.
-        scales, bounds: by condition; scales > 0, bounds >= 0.
+        scales, bounds: by condition; scales > 0, bounds of a spec's conditions >= 0.
         degree: of the Taylor models, 1 or 2.
         low, high: corners of the root box. [2] each
         tree: the splits, depth first: 1 split, 0 leaf.
@@ -87,6 +90,8 @@ class Claims:
         program: what the statements are about.
         program_hash: the hash that the file gives for it.
         statements: in the order of the file.
+        theorems: as in the file: objects with a level, whose premises are statements.
+        model: as in the file: data for readers that derive the dynamics, or None.
     """
 
     robot: tuple[str, str]
@@ -95,6 +100,8 @@ class Claims:
     program: Program
     program_hash: str
     statements: tuple[Statement, ...]
+    theorems: tuple[dict[str, Any], ...]
+    model: dict[str, Any] | None
 
 
 def children(
@@ -149,7 +156,25 @@ def _claims(table: Any) -> Claims:
         program=program,
         program_hash=_text(fields["program_hash"], "program_hash"),
         statements=tuple(_statement(entry, outputs) for entry in entries),
+        theorems=_theorems(fields["theorems"]),
+        model=_model(fields["model"]),
     )
+
+
+def _theorems(entries: Any) -> tuple[dict[str, Any], ...]:
+    """Objects with a level; what else they hold is for their readers."""
+    if not isinstance(entries, list):
+        raise ValueError("theorems that are no list")
+    for entry in entries:
+        if not isinstance(entry, dict) or type(entry.get("level")) is not int:
+            raise ValueError("a theorem that is no JSON object with a level")
+    return tuple(entries)
+
+
+def _model(entry: Any) -> dict[str, Any] | None:
+    if entry is not None and not isinstance(entry, dict):
+        raise ValueError("a model that is neither a JSON object nor null")
+    return entry
 
 
 def _program(given: Any) -> Program:
@@ -186,13 +211,17 @@ def _statement(entry: Any, outputs: set[str]) -> Statement:
         raise ValueError("a tree that is no string of 0 and 1")
     corners = _fields(fields["root"], "a root box", ("low", "high"))
     low, high = _corner(corners["low"]), _corner(corners["high"])
-    if not all(0.0 <= a <= b <= 1.0 for a, b in zip(low, high, strict=True)):
+    chart = (FIRST_PHASE, 0.0), (LAST_PHASE, 1.0)
+    if not all(
+        first <= a <= b <= last
+        for first, a, b, last in zip(chart[0], low, high, chart[1], strict=True)
+    ):
         raise ValueError(f"a root box from {low} to {high}, which is no box of the chart")
     return Statement(
         conditions=tuple(names),
         region=_text(fields["region"], "region"),
-        scales=_numbers(fields["scales"], names, "scales", positive=True),
-        bounds=_numbers(fields["bounds"], names, "bounds", positive=False),
+        scales=_scales(fields["scales"], names),
+        bounds=_bounds(fields["bounds"], names),
         degree=fields["degree"],
         low=low,
         high=high,
@@ -222,12 +251,33 @@ def _text(value: Any, what: str) -> str:
     return value
 
 
-def _numbers(table: Any, names: list[str], what: str, *, positive: bool) -> dict[str, float]:
-    """A finite number for each name, > 0 or >= 0, exactly as it stands in the file."""
+def _scales(table: Any, names: list[str]) -> dict[str, float]:
+    """A number > 0 for each name."""
+    scales = _numbers(table, names, "scales")
+    for name, value in scales.items():
+        if not value > 0:
+            raise ValueError(f"{value!r} among the scales, for {name}")
+    return scales
+
+
+def _bounds(table: Any, names: list[str]) -> dict[str, float]:
+    """A number for each name; a condition of a spec holds where it is not negative.
+
+    The outputs of higher levels, `LEVEL/NAME`, may be constants enclosed from one side.
+    """
+    bounds = _numbers(table, names, "bounds")
+    for name, value in bounds.items():
+        if not value >= 0 and "/" not in name:
+            raise ValueError(f"{value!r} among the bounds, for {name}")
+    return bounds
+
+
+def _numbers(table: Any, names: list[str], what: str) -> dict[str, float]:
+    """A finite number for each name, exactly as it stands in the file."""
     fields = _fields(table, what, names)
     for name, value in fields.items():
         known = isinstance(value, int | float) and not isinstance(value, bool)
-        if not known or not math.isfinite(value) or value < 0 or (positive and value == 0):
+        if not known or not math.isfinite(value):
             raise ValueError(f"{value!r} among the {what}, for {name}")
     return {name: float(value) for name, value in fields.items()}
 

@@ -20,9 +20,9 @@ from neuralgaits.certificate.tree import to_bits
 from neuralgaits.interpreters import Program
 from neuralgaits.runs import write_text
 
-FORMAT = 1
-KIND = "neuralgaits level 1"
-CHART = "u = (phase, level) in [0,1]^2"
+FORMAT = 2
+KIND = "neuralgaits certificate"
+CHART = "u = (phase, level)"
 CLAIMED = 0.99
 """Share of the margin found that is claimed: other arithmetic may bound a box less tightly."""
 
@@ -37,7 +37,7 @@ class Statement:
     Attributes:
         conditions: outputs of the Program.
         region: the box's name in the spec.
-        scales, bounds: by condition; bounds are not negative.
+        scales, bounds: by condition; the bound of a spec's condition is not negative.
         degree: of the Taylor models it was found with.
         low, high: corners of the root in (phase, level).
         tree: see `tree`.
@@ -67,6 +67,10 @@ class Proof:
         weights_sha256: of the weights file.
         program: whose outputs the statements are about.
         statements: what is claimed.
+        theorems: level and parameters of each statement about trajectories; the statements above
+            are their premises.
+        model: robot, policy, tube and conditions as data, for readers that derive the dynamics
+            on their own; None if they cannot be described.
     """
 
     robot: Mapping[str, str]
@@ -74,6 +78,8 @@ class Proof:
     weights_sha256: str
     program: Program
     statements: tuple[Statement, ...]
+    theorems: tuple[Mapping[str, Any], ...] = ()
+    model: Mapping[str, Any] | None = None
 
     def write(self, path: Path) -> None:
         """Write the file, whole or not at all."""
@@ -86,6 +92,8 @@ class Proof:
             "chart": CHART,
             "program_hash": self.program.hash,
             "statements": [_row(statement) for statement in self.statements],
+            "theorems": [dict(theorem) for theorem in self.theorems],
+            "model": None if self.model is None else dict(self.model),
             "program": json.loads(self.program.to_json()),
         }
         write_text(path, json.dumps(table, allow_nan=False, ensure_ascii=False, indent=1) + "\n")
