@@ -59,6 +59,32 @@ def robot_from_text(text: str, name: str) -> PlanarBiped:
             'single precision: call jax.config.update("jax_enable_x64", True) before loading a '
             "robot or opening a run"
         )
+    model, tree, skeleton, lines, joints, leg = _read(text, name)
+    layout = _layout(text, tree, skeleton, lines, joints, leg)
+    return _assemble(model, tree, skeleton, leg, layout, name)
+
+
+def links_from_text(text: str, name: str) -> tuple[derive.LegData, derive.TorsoData | None]:
+    """The links that the constants of `robot_from_text` are derived from.
+
+    Returns: the numbers of a leg, and of the torso or None.
+    Raises: RobotError, as `load_robot`.
+    """
+    _, tree, skeleton, _, _, leg = _read(text, name)
+    return leg, _torso_data(tree, skeleton)
+
+
+def _read(
+    text: str, name: str
+) -> tuple[
+    mujoco.MjModel,
+    PlanarTree,
+    Skeleton,
+    dict[int, tuple[complex, complex]],
+    tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
+    derive.LegData,
+]:
+    """What MuJoCo understood, by role: model, tree, skeleton, lines of the links, joints, leg."""
     model = _compile(text, name)
     tree = read_tree(model)
     refuse_ignored_physics(model)
@@ -66,9 +92,14 @@ def robot_from_text(text: str, name: str) -> PlanarBiped:
     lines = link_directions(tree, skeleton)
     refuse_other_actuators(model, [link.joint.index for link in tree.links[1:]])
     joints = leg_joints(model, tree, skeleton, lines)
-    leg = leg_data(model, tree, skeleton, lines, joints)
-    layout = _layout(text, tree, skeleton, lines, joints, leg)
-    return _assemble(model, tree, skeleton, leg, layout, name)
+    return model, tree, skeleton, lines, joints, leg_data(model, tree, skeleton, lines, joints)
+
+
+def _torso_data(tree: PlanarTree, skeleton: Skeleton) -> derive.TorsoData | None:
+    if skeleton.torso is None:
+        return None
+    link = tree.links[skeleton.torso]
+    return derive.TorsoData(link.mass, link.inertia, (link.com - skeleton.hip) / 1j)
 
 
 def _robot_text(name_or_path: str | Path) -> tuple[str, str]:
@@ -140,10 +171,7 @@ def _assemble(
     layout: MjcfLayout,
     name: str,
 ) -> PlanarBiped:
-    torso = None
-    if skeleton.torso is not None:
-        link = tree.links[skeleton.torso]
-        torso = derive.TorsoData(link.mass, link.inertia, (link.com - skeleton.hip) / 1j)
+    torso = _torso_data(tree, skeleton)
     centre, hip, foot = derive.centre_coefficients(leg, torso)
     mass = derive.link_row(leg.mass, torso.mass if torso else None)
     turn = derive.link_angles(len(mass))

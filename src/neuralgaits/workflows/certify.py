@@ -1,4 +1,4 @@
-"""Prove that the conditions of a run's spec hold for every state of their regions (level 1)."""
+"""Prove a run: its conditions on their regions, its walking set, its orbit."""
 
 import hashlib
 import time
@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from neuralgaits.certificate.conclusions import Conclusion, conclude
 from neuralgaits.certificate.judge import judge
+from neuralgaits.certificate.model_data import model_data
 from neuralgaits.certificate.problem import Problem
 from neuralgaits.certificate.proof import Proof, Statement, prove
 from neuralgaits.certificate.saved import load, save
@@ -27,11 +29,20 @@ from neuralgaits.interpreters import Program
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certificate_figure import write_map
-from neuralgaits.workflows.provable import trace_spec
 from neuralgaits.workflows.run import ROBOT, SPEC, WEIGHTS, Run, open_run
+from neuralgaits.workflows.sets import (
+    Sets,
+    condition_boxes,
+    find_sets,
+    premise_problems,
+    set_margins,
+    trace_certificate,
+)
 
 FOLDER = "certificate"
 PROOF, SUMMARY = f"{FOLDER}/proof.json", f"{FOLDER}/summary.json"
+LEVEL = 3
+"""The highest level, and what is proved if none is asked for."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
@@ -40,29 +51,34 @@ class Certificate:
     """What was proved.
 
     Attributes:
-        verdict: of the whole: refuted if a condition is, proved if all are.
-        conditions: the verdict on each.
+        verdict: of the whole: refuted if a condition is, proved if all are and all levels.
+        conditions: the verdict on each (level 1).
+        conclusions: the answers of levels 2 and 3, as far as they were asked for.
         summary: what `certify --json` prints.
     """
 
     verdict: Verdict
     conditions: Mapping[str, ConditionVerdict]
+    conclusions: Sequence[Conclusion]
     summary: dict[str, Any]
 
 
 def certify(
     run: Run | str | Path,
     *,
-    level: int = 1,
+    level: int = LEVEL,
+    disturbance: tuple[float, float] = (0.0, 0.0),
     budget: float | None = None,
     resume: bool = False,
     progress: Progress | None = None,
 ) -> Certificate:
-    """Prove every condition of a run's spec on its region, or find a state that breaks it.
+    """Prove every condition of a run's spec on its region, and what follows for trajectories.
 
     Args:
         run: a run, its folder, or `latest`.
-        level: 1; this version makes no other statement.
+        level: 1: every condition holds on its region, or a state that breaks it is found; 2: and
+            the walking set is invariant; 3: and one orbit attracts all of it.
+        disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         budget: seconds after which what is proved so far is kept and reported.
         resume: go on with the boxes of the run's last certificate.
         progress: called with (proved share, boxes) now and then.
@@ -73,30 +89,44 @@ def certify(
     """
     began = time.perf_counter()
     deadline = time.monotonic() + _seconds(budget)
-    if level != 1:
-        raise InputError(
-            f"expected level 1 (every condition on its region), found {level}: this version "
-            "proves no other level"
-        )
+    _refuse(level, disturbance)
     trained = open_run(run)
     try:
-        program = trace_spec(trained.spec, trained.robot, trained.gait)
+        sets = find_sets(trained, level, disturbance)
+        program = trace_certificate(trained.spec, trained.robot, trained.gait, sets)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         (trained.path / PROOF).unlink(missing_ok=True)
-        return _finish(trained, _no_program(trained), began, reason=str(error))
-    problems = _problems(trained, program)
+        return _finish(trained, level, _no_program(trained), [], began, reason=str(error))
+    problems = [
+        *_problems(trained, program),
+        *premise_problems(trained.spec, sets, program),
+    ]
     before = [_saved(trained, k, problem) if resume else None for k, problem in enumerate(problems)]
     try:
         with threadpool_limits(1):
             states = explore(
-                problems, before, _confirmer(trained), deadline=deadline, progress=progress
+                problems, before, _confirmer(trained, sets), deadline=deadline, progress=progress
             )
     except SearchInterrupted as stop:
-        _written(trained, program, problems, stop.states, began, "interrupted")
+        _written(trained, level, sets, program, problems, stop.states, began, "interrupted")
         raise
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
-    return _written(trained, program, problems, states, began, ended)
+    return _written(trained, level, sets, program, problems, states, began, ended)
+
+
+def _refuse(level: int, disturbance: tuple[float, float]) -> None:
+    """Raises: InputError on a level or disturbance that makes no statement."""
+    if level not in range(1, LEVEL + 1):
+        raise InputError(
+            f"expected level 1 (conditions), 2 (walking set) or {LEVEL} (orbit), found {level}"
+        )
+    if not all(0.0 <= bound < np.inf for bound in disturbance):
+        raise InputError(
+            f"expected a disturbance of two bounds >= 0 (m/s, N m), found {disturbance}"
+        )
+    if any(disturbance) and level < 2:
+        raise InputError("expected level 2 or 3 with a disturbance, found level 1: raise --level")
 
 
 def _seconds(budget: float | None) -> float:
@@ -121,14 +151,18 @@ def _problems(run: Run, program: Program) -> list[Problem]:
     return problems
 
 
-def _confirmer(run: Run) -> Confirm:
-    """Asks the conditions' own Python functions, in float64, about one point."""
+def _confirmer(run: Run, sets: Sets) -> Confirm:
+    """Asks the margins' own Python functions, in float64, about one point."""
     conditions = {condition.name: condition for condition in run.spec.conditions}
     gait, zd = run.gait, run.zero_dynamics
 
     def confirm(name: str, u: np.ndarray) -> Counterexample | None:
-        condition, z = conditions[name], gait.z(u)
-        margin = np.min(np.asarray(condition.margins(gait, zd, zd.point(z)))) / condition.scale
+        z = gait.z(u)
+        if name in conditions:
+            condition = conditions[name]
+            margin = np.min(condition.margins(gait, zd, zd.point(z))) / condition.scale
+        else:
+            margin = np.min(set_margins(run.spec, gait, zd, sets, u)[name])
         if not margin < 0.0:
             return None
         state = (float(z[0]), float(z[1]))
@@ -147,6 +181,8 @@ def _saved(run: Run, number: int, problem: Problem) -> Search:
 
 def _written(
     run: Run,
+    level: int,
+    sets: Sets,
     program: Program,
     problems: Sequence[Problem],
     states: Sequence[Search],
@@ -185,6 +221,7 @@ def _proof(run: Run, program: Program, statements: tuple[Statement, ...]) -> Pro
         hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
         program,
         statements,
+        model=model_data(run.robot, run.gait, run.spec, program),
     )
 
 
