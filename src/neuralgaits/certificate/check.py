@@ -23,6 +23,12 @@ from neuralgaits.certificate.claims import (
     Statement,
     children,
 )
+from neuralgaits.certificate.conclusions import (
+    Conclusion,
+    conclude,
+    level_one_boxes,
+    proved_bounds,
+)
 from neuralgaits.interpreters.ball import BallAlgebra, BallModel
 from neuralgaits.interpreters.program import Program
 from neuralgaits.interpreters.prune import prune
@@ -45,8 +51,8 @@ ASSUMPTIONS = (
     "JAX's forward mode and the activations' own rules, which are not derived again here",
     "the model is the rigid-body zero dynamics with the stored float64 numbers, in exact real "
     "arithmetic: the float32 evaluation on a robot, sampling and disturbances are outside",
-    "level 1: conditions hold at every state of their regions; that trajectories stay in the "
-    "regions is not part of the statement",
+    "levels 2 and 3 are about the projected hybrid zero dynamics: outputs are zero, and set to "
+    "zero again at each impact; level 1 alone says nothing of trajectories",
     "trusted: this checker, python-flint (Arb), NumPy's handling of arrays, Python",
 )
 
@@ -59,6 +65,7 @@ class Report:
         verdict: "proved", "rejected" or "undecided"; of all statements, the worst.
         reason: why it is not proved; None if it is.
         statements: each statement of the file in words.
+        levels: the conclusions of the levels above 1 that the file claims.
         unclaimed: conditions of the Program that no statement of the file is about.
         boxes: how many boxes were bounded.
     """
@@ -66,6 +73,7 @@ class Report:
     verdict: Verdict
     reason: str | None
     statements: tuple[str, ...]
+    levels: tuple[Conclusion, ...]
     unclaimed: tuple[str, ...]
     boxes: int
 
@@ -82,6 +90,7 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
         verdict="proved",
         reason=None,
         statements=tuple(line for s in claims.statements for line in in_words(s)),
+        levels=(),
         unclaimed=tuple(o.name for o in claims.program.outputs if o.name not in claimed),
         boxes=0,
     )
@@ -104,7 +113,20 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
             report = replace(report, verdict=checker.verdict, reason=checker.reason)
         if checker.verdict == "rejected":
             break
-    return report
+    return _concluded(claims, report) if report.verdict == "proved" else report
+
+
+def _concluded(claims: Claims, report: Report) -> Report:
+    """Draw the conclusions that the file claims from its statements, all proved by now."""
+    theorems = claims.theorems
+    boxes, bounds = level_one_boxes(claims.statements), proved_bounds(claims.statements)
+    found = conclude(theorems.walking, theorems.orbit, boxes, bounds)
+    levels = tuple(answer for answer in found if answer.level in theorems.claimed)
+    wrong = [answer for answer in levels if answer.verdict != "proved"]
+    if wrong:
+        reason = f"level {wrong[0].level} does not follow: {wrong[0].reason}"
+        return replace(report, verdict="rejected", reason=reason)
+    return replace(report, levels=levels)
 
 
 def in_words(statement: Statement) -> Iterator[str]:

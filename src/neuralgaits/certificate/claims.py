@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from neuralgaits.certificate.theorems import Theorems
 from neuralgaits.errors import InputError
 from neuralgaits.interpreters.program import Program
 
@@ -90,7 +91,7 @@ class Claims:
         program: what the statements are about.
         program_hash: the hash that the file gives for it.
         statements: in the order of the file.
-        theorems: as in the file: objects with a level, whose premises are statements.
+        theorems: levels 2 and 3, whose premises are statements.
         model: as in the file: data for readers that derive the dynamics, or None.
     """
 
@@ -100,7 +101,7 @@ class Claims:
     program: Program
     program_hash: str
     statements: tuple[Statement, ...]
-    theorems: tuple[dict[str, Any], ...]
+    theorems: Theorems
     model: dict[str, Any] | None
 
 
@@ -161,14 +162,10 @@ def _claims(table: Any) -> Claims:
     )
 
 
-def _theorems(entries: Any) -> tuple[dict[str, Any], ...]:
-    """Objects with a level; what else they hold is for their readers."""
+def _theorems(entries: Any) -> Theorems:
     if not isinstance(entries, list):
         raise ValueError("theorems that are no list")
-    for entry in entries:
-        if not isinstance(entry, dict) or type(entry.get("level")) is not int:
-            raise ValueError("a theorem that is no JSON object with a level")
-    return tuple(entries)
+    return Theorems.read(entries)
 
 
 def _model(entry: Any) -> dict[str, Any] | None:

@@ -6,8 +6,9 @@ bounds that were proved; a comparison holds only if it is certain.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
+import numpy as np
 from flint import arb
 
 from neuralgaits.certificate.theorems import (
@@ -42,6 +43,69 @@ class Conclusion:
     reason: str | None
     words: tuple[str, ...]
     figures: Mapping[str, float]
+
+
+class Claim(Protocol):
+    """A statement of a proof, as written or as read."""
+
+    @property
+    def scales(self) -> Mapping[str, float]:
+        """By output."""
+        ...
+
+    @property
+    def bounds(self) -> Mapping[str, float]:
+        """By output, in scales."""
+        ...
+
+    @property
+    def low(self) -> Corner:
+        """Of the root box."""
+        ...
+
+    @property
+    def high(self) -> Corner:
+        """Of the root box."""
+        ...
+
+
+def proved_bounds(statements: Sequence[Claim]) -> Bounds:
+    """What statements say, each bound rounded down."""
+    return {
+        (name, (s.low[0], s.low[1]), (s.high[0], s.high[1])): np.nextafter(
+            bound * s.scales[name], -np.inf
+        )
+        for s in statements
+        for name, bound in s.bounds.items()
+    }
+
+
+def level_one_boxes(statements: Sequence[Claim]) -> list[tuple[str, Corner, Corner]]:
+    """(condition, low, high) of the statements about the spec's own conditions and boxes."""
+    return [
+        (name, (s.low[0], s.low[1]), (s.high[0], s.high[1]))
+        for s in statements
+        for name in s.bounds
+        if "/" not in name and 0.0 <= s.low[0] and s.high[0] <= 1.0
+    ]
+
+
+def conclude(
+    shape: WalkingSet | None,
+    orbit: Orbit | None,
+    boxes: Sequence[tuple[str, Corner, Corner]],
+    bounds: Bounds,
+) -> list[Conclusion]:
+    """The answers for the levels that have parameters; see `walking` and `attraction`."""
+    if shape is None:
+        return []
+    found = [walking(shape, boxes, bounds)]
+    if orbit is not None:
+        if found[0].verdict == "proved":
+            found.append(attraction(shape, orbit, bounds))
+        else:
+            found.append(Conclusion(3, "undecided", "level 2 is not proved", (), {}))
+    return found
 
 
 def walking(
@@ -94,13 +158,12 @@ def walking(
     return Conclusion(2, "proved", None, words, figures)
 
 
-def attraction(shape: WalkingSet, orbit: Orbit, unit: float, bounds: Bounds) -> Conclusion:
+def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     """Level 3: one periodic orbit, enclosed, that attracts the walking set; rests on level 2.
 
     Args:
         shape: of the set.
         orbit: thin tube and bounds on the expansion.
-        unit: of zeta [(kg m^2/s)^2].
         bounds: what is proved.
     """
     missing = _missing(orbit_premises(shape), bounds)
@@ -110,7 +173,7 @@ def attraction(shape: WalkingSet, orbit: Orbit, unit: float, bounds: Bounds) -> 
     contraction = arb(orbit.gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
     low = arb(orbit.reset_gain[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
     high = arb(orbit.reset_gain[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
-    middle = [(2 * arb(unit) * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
+    middle = [(2 * arb(orbit.unit) * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
     figures = {
         "contraction_at_most": _above(contraction),
         "multiplier_at_least": _below(low),

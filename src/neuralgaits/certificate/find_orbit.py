@@ -28,9 +28,9 @@ Z2_WIDTH = 1e-3
 """Width to which the orbit is enclosed [kg m^2/s]."""
 USED = 0.8
 """Share of that width that the thin tube uses where it is widest."""
-ROOM = 0.015
+ROOM = 0.03
 """Slack of a bound on dF/dzeta over the whole set [1/phase]: less would cost more boxes."""
-THIN_ROOM = 0.003
+THIN_ROOM = 0.02
 """The same over the thin tube."""
 
 
@@ -75,6 +75,7 @@ def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Or
     shift = np.eye(1, BOUND_DEGREE + 1)[0] * error
     room = 0.5 * THIN_ROOM * abs(gain)
     return Orbit(
+        unit=unit,
         lower=_numbers(series - width),
         upper=_numbers(series + width),
         z2_width=Z2_WIDTH,

@@ -46,5 +46,4 @@ def visited(state: Search, column: int) -> int:
     cells = state.cells
     parents = np.flatnonzero(cells.first >= 0)
     waiting = parents[~(cells.lower[parents, column] >= 0.0)]
-    # The first levels are laid out without being bounded.
-    return int(np.sum(cells.depth[waiting] >= 2) * 2 ** len(cells.axes))
+    return 1 + len(waiting) * 2 ** len(cells.axes)

@@ -18,7 +18,13 @@ from neuralgaits.gait import ZeroDynamics
 
 def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
     """The gait with the thin tube around its orbit."""
-    tube = Tube(np.array(orbit.lower), np.array(orbit.upper), gait.tube.unit, gait.tube.span, False)
+    tube = Tube(
+        np.array(orbit.lower),
+        np.array(orbit.upper),
+        np.array(orbit.unit),
+        gait.tube.span,
+        False,
+    )
     return Gait(gait.policy, tube)
 
 

@@ -1,7 +1,7 @@
 """Conditions on one box of the chart, and their bounds over boxes and values at points."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -29,6 +29,10 @@ class Problem:
         scales: of the conditions. [C]
         program: margins by condition name as a function of u; more outputs cost time only.
         degree: of the Taylor models.
+        intervals: lower and upper corners of the Program's inputs beside u. [size] each
+        claimed: share of the margin found that is claimed. A reader needs fewer boxes for less,
+            and bounds them in another arithmetic, perhaps less tightly.
+        tighten: whether the margins are worth raising once they are known not to be negative.
     """
 
     region: str
@@ -38,6 +42,9 @@ class Problem:
     scales: tuple[float, ...]
     program: Program
     degree: int = 2
+    intervals: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    claimed: float = 0.99
+    tighten: bool = True
 
     @cached_property
     def batch(self) -> int:
@@ -50,20 +57,25 @@ class Problem:
         self, low: Corners, high: Corners
     ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
         """Bounds on each condition's smallest element over boxes, in scales; NaN if unbounded."""
-        centre = low + (high - low) * 0.5
-        # Up by two last places: the corners lie inside whatever the centre was rounded to.
-        half = np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)
+        inputs = {INPUT: _centred(low, high)}
+        inputs |= {name: _centred(*corners) for name, corners in self.intervals.items()}
         with np.errstate(all="ignore"):
-            models = evaluate(self.program, {INPUT: (centre, half)}, self._algebra, self._folded)
+            models = evaluate(self.program, inputs, self._algebra, self._folded)
             ranges = [models[name].range() for name in self.names]
         return self._smallest([r[0] for r in ranges], low), self._smallest(
             [r[1] for r in ranges], low
         )
 
     def values(self, u: Corners) -> Float[np.ndarray, "B C"]:
-        """Each condition's smallest element at points, in scales, in plain float64."""
+        """Each condition's smallest element at points, in scales, in plain float64.
+
+        Inputs beside u are at the middle of their intervals.
+        """
+        inputs = {INPUT: u}
+        for name, corners in self.intervals.items():
+            inputs[name] = np.broadcast_to(_centred(*corners)[0], (len(u), len(corners[0])))
         with np.errstate(all="ignore"):
-            values = evaluate(self.program, {INPUT: u}, POINT)
+            values = evaluate(self.program, inputs, POINT)
         return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
 
     def grid(self, size: int) -> Corners:
@@ -87,3 +99,10 @@ class Problem:
     def _folded(self):
         with np.errstate(all="ignore"):
             return fold(self.program, self._algebra)
+
+
+def _centred(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Centre and half width of boxes; their corners lie inside whatever the centre rounds to."""
+    centre = low + (high - low) * 0.5
+    # Up by two last places.
+    return centre, np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)

@@ -23,9 +23,6 @@ from neuralgaits.runs import write_text
 FORMAT = 2
 KIND = "neuralgaits certificate"
 CHART = "u = (phase, level)"
-CLAIMED = 0.99
-"""Share of the margin found that is claimed: other arithmetic may bound a box less tightly."""
-
 SIMILAR = 4.0
 """Conditions whose numbers of boxes differ by about this factor or less share a statement."""
 
@@ -94,9 +91,11 @@ class Proof:
             "statements": [_row(statement) for statement in self.statements],
             "theorems": [dict(theorem) for theorem in self.theorems],
             "model": None if self.model is None else dict(self.model),
-            "program": json.loads(self.program.to_json()),
         }
-        write_text(path, json.dumps(table, allow_nan=False, ensure_ascii=False, indent=1) + "\n")
+        text = json.dumps(table, allow_nan=False, ensure_ascii=False, indent=1)
+        # The Program on one line: it is long, and nothing for the eye.
+        program = self.program.to_json()
+        write_text(path, f'{text.removesuffix("}").rstrip()},\n "program": {program}\n}}\n')
 
 
 def prove(problem: Problem, state: Search) -> list[Statement]:
@@ -117,7 +116,7 @@ def prove(problem: Problem, state: Search) -> list[Statement]:
 
 def _statement(problem: Problem, cells: Cells, columns: list[int]) -> Statement:
     """The statement about some columns, all proved on every leaf."""
-    bounds = CLAIMED * cells.lower[cells.is_leaf][:, columns].min(axis=0)
+    bounds = problem.claimed * cells.lower[cells.is_leaf][:, columns].min(axis=0)
     enough = np.all(cells.lower[:, columns] >= bounds, axis=1)
     names = tuple(problem.names[column] for column in columns)
     return Statement(

@@ -59,9 +59,10 @@ class Search:
 
 
 def start(problem: Problem, confirm: Confirm) -> Search:
-    """Bound the first grid of boxes and look at points."""
+    """Bound the first boxes, large and small, and look at points."""
     state = Search.untouched(problem)
-    cells, grid = state.cells, np.flatnonzero(state.cells.is_leaf)
+    # All levels of the grid: where one box is enough, a proof says so with one.
+    cells, grid = state.cells, np.arange(len(state.cells.first))
     for batch in np.split(grid, range(problem.batch, len(grid), problem.batch)):
         cells = cells.with_bounds(batch, *problem.bounds(cells.low[batch], cells.high[batch]))
     return _look(problem, replace(state, cells=cells), problem.grid(GRID), confirm)
@@ -118,7 +119,7 @@ def open_on(problem: Problem, state: Search, phase: Phase) -> np.ndarray:
     else:
         targets, depth = np.where(decided, np.maximum(worth, 0.0), -np.inf), TIGHTEN_DEPTH
     short = ~(cells.lower >= targets) & (cells.depth[:, None] < depth)
-    if not cells.axes:
+    if not cells.axes or (phase == "tighten" and not problem.tighten):
         return np.zeros_like(short)
     # Where every point violates a condition there is nothing left to find.
     return short & cells.is_leaf[:, None] & ~(cells.upper < 0.0)

@@ -81,8 +81,9 @@ class Certify:
 
     run: Run
     """Run folder, or latest."""
-    level: Annotated[int, arg(metavar="N")] = 1
-    """Statement to prove; 1: every condition holds on its region."""
+    level: Annotated[int, arg(metavar="N")] = 3
+    """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
+    3: and that one orbit attracts all of it."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""
     resume: bool = False

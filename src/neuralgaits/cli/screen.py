@@ -93,6 +93,7 @@ def show_proof(result: Result) -> None:
         rows.append((name, verdict, share, margin, boxes, detail))
     head = ("condition", "verdict", "proved", "margin", "boxes", "")
     _print(_table(head, rows))
+    _levels(result)
     reason = f": {result['reason']}" if result.get("reason") else ""
     verdict = Text(result["verdict"], _COLOURS[result["verdict"]])
     _print(Text.assemble(verdict, f" at level {result['level']}{reason}"))
@@ -110,12 +111,23 @@ def show_check(result: Result) -> None:
     _print(Text(f"claims for {result['robot']}, spec {result['spec']}, {weights}"))
     for statement in result["statements"]:
         _print(Text(f"  {statement}"))
+    _levels(result)
     if result["unclaimed"]:
         _print(Text(f"not claimed: {', '.join(result['unclaimed'])}"))
     _print(Text("assuming that"))
     for assumption in result["assumptions"]:
         _print(Text(f"  {assumption}"))
     _facts({"boxes": result["boxes"], "time": _seconds(result, "wall_s")}, ("boxes", "time"))
+
+
+def _levels(result: Result) -> None:
+    """What was concluded about trajectories, sentence by sentence."""
+    for level in result["levels"]:
+        verdict = Text(level["verdict"], _COLOURS[level["verdict"]])
+        reason = f": {level['reason']}" if level["reason"] else ""
+        _print(Text.assemble(f"level {level['level']} ", verdict, reason))
+        for sentence in level["words"]:
+            _print(Text(f"  {sentence}"))
 
 
 def show_robot(result: Result) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from neuralgaits.certificate.conclusions import Conclusion, conclude
+from neuralgaits.certificate.conclusions import Conclusion, conclude, proved_bounds
 from neuralgaits.certificate.judge import judge
 from neuralgaits.certificate.model_data import model_data
 from neuralgaits.certificate.problem import Problem
@@ -23,6 +23,7 @@ from neuralgaits.certificate.schedule import (
     explore,
 )
 from neuralgaits.certificate.search import Confirm, Search
+from neuralgaits.certificate.theorems import Theorems
 from neuralgaits.certificate.verdicts import ConditionVerdict, Counterexample, Verdict
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.interpreters import Program
@@ -63,6 +64,16 @@ class Certificate:
     summary: dict[str, Any]
 
 
+@dataclass(frozen=True)
+class _Task:
+    """What is to be proved: a level of a run, with the sets and the Program that it speaks of."""
+
+    run: Run
+    level: int
+    sets: Sets
+    program: Program
+
+
 def certify(
     run: Run | str | Path,
     *,
@@ -98,6 +109,7 @@ def certify(
         # A proof of what could be traced once would be taken for a proof of this run.
         (trained.path / PROOF).unlink(missing_ok=True)
         return _finish(trained, level, _no_program(trained), [], began, reason=str(error))
+    task = _Task(trained, level, sets, program)
     problems = [
         *_problems(trained, program),
         *premise_problems(trained.spec, sets, program),
@@ -109,10 +121,10 @@ def certify(
                 problems, before, _confirmer(trained, sets), deadline=deadline, progress=progress
             )
     except SearchInterrupted as stop:
-        _written(trained, level, sets, program, problems, stop.states, began, "interrupted")
+        _written(task, problems, stop.states, began, "interrupted")
         raise
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
-    return _written(trained, level, sets, program, problems, states, began, ended)
+    return _written(task, problems, states, began, ended)
 
 
 def _refuse(level: int, disturbance: tuple[float, float]) -> None:
@@ -180,48 +192,65 @@ def _saved(run: Run, number: int, problem: Problem) -> Search:
 
 
 def _written(
-    run: Run,
-    level: int,
-    sets: Sets,
-    program: Program,
+    task: _Task,
     problems: Sequence[Problem],
     states: Sequence[Search],
     began: float,
     ended: str | None,
 ) -> Certificate:
     """Save everything and give the verdicts. `ended` says what cut the search short, if it was."""
+    run = task.run
     pairs = list(zip(problems, states, strict=True))
     for number, pair in enumerate(pairs):
         save(_boxes_file(run, number), *pair)
     statements = tuple(statement for pair in pairs for statement in prove(*pair))
+    conclusions = _conclusions(task, statements)
     proof = run.path / PROOF
     if statements:
-        _proof(run, program, statements).write(proof)
+        _proof(task, statements, conclusions).write(proof)
     else:
         proof.unlink(missing_ok=True)
-    verdicts = {}
+    verdicts, own = {}, []
     for condition in run.spec.conditions:
         roots = [pair for pair in pairs if pair[0].region == condition.region]
         claims = [s.bounds.get(condition.name) for s in statements if s.region == condition.region]
         claimed = [bound for bound in claims if bound is not None]
         margin = min(claimed) if len(claimed) == len(roots) else None
         verdicts[condition.name] = judge(condition.name, roots, margin)
-    figure = write_map(run, problems, states, run.path / FOLDER)
-    more: dict[str, Any] = {"map": figure, "proof": proof if statements else None}
+        own += [pair for pair in roots if pair not in own]
+    more: dict[str, Any] = {
+        "map": write_map(run, [p for p, _ in own], [s for _, s in own], run.path / FOLDER),
+        "proof": proof if statements else None,
+    }
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
         more["reason"] = f"{ended or 'the search ran out of boxes'}; {MORE}"
-    return _finish(run, verdicts, began, boxes=box_count(states), **more)
+    return _finish(run, task.level, verdicts, conclusions, began, boxes=box_count(states), **more)
 
 
-def _proof(run: Run, program: Program, statements: tuple[Statement, ...]) -> Proof:
-    config = run.folder.config
+def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
+    """The answers of the levels above 1 that were asked for."""
+    sets, boxes = task.sets, condition_boxes(task.run.spec)
+    found = conclude(sets.walking, sets.orbit, boxes, proved_bounds(statements))
+    first = 2 + len(found)
+    for level in range(first, task.level + 1):
+        reason = sets.reason if level == first else f"level {level - 1} is not proved"
+        found.append(Conclusion(level, "undecided", reason, (), {}))
+    return found
+
+
+def _proof(
+    task: _Task, statements: tuple[Statement, ...], conclusions: Sequence[Conclusion]
+) -> Proof:
+    proved = tuple(found.level for found in conclusions if found.verdict == "proved")
+    run, config = task.run, task.run.folder.config
     return Proof(
         {"name": config["robot"], "sha256": config["copies"][ROBOT]},
         {"name": config["spec"], "sha256": config["copies"][SPEC]},
         hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
-        program,
+        task.program,
         statements,
-        model=model_data(run.robot, run.gait, run.spec, program),
+        theorems=Theorems(task.sets.walking, task.sets.orbit, proved).tables(),
+        model=model_data(run.robot, run.gait, run.spec, task.program),
     )
 
 
@@ -231,10 +260,16 @@ def _no_program(run: Run) -> dict[str, ConditionVerdict]:
 
 
 def _finish(
-    run: Run, verdicts: Mapping[str, ConditionVerdict], began: float, **more: Any
+    run: Run,
+    level: int,
+    verdicts: Mapping[str, ConditionVerdict],
+    conclusions: Sequence[Conclusion],
+    began: float,
+    **more: Any,
 ) -> Certificate:
     answers = {verdict.verdict for verdict in verdicts.values()}
-    verdict: Verdict = "proved" if answers <= {"proved"} else "undecided"
+    further = {conclusion.verdict for conclusion in conclusions}
+    verdict: Verdict = "proved" if answers | further <= {"proved"} else "undecided"
     if "refuted" in answers:
         verdict = "refuted"
     summary = {
@@ -242,12 +277,13 @@ def _finish(
         "robot": run.folder.config["robot"],
         "spec": run.folder.config["spec"],
         "verdict": verdict,
-        "level": 1,
+        "level": level,
         "conditions": {name: asdict(entry) for name, entry in verdicts.items()},
+        "levels": [asdict(conclusion) for conclusion in conclusions],
         "boxes": 0,
         "proof": None,
         "wall_s": time.perf_counter() - began,
     }
     summary = plain(summary | more)
     run.folder.write_json(SUMMARY, summary)
-    return Certificate(verdict, verdicts, summary)
+    return Certificate(verdict, verdicts, conclusions, summary)

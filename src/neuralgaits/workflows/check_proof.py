@@ -6,11 +6,13 @@ robot, spec and weights: the same hash means that the statements are about these
 
 import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from neuralgaits.certificate.check import ASSUMPTIONS, DERIVED_ELSEWHERE, check, in_words
 from neuralgaits.certificate.claims import Claims, read_claims
+from neuralgaits.certificate.conclusions import level_one_boxes
 from neuralgaits.certificate.run_match import differences
 
 Progress = Callable[[int, int], None]
@@ -27,8 +29,9 @@ def check_proof(
         progress: called with (leaves done, leaves) now and then.
 
     Returns: verdict ("proved", "rejected" or "undecided"), reason (None if proved), statements
-        (in words), unclaimed (conditions without a statement), boxes (bounded), wall_s,
-        assumptions, proof, run, and what the file is about: robot, spec, weights_sha256.
+        (in words), levels (conclusions of the levels above 1), unclaimed (conditions without a
+        statement), boxes (bounded), wall_s, assumptions, proof, run, and what the file is about:
+        robot, spec, weights_sha256.
 
     Raises: InputError in one line if the file is no proof file; RunError if there is no such run.
     """
@@ -47,6 +50,7 @@ def check_proof(
             "verdict": "rejected",
             "reason": "; ".join(wrong),
             "statements": [line for one in claims.statements for line in in_words(one)],
+            "levels": [],
             "unclaimed": [],
             "boxes": 0,
         }
@@ -56,6 +60,7 @@ def check_proof(
             "verdict": report.verdict,
             "reason": report.reason,
             "statements": list(report.statements),
+            "levels": [asdict(level) for level in report.levels],
             "unclaimed": list(report.unclaimed),
             "boxes": report.boxes,
         }
@@ -78,30 +83,32 @@ def _against(claims: Claims, run: str | Path) -> list[str]:
 
 def _against_spec(claims: Claims, opened: Any) -> list[str]:
     """What differs from the conditions of the opened run, traced again."""
-    from neuralgaits.workflows.provable import trace_spec
+    from neuralgaits.workflows.sets import Sets, condition_boxes, trace_certificate
 
-    spec = opened.spec
-    program = trace_spec(spec, opened.robot, opened.gait)
+    spec, theorems = opened.spec, claims.theorems
+    sets = Sets(theorems.walking, theorems.orbit)
+    program = trace_certificate(spec, opened.robot, opened.gait, sets)
     if program.hash != claims.program_hash:
         return [f"the run's conditions have the hash {program.hash}, not {claims.program_hash}"]
-    known = {condition.name: condition for condition in spec.conditions}
-    boxes = {name: {_corners(*box) for box in some} for name, some in spec.regions.items()}
+    scales = {condition.name: condition.scale for condition in spec.conditions}
     wrong = []
     for statement in claims.statements:
         for name in statement.conditions:
-            condition = known[name]
-            if (condition.region, condition.scale) != (statement.region, statement.scales[name]):
+            expected = scales.get(name, 1.0)
+            if statement.scales[name] != expected:
                 wrong.append(
-                    f"{name} has the region {condition.region} and scale {condition.scale!r} in "
-                    f"the run's spec, {statement.region} and {statement.scales[name]!r} in the file"
+                    f"{name} has the scale {expected!r} in the run's spec, "
+                    f"{statement.scales[name]!r} in the file"
                 )
-        if _corners(statement.low, statement.high) not in boxes.get(statement.region, ()):
-            wrong.append(
-                f"the box from {statement.low} to {statement.high} is no box of the region "
-                f"{statement.region} of the run's spec"
-            )
+    boxes = {(name, *map(_floats, box)) for name, *box in condition_boxes(spec)}
+    found = set(level_one_boxes(claims.statements))
+    for name, low, high in sorted(found - boxes):
+        wrong.append(f"the box from {low} to {high} is no box of {name} in the run's spec")
+    if theorems.claimed and not found >= boxes:
+        name, low, high = min(boxes - found)
+        wrong.append(f"{name} from {low} to {high} is claimed along trajectories, but not proved")
     return wrong
 
 
-def _corners(low: Any, high: Any) -> tuple[float, ...]:
-    return tuple(float(value) for value in (*low, *high))
+def _floats(corner: Any) -> tuple[float, ...]:
+    return tuple(float(value) for value in corner)

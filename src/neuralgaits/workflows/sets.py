@@ -1,0 +1,165 @@
+"""The sets of levels 2 and 3 for a run: found at points, traced, and laid out for the search."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.polynomial.chebyshev import chebval
+
+from neuralgaits._types import Array, Float
+from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.certificate import orbit_set, return_map, walking_set
+from neuralgaits.certificate.find_orbit import find_orbit
+from neuralgaits.certificate.find_set import find_set
+from neuralgaits.certificate.problem import Problem
+from neuralgaits.certificate.theorems import (
+    Corner,
+    Orbit,
+    WalkingSet,
+    orbit_premises,
+    safe_premises,
+    strips,
+    walking_premises,
+)
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.interpreters import POINT, Program, evaluate, fold
+from neuralgaits.interpreters.prune import prune
+from neuralgaits.interpreters.tracer import trace
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.workflows.run import Run
+
+CLAIMED = 0.4
+"""Share of a premise's margin that is claimed: its size matters little, its boxes are checked."""
+SET = "walking set"
+
+
+@dataclass(frozen=True)
+class Sets:
+    """What levels 2 and 3 are about.
+
+    Attributes:
+        walking: the walking set; None if none was looked for or found.
+        orbit: thin tube and bounds; likewise.
+        reason: why one that was looked for was not found.
+    """
+
+    walking: WalkingSet | None = None
+    orbit: Orbit | None = None
+    reason: str | None = None
+
+
+def find_sets(run: Run, level: int, disturbance: tuple[float, float]) -> Sets:
+    """Look for the sets that a level speaks of. Raises: SpecError if nothing can be traced."""
+    if level < 2:
+        return Sets()
+    gait = run.gait
+    program = trace(lambda u: _quantities(gait, run.zero_dynamics, u), {"u": (2,)}, parameters=gait)
+    folded = fold(program, POINT)
+
+    def look(u: np.ndarray) -> dict[str, np.ndarray]:
+        with np.errstate(all="ignore"):
+            return evaluate(program, {"u": u}, POINT, folded)
+
+    walking = find_set(run.spec, look, disturbance)
+    if isinstance(walking, str):
+        return Sets(reason=walking)
+    if level < 3:
+        return Sets(walking)
+    series = [np.asarray(side) for side in (gait.tube.lower, gait.tube.upper)]
+
+    def fences(phases: np.ndarray) -> np.ndarray:
+        return np.stack([chebval(2.0 * phases - 1.0, side) for side in series], axis=1)
+
+    orbit = find_orbit(look, fences, float(gait.tube.unit), walking)
+    return Sets(walking, reason=orbit) if isinstance(orbit, str) else Sets(walking, orbit)
+
+
+def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str, Array]:
+    """What the finders look at."""
+    point, landed = zd.point(gait.z(u)), return_map.landing(gait, zd, u)
+    start, guard = gait.span
+    return {
+        "foot": point.foot[1],
+        "foot_rate": point.foot_velocity[1],
+        "pace": point.dz[0] / (guard - start),
+        "slope": return_map.slope(gait, point),
+        "expansion": return_map.expansion(gait, zd, u),
+        "after": jnp.stack([landed.phase, landed.zeta]),
+        "gain": landed.gain,
+    }
+
+
+def trace_certificate(spec: GaitSpec, robot: PlanarBiped, gait: Gait, sets: Sets) -> Program:
+    """Margins of the spec's conditions and of the sets, as one Program of the chart point u.
+
+    Raises: SpecError naming the operation and line that cannot be traced.
+    """
+    zd = ZeroDynamics(robot, gait.policy)
+
+    def margins(u):
+        return spec.margins(gait, zd, u) | set_margins(spec, gait, zd, sets, u)
+
+    return trace(margins, {"u": (2,)}, parameters=gait)
+
+
+def set_margins(
+    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, "2"]
+) -> dict[str, Float[Array, "..."]]:
+    """Margins of the sets at one chart point, by output name."""
+    found = {}
+    if sets.walking is not None:
+        found |= walking_set.margins(spec, gait, zd, sets.walking, u)
+    if sets.orbit is not None:
+        found |= orbit_set.margins(gait, zd, sets.orbit, u)
+    return found
+
+
+def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
+    """Every box of every condition of the spec, by condition name."""
+    return [
+        (condition.name, box.low, box.high)
+        for condition in spec.conditions
+        for box in spec.regions[condition.region]
+    ]
+
+
+def premise_problems(spec: GaitSpec, sets: Sets, program: Program) -> list[Problem]:
+    """Root boxes of levels 2 and 3 with what must hold on each."""
+    scales = {condition.name: float(condition.scale) for condition in spec.conditions}
+    roots: dict[tuple[str, Corner, Corner], list[str]] = {}
+    for region, name, low, high in _premises(spec, sets):
+        names = roots.setdefault((region, low, high), [])
+        if name not in names:
+            names.append(name)
+    return [
+        Problem(
+            region,
+            low,
+            high,
+            tuple(names),
+            tuple(scales.get(name, 1.0) for name in names),
+            prune(program, names),
+            claimed=CLAIMED,
+            tighten=region == SET,
+        )
+        for (region, low, high), names in roots.items()
+    ]
+
+
+def _premises(spec: GaitSpec, sets: Sets) -> Iterator[tuple[str, str, Corner, Corner]]:
+    """(label, output, low, high); outputs of one label and box are bounded together."""
+    if sets.walking is None:
+        return
+    for name, low, high in strips(sets.walking, condition_boxes(spec)):
+        yield "strips", name, low, high
+    found = [*walking_premises(sets.walking), *safe_premises(sets.walking)]
+    for output, low, high, _ in found:
+        yield SET, output, low, high
+    if sets.orbit is not None:
+        for output, low, high, _ in orbit_premises(sets.walking):
+            yield _ORBIT_LABELS.get(output, "orbit"), output, low, high
+
+
+_ORBIT_LABELS = {"orbit/expansion": "return map", "orbit/gain": "return map"}
+"""Outputs of the walking set's chart apart from those of the thin tube's."""
