@@ -18,9 +18,8 @@ from functools import cached_property
 import numpy as np
 from flint import arb, arb_mat
 
-from neuralgaits.errors import InputError
 from neuralgaits.interpreters import ball_functions as functions
-from neuralgaits.interpreters.program import Program
+from neuralgaits.interpreters.program import Program, moving_input
 from neuralgaits.interpreters.walk import fold
 
 # Powers of (e1, e2), in the order of `taylor`.
@@ -72,7 +71,8 @@ class BallModel:
 class BallAlgebra:
     """Rules for `walk.evaluate`. Inputs are boxes by their corners: (low [B, 2], high [B, 2]).
 
-    The Program has one input of shape (2,); its elements move with the two symbols.
+    The elements of the moving input, see `program.moving_input`, move with the two symbols. Other
+    inputs are balls that contain their intervals.
 
     Attributes:
         degree: 1, or 2 for conditions with second derivatives.
@@ -84,20 +84,23 @@ class BallAlgebra:
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
     ) -> dict[str, BallModel]:
         """Boxes to models. Raises: InputError on names or shapes."""
-        names = [item.name for item in program.inputs]
-        if sorted(inputs) != names or len(names) != 1 or program.inputs[0].shape != (2,):
-            raise InputError(
-                f"Taylor models take one input of shape (2,), found {names}: trace a function of u"
-            )
-        low, high = (_balls(np.asarray(corner, dtype=np.float64).T) for corner in inputs[names[0]])
-        half = (high - low) / 2
-        terms: list[Term] = [(low + high) / 2, half.copy(), half.copy()]
-        for axis in (0, 1):
-            term = terms[axis + 1]
-            assert term is not None
-            term[1 - axis, :] = arb(0)
-        terms += [None] * (_TERMS[self.degree] - 3)
-        return {names[0]: BallModel(tuple(_none_if_zero(term) for term in terms))}
+        moving = moving_input(program, inputs)
+        entered = {}
+        for item in program.inputs:
+            corners = (np.atleast_2d(np.asarray(c, dtype=np.float64)) for c in inputs[item.name])
+            low, high = (_balls(corner.T) for corner in corners)
+            middle, half = (low + high) / 2, (high - low) / 2
+            if item.name != moving:
+                entered[item.name] = self._model(_plus(middle, _times(half, _UNIT)))
+                continue
+            terms: list[Term] = [middle, half.copy(), half.copy()]
+            for axis in (0, 1):
+                term = terms[axis + 1]
+                assert term is not None
+                term[1 - axis, :] = arb(0)
+            terms += [None] * (_TERMS[self.degree] - 3)
+            entered[item.name] = BallModel(tuple(_none_if_zero(term) for term in terms))
+        return entered
 
     def leave(
         self, program: Program, outputs: dict[str, BallModel], inputs: Mapping[str, object]

@@ -9,12 +9,13 @@ import base64
 import hashlib
 import json
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from neuralgaits.errors import SpecError
+from neuralgaits.errors import InputError, SpecError
 from neuralgaits.interpreters.ops import complaint
 
 FORMAT = "neuralgaits-program"
@@ -162,6 +163,27 @@ class Program:
             f"expected {FORMAT} version {VERSION}, found {found[0]} version {found[1]};"
             " trace the spec again with this version"
         )
+
+
+MOVING = "u"
+"""Name of the input whose box is cut, where a Program has several."""
+
+
+def moving_input(program: Program, given: Collection[str]) -> str:
+    """Name of the input of shape (2,) whose elements move with the symbols of a Taylor model.
+
+    It is the only input, or the one named "u"; further ones stand for fixed intervals.
+
+    Raises: InputError if there is none, or if other inputs were given.
+    """
+    shapes = {item.name: item.shape for item in program.inputs}
+    moving = MOVING if len(shapes) > 1 else next(iter(shapes), MOVING)
+    if sorted(given) != sorted(shapes) or shapes.get(moving) != (2,):
+        raise InputError(
+            f"Taylor models take an input of shape (2,), named u if there are others, found "
+            f"{shapes} and values for {sorted(given)}: trace a function of u"
+        )
+    return moving
 
 
 def _row(operation: Operation) -> list:

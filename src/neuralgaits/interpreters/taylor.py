@@ -17,10 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.errors import InputError
 from neuralgaits.interpreters import expansions
 from neuralgaits.interpreters.expansions import SLACK, Expansion
-from neuralgaits.interpreters.program import Program
+from neuralgaits.interpreters.program import Program, moving_input
 
 TINY = 1e-250
 """Absolute growth, for results that underflow."""
@@ -68,7 +67,8 @@ class Taylor:
 class TaylorAlgebra:
     """Rules for `walk.evaluate`. Inputs are boxes: (centre [B, size], half width [B, size]).
 
-    The Program has one input of shape (2,); its elements move with the two symbols.
+    The elements of the moving input, see `program.moving_input`, move with the two symbols. Other
+    inputs stand for intervals: all their values are in the remainder.
 
     Attributes:
         degree: 1, or 2 for conditions with second derivatives.
@@ -80,16 +80,20 @@ class TaylorAlgebra:
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
     ) -> dict[str, Taylor]:
         """Boxes to models. Raises: InputError on names or shapes."""
-        names = [item.name for item in program.inputs]
-        if sorted(inputs) != names or len(names) != 1 or program.inputs[0].shape != (2,):
-            raise InputError(
-                f"Taylor models take one input of shape (2,), found {names}: trace a function of u"
+        moving = moving_input(program, inputs)
+        entered = {}
+        for item in program.inputs:
+            centre, half = (
+                np.atleast_2d(np.asarray(p, dtype=np.float64)) for p in inputs[item.name]
             )
-        centre, half = (np.asarray(part, dtype=np.float64) for part in inputs[names[0]])
-        poly = np.zeros((TERMS[self.degree], 2, len(centre)))
-        poly[0] = centre.T
-        poly[1, 0], poly[2, 1] = half.T
-        return {names[0]: Taylor(poly, np.zeros((2, len(centre))))}
+            poly = np.zeros((TERMS[self.degree], *centre.T.shape))
+            poly[0] = centre.T
+            radius = half.T
+            if item.name == moving:
+                poly[1, 0], poly[2, 1] = half.T
+                radius = np.zeros_like(half.T)
+            entered[item.name] = Taylor(poly, radius)
+        return entered
 
     def leave(
         self, program: Program, outputs: dict[str, Taylor], inputs: Mapping[str, object]
