@@ -1,0 +1,88 @@
+"""Everything that follows from one full state (z, eta) under exact input-output linearisation.
+
+The outputs obey ddy = -w^2 y - 2 w dy exactly, whatever z does, so eta is an input here and no
+feedback law appears. The zero dynamics coordinates move with dz2 = M g x_com(q) and the dz1 that
+the momentum row fixes; both stay closed form, as on the zero dynamics manifold. Source:
+CERTIFICATE.md section 7; Westervelt et al. (2007), section 5.
+"""
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import jax.numpy as jnp
+
+from neuralgaits._types import Actuated, Array, Coordinates, Float, ZeroState
+from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.point import Point
+from neuralgaits.gait.policy import AbstractPolicy
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+
+class FullPoint(Point):
+    """The robot in the state Phi^-1(z, eta); at eta = 0 it is the `Point` of z.
+
+    Every physical quantity of a `Point` can be read here too, torques and contact forces
+    included: they are those of the outputs' own acceleration -w^2 y - 2 w dy.
+    """
+
+    def __init__(
+        self,
+        robot: "PlanarBiped",
+        policy: AbstractPolicy,
+        z: ZeroState,
+        eta: Float[Array, " two_m"],
+        bandwidth: float,
+    ):
+        """Fix robot, policy, z [2], eta = (y, dy) [2m] and w, the outputs' double pole [rad/s]."""
+        super().__init__(robot, policy, None, z)
+        self.bandwidth = bandwidth
+        m = robot.n - 1
+        self.output = jnp.asarray(eta)[:m]
+        self.output_rate = jnp.asarray(eta)[m:]
+
+    def _lifted(self, actuated: Actuated) -> Coordinates:
+        """Coordinates (or rates) of actuated joints that leave z1 where it is. [n]."""
+        return lift(self.robot, jnp.zeros_like(self.z[0]), actuated)
+
+    @cached_property
+    def output_acceleration(self) -> Actuated:
+        """ddy = -w^2 y - 2 w dy [rad/s^2]. [m]."""
+        w = self.bandwidth
+        return -(w * w) * self.output - (2.0 * w) * self.output_rate
+
+    @cached_property
+    def q(self) -> Coordinates:
+        """Coordinates [rad]. [n]."""
+        return lift(self.robot, self.z[0], self.outputs.y + self.output)
+
+    @cached_property
+    def nominal_dz(self) -> ZeroState:
+        """Rate omega(eta, z) (m/s, N m). [2]."""
+        dz2 = self.robot.mass * self.robot.gravity * self.centre_of_mass[0]
+        known = self.along_z2 * dz2 + self._lifted(self.output_rate)
+        dz1 = -(self.z[1] + self.momentum_row @ known)
+        return jnp.stack([dz1 / self.transversal_inertia, dz2])
+
+    @cached_property
+    def dq(self) -> Coordinates:
+        """Coordinate rates [rad/s]. [n]."""
+        moving = self.along_z1 * self.dz[0] + self.along_z2 * self.dz[1]
+        return moving + self._lifted(self.output_rate)
+
+    def _curvature(self, along: ZeroState) -> Actuated:
+        """Joint accelerations that ddz does not give: curvature of y_d, and ddy."""
+        return super()._curvature(along) + self.output_acceleration
+
+    @cached_property
+    def eta_after(self) -> Float[Array, " two_m"]:
+        """Outputs and their rates after an impact in this state (rad, rad/s). [2m].
+
+        z1 moves at the real rate c . dq+ then.
+        """
+        after, desired = self.impact, self.after.outputs
+        dz1 = self.robot.hip_gradient @ after.dq
+        dz2 = self.robot.mass * self.robot.gravity * self.robot.centre_of_mass(after.q)[0]
+        rates = after.dq[1:] - desired.d1 * dz1 - desired.d2 * dz2
+        return jnp.concatenate([after.q[1:] - desired.y, rates])
