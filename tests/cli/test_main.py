@@ -135,6 +135,7 @@ def test_environment_keeps_what_the_user_set(
         ("--steps", "5"),
         ("--init", "posture"),
         ("--hidden", "8,8"),
+        ("--budget", "9"),
         ("--out", "elsewhere"),
     ],
 )
@@ -153,7 +154,7 @@ def test_resume_latest_says_which_run_it_took(
 
     def halt(robot: Any, **settings: Any) -> None:
         assert settings["resume"] == folder.path
-        assert set(settings) == {"resume", "progress"}
+        assert set(settings) == {"resume", "progress", "watch"}
         raise errors.RunError("halted")
 
     monkeypatch.setattr(training, "train", halt)

@@ -11,6 +11,7 @@ from neuralgaits.barriers import Recipe
 from neuralgaits.gait import posture_path
 from neuralgaits.runs import read_tree, write_tree
 from neuralgaits.training import start_from_posture
+from neuralgaits.training.learning_rate import width_factor
 from neuralgaits.training.trainer import _optimizer
 
 
@@ -104,12 +105,12 @@ def test_the_learning_rate(milestones, warmup):
     recipe = Recipe(
         steps=50,
         samples={},
-        learning_rate=0.02,
+        learning_rate=0.04,
         weight_decay=0.0,
         milestones=milestones,
         warmup=warmup,
     )
-    optimizer = _optimizer(recipe, 50)
+    optimizer = _optimizer(recipe, 50, 0.5)
     gradient, place = jnp.ones(1), jnp.zeros(1)
     state, moves = optimizer.init(place), []
     for _ in range(50):
@@ -121,6 +122,13 @@ def test_the_learning_rate(milestones, warmup):
         expected = 0.02 * 0.1 ** ((k >= 5) * 1.0 + (k >= 20) + (k >= 40))
     expected[:rise] = 0.02 * k[:rise] / max(rise, 1)
     np.testing.assert_allclose(moves, expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("hidden", "factor"), [((4,), 1.0), ((2, 2), 1.0), ((3, 16), 0.5)])
+def test_wider_networks_take_smaller_steps(spec, hidden, factor):
+    """One over the root of the width, from the spec's own width of 4."""
+    wide = spec.new_gait(jax.random.key(0), "posture", hidden)
+    assert width_factor(spec, wide) == pytest.approx(factor)
 
 
 def test_the_start_from_a_posture(amber, gait):

@@ -18,9 +18,9 @@ from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
 from neuralgaits.errors import InputError, NonFiniteError, RunError, SpecError
 from neuralgaits.interpreters import POINT, Program, evaluate
+from neuralgaits.workflows.gradient_steps import NAN_STATE
 from neuralgaits.workflows.run import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS, open_run
 from neuralgaits.workflows.train import train
-from neuralgaits.workflows.training_session import NAN_STATE
 
 SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
 STEPS = 300
@@ -139,13 +139,14 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
-from neuralgaits.workflows import training_session as workflow
+from neuralgaits.workflows import gradient_steps
+from neuralgaits.workflows.run import STATE
 
-workflow.CHECKPOINT_S = 0.0
+gradient_steps.CHECKPOINT_S = 0.0
 out = Path(sys.argv[2])
 
 def progress(step, steps, loss):
-    if (out / workflow.STATE).is_file():
+    if (out / STATE).is_file():
         os.kill(os.getpid(), signal.SIGKILL)
 
 ng.train(ng.load_robot("amber3m"), sys.argv[1], seed=7, hidden=(5,), out=out, progress=progress)
@@ -204,6 +205,9 @@ def test_a_used_folder_is_refused(amber, small, root):
         ({"hidden": (8, 0)}, "expected hidden widths of at least 1"),
         ({"steps": 0}, "expected at least 1 gradient step, found 0"),
         ({"spec": "runing"}, "unknown spec 'runing'"),
+        ({"budget": 5.0}, "add --certify"),
+        ({"certify": True, "budget": 0.0}, "budget of more than 0 seconds"),
+        ({"certify": True, "spec": "paper"}, "use tanh or softplus"),
     ],
 )
 def test_bad_settings_leave_no_folder(amber, tmp_path, settings, message):

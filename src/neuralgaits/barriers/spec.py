@@ -23,7 +23,7 @@ class Recipe:
     Attributes:
         steps: gradient steps.
         samples: fresh samples a step in each region.
-        learning_rate: of AdamW.
+        learning_rate: of AdamW, for the widths that the spec itself gives a network.
         weight_decay: of AdamW.
         warmup: share of the steps over which the rate rises from zero: without it some seeds
             jump into a poor minimum in their first steps.

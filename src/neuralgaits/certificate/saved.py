@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,13 @@ def save(path: Path, problem: Problem, state: Search) -> None:
         name: {"u": point.u, "z": point.z, "margin": point.margin}
         for name, point in state.refuted.items()
     }
-    write_arrays(path, arrays, {"problem": fingerprint(problem), "refuted": json.dumps(refuted)})
+    metadata = {
+        "problem": fingerprint(problem),
+        "refuted": json.dumps(refuted),
+        "region": problem.region,
+        "conditions": json.dumps(problem.names),
+    }
+    write_arrays(path, arrays, metadata)
 
 
 def load(path: Path, problem: Problem) -> Search:
@@ -40,6 +47,37 @@ def load(path: Path, problem: Problem) -> Search:
     }
     cells = Cells(**{name: np.asarray(arrays[name]) for name in _FIELDS})
     return Search(cells, arrays["seen"], points)
+
+
+@dataclass(frozen=True)
+class OpenBoxes:
+    """The boxes of one root on which some condition is not proved.
+
+    Attributes:
+        region: of the root.
+        low, high: corners in (phase, level). [n, 2]
+        failing: how many of them each condition has, if any.
+    """
+
+    region: str
+    low: np.ndarray
+    high: np.ndarray
+    failing: dict[str, int]
+
+
+def open_boxes(path: Path) -> OpenBoxes:
+    """Read what is not proved yet from a file of `save`. Raises: RunError if it is damaged."""
+    arrays, metadata = read_arrays(path)
+    leaf = arrays["first"] < 0
+    fails = ~(arrays["lower"][leaf] >= 0.0)
+    some = np.any(fails, axis=1)
+    counts = dict(zip(json.loads(metadata["conditions"]), fails.sum(axis=0).tolist(), strict=True))
+    return OpenBoxes(
+        metadata["region"],
+        arrays["low"][leaf][some],
+        arrays["high"][leaf][some],
+        {name: count for name, count in counts.items() if count},
+    )
 
 
 def fingerprint(problem: Problem) -> str:

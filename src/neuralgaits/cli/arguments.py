@@ -38,6 +38,11 @@ class Train:
     """Seed of initial weights and samples; 0 if not given."""
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; the spec's own number if not given."""
+    certify: bool = False
+    """Prove the conditions (level 1) after training; where that fails, train on with samples of
+    the boxes that are left, until the proof stands."""
+    budget: Annotated[float | None, arg(metavar="SECONDS")] = None
+    """With --certify: time for proofs and further training."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
     resume: Annotated[str | None, arg(metavar="RUN")] = None

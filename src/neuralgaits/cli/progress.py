@@ -4,7 +4,7 @@ import sys
 import time
 from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from rich.console import Console
 from rich.progress import (
@@ -16,7 +16,12 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+if TYPE_CHECKING:
+    from neuralgaits.workflows.proof_rounds import Round
+
 _LINES = 10
+_NAMED = 3
+"""Conditions that a line names before it counts."""
 
 
 class _OnTerminal:
@@ -71,6 +76,31 @@ class TrainingProgress(_OnTerminal):
         elif step >= self._next_line or step >= total:
             self._next_line = step + total / _LINES
             print(f"step {step}/{total}  loss {loss:.3g}{self._eta(step, total)}", file=sys.stderr)
+
+    def proved(self, share: float, boxes: int) -> None:
+        """Show the proved share of all conditions' regions, on a terminal."""
+        if self._console.is_terminal:
+            self._bar.update(
+                self._task,
+                completed=share,
+                total=1.0,
+                count=f"{100.0 * share:.1f} % of {boxes} boxes",
+                eta="",
+                description="proved",
+            )
+
+    def round_ended(self, ended: "Round") -> None:
+        """Print what a certificate found, in a line that stays."""
+        line = f"certificate after {ended.steps} steps: {ended.verdict}"
+        if ended.failing:
+            worst = sorted(ended.failing, key=lambda name: -ended.failing[name])
+            more = f" and {len(worst) - _NAMED} more" if len(worst) > _NAMED else ""
+            line += f", {ended.open_boxes} boxes open: {', '.join(worst[:_NAMED])}{more}"
+        if ended.smallest_margin is not None:
+            line += f", smallest margin {ended.smallest_margin:.3g} of its scale"
+        # The bar stays below it.
+        self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+        self._next_line, self._first = 0.0, None
 
     def _eta(self, step: int, total: int) -> str:
         """Time left at the mean pace since the first call, which came after compiling."""

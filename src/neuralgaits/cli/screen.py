@@ -44,10 +44,25 @@ def show_training(result: Result) -> None:
         _print(
             Text.assemble(Text("trained", "green"), f": {_held(len(conditions))} on fresh samples")
         )
+    if result.get("certificate") is not None:
+        _print(_proof_of_training(result["certificate"]))
     _facts(result, ("robot", "spec", "seed", "loss"))
     spent = {"time": f"{_seconds(result, 'wall_s')}, {_seconds(result, 'compile_s')} compiling"}
     walk = f"neuralgaits simulate {result['run']}"
     _facts(spent | {"run": result["run"], "next": walk}, ("time", "run", "next"))
+
+
+def _proof_of_training(proof: Result) -> Text:
+    """The last certificate of a training, and what it took."""
+    repairs = f"{proof['repairs']} repairs of {proof['repair_steps']} steps"
+    verdict = Text(proof["verdict"], _COLOURS[proof["verdict"]])
+    if proof["smallest_margin"] is None:
+        names = ", ".join(sorted(proof["failing"]))
+        return Text.assemble(
+            verdict, f" at level 1 after {repairs}: {proof['open_boxes']} boxes open ({names})"
+        )
+    margin = f"smallest margin {proof['smallest_margin']:.3g} of its scale"
+    return Text.assemble(verdict, f" at level 1 after {repairs}, {margin}")
 
 
 def show_walks(result: Result) -> None:

@@ -19,7 +19,7 @@ from neuralgaits.cli.arguments import (
 )
 from neuralgaits.errors import InputError
 
-_TRAINING = ("spec", "seed", "init", "hidden", "steps", "out")
+_TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out")
 """Settings of a training that a resumed run has of its own."""
 
 
@@ -65,19 +65,25 @@ def carry_out(verb: Verb) -> Outcome:
 
 def _train(verb: Train) -> Outcome:
     asked = {name: getattr(verb, name) for name in _TRAINING}
-    given: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
+    given: dict[str, Any] = {
+        name: value for name, value in asked.items() if value is not None and value is not False
+    }
     if "hidden" in given:
         given["hidden"] = _widths(given["hidden"])
     if verb.resume is not None:
         given = {"resume": _unfinished(verb.resume, given)}
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.proof_rounds import Watch
     from neuralgaits.workflows.train import train
 
     robot = load_robot(verb.robot)
     with TrainingProgress() as progress:
-        run = train(robot, progress=progress, **given)
-    return Outcome(run.summary, True, screen.show_training)
+        watch = Watch(progress.proved, progress.round_ended)
+        run = train(robot, progress=progress, watch=watch, **given)
+    proof = run.summary["certificate"]
+    proved = proof is None or proof["verdict"] == "proved"
+    return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
 
 
 def _unfinished(run: str, given: dict[str, Any]) -> Path:

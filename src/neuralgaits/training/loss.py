@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Array, Float, Scalar
+from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import PlanarBiped
@@ -32,7 +32,7 @@ class Layout(NamedTuple):
 
     columns: dict[str, slice]
     scale: Float[np.ndarray, " K"]
-    counts: np.ndarray
+    counts: Bool[Array, "N K"]
     mean_of: Float[np.ndarray, "K C"]
     absolute: np.ndarray
     weight: Float[np.ndarray, " C"]
@@ -117,7 +117,7 @@ def barrier_loss(
     """
     recipe = spec.recipe
     hinge = jnp.where(layout.counts, jax.nn.relu(recipe.aim - margins / layout.scale[None]), 0.0)
-    per_column = jnp.sum(hinge, axis=0) / np.sum(layout.counts, axis=0)
+    per_column = jnp.sum(hinge, axis=0) / layout.counts.sum(axis=0)
     if recipe.worst_weight:
         per_column = per_column + recipe.worst_weight * jnp.max(hinge, axis=0)
     # No matrix product: zero times NaN would blame every condition for one.
@@ -144,7 +144,9 @@ def _with_absolute(
             block = layout.columns[c.name]
             rows = layout.counts[:, block.start]
             # tolerance - e and tolerance + e: half their difference is the error.
-            below, above = jnp.split(margins[np.flatnonzero(rows), block], 2, axis=1)
-            error = 0.5 * (above - below)
-            terms = terms.at[i].set(jnp.mean(jnp.sqrt(jnp.sum(error * error, axis=1) + 1e-18)))
+            below, above = jnp.split(margins[:, block], 2, axis=1)
+            # Rows that do not count may be NaN, and so would their gradient be.
+            error = jnp.where(rows[:, None], 0.5 * (above - below), 0.0)
+            norms = jnp.sqrt(jnp.sum(error * error, axis=1) + 1e-18)
+            terms = terms.at[i].set(jnp.sum(jnp.where(rows, norms, 0.0)) / rows.sum())
     return terms

@@ -5,8 +5,8 @@ a run that was killed continues to the same bits. Training runs in float32; what
 cast to float64 and matched to the robot once more.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -19,14 +19,18 @@ from jax.flatten_util import ravel_pytree
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec, Recipe
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import Layout, Loss, barrier_loss, lay_out, margin_matrix
 from neuralgaits.training.precision import cast, cast_named
+from neuralgaits.training.repair import Boxes, Extra, with_extra
 from neuralgaits.training.sampling import Sampler
 
 VALIDATE_EVERY = 100
 """Steps between two looks at the fixed validation samples."""
 VALIDATION_SAMPLES = 8
 """Validation samples for each training sample."""
+REPAIR_RATE = 0.5
+"""Share of the recipe's learning rate in further training: the gait is nearly there."""
 # These kernels run for microseconds; the passes switched off cost seconds and gain nothing here.
 COMPILER = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 1}
 
@@ -65,6 +69,9 @@ class Trainer:
         seed: of the samples.
         sampler: samples of a step.
         validation: samples that choose the best weights and report on a gait.
+        extra: boxes that get samples beside the regions' own, in steps and validation; None
+            for an ordinary training.
+        round: 0 for an ordinary training; each number has samples of its own.
     """
 
     robot: PlanarBiped
@@ -78,7 +85,11 @@ class Trainer:
     _unflatten: Callable
     _optimizer: optax.GradientTransformation
     _template: Gait
+    _light: tuple
+    _layout: Layout
     _validation_layout: Layout
+    extra: Extra | None = None
+    round: int = 0
 
     @classmethod
     def build(
@@ -108,7 +119,7 @@ class Trainer:
         layout = lay_out(spec, robot, template, sampler)
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
-        optimizer = _optimizer(recipe, steps)
+        optimizer = _optimizer(recipe, steps, width_factor(spec, template))
         light = (
             cast(robot, np.float32),
             cast_named(layout, np.float32),
@@ -118,7 +129,7 @@ class Trainer:
         )
         step = _make_step(spec, light, unflatten, optimizer)
         checked = lay_out(spec, robot, template, validation)
-        evaluate = _make_evaluate(spec, robot, checked, residual)
+        evaluate = _make_evaluate(spec, robot, validation, checked, residual)
         return cls(
             robot=robot,
             spec=spec,
@@ -131,8 +142,29 @@ class Trainer:
             _unflatten=unflatten,
             _optimizer=optimizer,
             _template=template,
+            _light=light,
+            _layout=layout,
             _validation_layout=checked,
         )
+
+    def repairing(self, steps: int) -> "Trainer":
+        """A trainer that goes on from a trained gait, for `steps` steps a round, see `on`."""
+        factor = REPAIR_RATE * width_factor(self.spec, self._template)
+        optimizer = _optimizer(self.spec.recipe, steps, factor)
+        step = _make_step(self.spec, self._light, self._unflatten, optimizer)
+        return replace(self, steps=steps, _step=step, _optimizer=optimizer)
+
+    def on(self, extra: Extra, number: int) -> "Trainer":
+        """The trainer of one round: these boxes get samples too. Nothing is compiled again."""
+        return replace(self, extra=extra, round=number)
+
+    def extra_of(self, boxes: Mapping[str, Boxes], before: Extra | None = None) -> Extra:
+        """Rows for boxes of regions, see `Extra.of`."""
+        return Extra.of(boxes, self.spec, self._layout, before)
+
+    def extra_shapes(self) -> Extra:
+        """Shapes and types of such rows, to read them from a file."""
+        return Extra.shapes(self._layout)
 
     def init(self, gait: Gait) -> TrainState:
         """State before the first step."""
@@ -145,7 +177,12 @@ class Trainer:
     def step(self, state: TrainState) -> tuple[TrainState, Loss]:
         """One gradient step on fresh samples. Not synchronised: results arrive when read."""
         key = jax.random.key(self.seed)
-        parameters, optimizer, loss = self._step(state.parameters, state.optimizer, key, state.step)
+        if self.round:
+            # Step numbers stay below 2^31: no step of an ordinary training has this key.
+            key = jax.random.fold_in(key, 2**31 + self.round)
+        parameters, optimizer, loss = self._step(
+            state.parameters, state.optimizer, key, state.step, self.extra
+        )
         state = state._replace(step=state.step + 1, parameters=parameters, optimizer=optimizer)
         return state, loss
 
@@ -162,10 +199,13 @@ class Trainer:
         return _matched(eqx.combine(trained, self._template), self.robot)
 
     def report(self, gait: Gait, *, seed: int) -> Report:
-        """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch)."""
-        u = self.validation.draw(jax.random.key(seed))
-        loss, margins = self._evaluate(gait, u)
-        margins, rows = np.asarray(margins), self._validation_layout.counts
+        """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
+
+        Samples of extra boxes count for the loss alone.
+        """
+        loss, margins = self._evaluate(gait, jax.random.key(seed), self.extra)
+        rows = self._validation_layout.counts
+        margins = np.asarray(margins)[: len(rows)]
         named = {
             name: margins[rows[:, block.start]][:, block]
             for name, block in self._validation_layout.columns.items()
@@ -177,40 +217,38 @@ class Trainer:
         return int(state.step) >= self.steps
 
 
-def _optimizer(recipe: Recipe, steps: int) -> optax.GradientTransformation:
-    rate, warmup = recipe.learning_rate, round(recipe.warmup * steps)
-    if recipe.milestones is None:
-        later = optax.cosine_decay_schedule(rate, max(steps - warmup, 1))
-    else:
-        drops = {round(share * steps) - warmup: 0.1 for share in recipe.milestones}
-        later = optax.piecewise_constant_schedule(rate, drops)
-    rise = optax.linear_schedule(0.0, rate, max(warmup, 1))
-    schedule = optax.join_schedules([rise, later], [warmup]) if warmup else later
-    return optax.adamw(schedule, weight_decay=recipe.weight_decay)
+def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTransformation:
+    rate = replace(recipe, learning_rate=factor * recipe.learning_rate)
+    return optax.adamw(schedule(rate, steps), weight_decay=recipe.weight_decay)
 
 
 def _make_step(spec: GaitSpec, light, unflatten, optimizer) -> Callable:
     robot, layout, sampler, fixed, residual = light
 
-    def loss(parameters, u):
+    def loss(parameters, u, counts):
         gait = eqx.combine(unflatten(parameters), fixed).matched(robot)
         margins, torque = margin_matrix(spec, robot, gait, u, residual)
-        result = barrier_loss(spec, layout, margins, torque)
+        result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
         return result.total, result
 
-    def step(parameters, state, key, index):
-        u = sampler.draw(jax.random.fold_in(key, index)).astype(jnp.float32)
-        (_, result), gradient = jax.value_and_grad(loss, has_aux=True)(parameters, u)
+    def step(parameters, state, key, index, extra):
+        key = jax.random.fold_in(key, index)
+        u, counts = with_extra(extra, 1, sampler.draw(key), layout.counts, key)
+        gradient_of = jax.value_and_grad(loss, has_aux=True)
+        (_, result), gradient = gradient_of(parameters, u.astype(jnp.float32), counts)
         update, state = optimizer.update(gradient, state, parameters)
         return optax.apply_updates(parameters, update), state, result
 
     return jax.jit(step, compiler_options=COMPILER)
 
 
-def _make_evaluate(spec: GaitSpec, robot: PlanarBiped, layout: Layout, residual) -> Callable:
-    def evaluate(gait, u):
+def _make_evaluate(
+    spec: GaitSpec, robot: PlanarBiped, sampler: Sampler, layout: Layout, residual
+) -> Callable:
+    def evaluate(gait, key, extra):
+        u, counts = with_extra(extra, VALIDATION_SAMPLES, sampler.draw(key), layout.counts, key)
         margins, torque = margin_matrix(spec, robot, gait, u, residual)
-        return barrier_loss(spec, layout, margins, torque), margins
+        return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
 
     # The options go on to jax.jit; equinox's overloads leave them out.
     return eqx.filter_jit(evaluate, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]

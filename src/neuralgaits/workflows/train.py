@@ -1,5 +1,6 @@
 """Train a gait and leave a run folder that can be continued, checked and simulated."""
 
+import math
 import time
 from pathlib import Path
 
@@ -10,9 +11,11 @@ from neuralgaits.barriers.spec import Init
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, resolve_unfinished
+from neuralgaits.workflows.gradient_steps import Progress
+from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
 from neuralgaits.workflows.run import ROBOT, SPEC, Run, open_parts, untrained
-from neuralgaits.workflows.training_session import Progress, TrainingSession
+from neuralgaits.workflows.training_session import TrainingSession
 
 
 def train(
@@ -25,7 +28,10 @@ def train(
     steps: int | None = None,
     out: str | Path | None = None,
     resume: str | Path | None = None,
+    certify: bool = False,
+    budget: float | None = None,
     progress: Progress | None = None,
+    watch: Watch | None = None,
     root: Path = RUNS_ROOT,
 ) -> Run:
     """Train a policy for a robot.
@@ -41,7 +47,11 @@ def train(
         steps: gradient steps; the recipe's if None.
         out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
         resume: continue this run, or the `latest` unfinished one; other settings come from it.
+        certify: after training, prove the conditions (level 1); where that fails, train on with
+            samples of the boxes that are left, until the proof stands.
+        budget: seconds for proofs and further training; None for as long as it takes.
         progress: called with (step, steps, loss) now and then.
+        watch: told how the proof goes on.
         root: folder of the runs.
 
     Returns: `Run`.
@@ -54,11 +64,15 @@ def train(
         gait = untrained(folder, loaded)
     else:
         _check(seed, init, hidden, steps)
+        _check_budget(certify, budget)
         loaded = specs.load(spec, robot) if isinstance(spec, str) else spec
         gait = loaded.new_gait(jax.random.key(seed), init, hidden)
         if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
             # The built-in ones are traced by the tests.
             refuse_untraceable(loaded, robot, gait)
+        unprovable = why_not_provable(gait)
+        if certify and unprovable is not None:
+            raise InputError(f"expected a gait that can be certified, found that {unprovable}")
         config = {
             "robot": robot.name,
             "spec": spec if isinstance(spec, str) else spec.name,
@@ -67,12 +81,14 @@ def train(
             "hidden": _widths(gait),
             "steps": loaded.recipe.steps if steps is None else steps,
             "described": loaded.describe(),
-            "not_provable_because": why_not_provable(gait),
+            "not_provable_because": unprovable,
+            "certify": {"budget_s": budget} if certify else None,
         }
         copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
         place = None if out is None else Path(out)
         folder = RunFolder.create(config, copies, name=robot.name, seed=seed, root=root, out=place)
-    gait = TrainingSession(folder, robot, loaded, progress, began).run(root, gait)
+    session = TrainingSession(folder, robot, loaded, progress, watch or Watch(), began)
+    gait = session.run(root, gait)
     return Run(folder, robot, loaded, gait)
 
 
@@ -94,6 +110,15 @@ def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | No
         raise InputError(f"expected hidden widths of at least 1, found {hidden}")
     if steps is not None and steps < 1:
         raise InputError(f"expected at least 1 gradient step, found {steps}")
+
+
+def _check_budget(certify: bool, budget: float | None) -> None:
+    if budget is None:
+        return
+    if not certify:
+        raise InputError("expected a budget with --certify only, found it alone: add --certify")
+    if not 0.0 < budget < math.inf:
+        raise InputError(f"expected a budget of more than 0 seconds, found {budget}")
 
 
 def _widths(gait: Gait) -> list[int] | None:

@@ -1,0 +1,110 @@
+"""Gradient steps with checkpoints: what a training and each of its repairs are made of."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NoReturn
+
+import numpy as np
+
+from neuralgaits.barriers import GaitSpec
+from neuralgaits.errors import NonFiniteError
+from neuralgaits.runs import RunFolder
+from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState
+
+Progress = Callable[[int, int, float], None]
+"""(steps done, steps in all, loss)."""
+Save = Callable[[TrainState], None]
+Rows = list[Mapping[str, float]]
+
+CHECKPOINT_S = 2.0
+"""Seconds between two checkpoints."""
+NAN_STATE = "nan.safetensors"
+
+
+@dataclass
+class GradientSteps:
+    """The steps of one run, with the table of its losses.
+
+    Attributes:
+        folder, spec: of the run.
+        progress: told now and then.
+        rows: of `metrics.csv`.
+    """
+
+    folder: RunFolder
+    spec: GaitSpec
+    progress: Progress | None
+    rows: Rows = field(default_factory=list)
+
+    def forget_after(self, step: int) -> None:
+        """Read the table of a killed run, without the rows that are about to come again."""
+        self.rows = [row for row in self.folder.read_metrics() if row["step"] <= step]
+
+    def take(
+        self,
+        trainer: Trainer,
+        state: TrainState,
+        save: Save,
+        *,
+        before: int = 0,
+        deadline: float = np.inf,
+    ) -> TrainState:
+        """Train to the end of the trainer's steps, or to the deadline.
+
+        Args:
+            trainer: sets the number of steps.
+            state: to go on from.
+            save: writes a checkpoint.
+            before: steps of the run that came before those of this trainer.
+            deadline: on the clock of `time.monotonic` [s].
+
+        Raises: NonFiniteError.
+        """
+        saved, kept = time.perf_counter(), state
+        while not trainer.done(state) and time.monotonic() < deadline:
+            state, loss = trainer.step(state)
+            step = int(state.step)
+            if step % VALIDATE_EVERY and not trainer.done(state):
+                continue
+            if not (np.isfinite(float(loss.total)) and np.isfinite(state.parameters).all()):
+                self._refuse_nan(trainer, kept, save)
+            state = trainer.validate(state)
+            kept = state
+            self.rows.append(self._row(before + step, loss, state))
+            if self.progress is not None:
+                self.progress(before + step, before + trainer.steps, float(loss.total))
+            if time.perf_counter() - saved > CHECKPOINT_S or trainer.done(state):
+                self.folder.write_metrics(self.rows)
+                save(state)
+                saved = time.perf_counter()
+        return state
+
+    def _row(self, step: int, loss: Loss, state: TrainState) -> dict[str, float]:
+        terms = dict(zip(self._names(), np.asarray(loss.terms).tolist(), strict=True))
+        head = {
+            "step": step,
+            "loss": float(loss.total),
+            "validation_loss": float(state.best_loss),
+            "effort": float(loss.effort),
+        }
+        return head | terms
+
+    def _names(self) -> Sequence[str]:
+        return [condition.name for condition in self.spec.conditions]
+
+    def _refuse_nan(self, trainer: Trainer, kept: TrainState, save: Save) -> NoReturn:
+        """Save the last good state, and walk on from it to the step that turned to NaN."""
+        save(kept)
+        self.folder.write_tree(NAN_STATE, kept)
+        state, loss = trainer.step(kept)
+        while np.isfinite(float(loss.total)) and not trainer.done(state):
+            state, loss = trainer.step(state)
+        terms = zip(self._names(), np.asarray(loss.terms), strict=True)
+        bad = [name for name, value in terms if not np.isfinite(value)]
+        raise NonFiniteError(
+            f"loss or weights are not finite at step {int(state.step)} (conditions: "
+            f"{', '.join(bad) or 'none: the sum or its gradient'}); state of step "
+            f"{int(kept.step)} kept, reproduce with "
+            f"`neuralgaits train {self.folder.config['robot']} --resume {self.folder.path}`"
+        )

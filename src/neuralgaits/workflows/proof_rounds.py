@@ -1,0 +1,212 @@
+"""Train until the proof stands: boxes that a certificate leaves open become samples.
+
+A round certifies the gait at level 1. If boxes are left, it takes further gradient steps from the
+same weights with points of these boxes in every batch, and the next round begins.
+The weights in the folder are always those that the certificate beside them speaks of.
+"""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array
+from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.certificate.saved import OpenBoxes, open_boxes
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs import RunFolder
+from neuralgaits.training import Boxes, Extra, Trainer, TrainState
+from neuralgaits.workflows.certify import FOLDER, certify
+from neuralgaits.workflows.gradient_steps import GradientSteps
+from neuralgaits.workflows.run import WEIGHTS, Run
+
+ROUNDS = 10
+"""Repairs after which a training gives up."""
+SHARE = 0.25
+"""Gradient steps of a repair, as a share of the recipe's."""
+REPAIR, HISTORY = "repair.safetensors", "rounds.json"
+
+
+@dataclass(frozen=True)
+class Round:
+    """What one certificate of a training found.
+
+    Attributes:
+        number: repairs before it.
+        steps: gradient steps before it.
+        verdict: of the certificate.
+        open_boxes: boxes on which some condition is not proved.
+        failing: such boxes by condition.
+        smallest_margin: that is proved, in scales; None if a condition is not.
+        wall_s: time that the certificate took.
+    """
+
+    number: int
+    steps: int
+    verdict: str
+    open_boxes: int
+    failing: Mapping[str, int]
+    smallest_margin: float | None
+    wall_s: float
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Who is told how the rounds go on. Attributes: proved: (share, boxes); ended: a round."""
+
+    proved: Callable[[float, int], None] | None = None
+    ended: Callable[[Round], None] | None = None
+
+
+class RepairState(NamedTuple):
+    """A repair under way: everything a killed run needs to go on with it."""
+
+    number: Array
+    """Of the round, from 1. int32 scalar."""
+    extra: Extra
+    training: TrainState
+
+
+class ProofRounds:
+    """The rounds of one run."""
+
+    def __init__(
+        self,
+        folder: RunFolder,
+        robot: PlanarBiped,
+        spec: GaitSpec,
+        steps: GradientSteps,
+        watch: Watch,
+    ):
+        self.folder, self.robot, self.spec = folder, robot, spec
+        self.steps, self.watch = steps, watch
+
+    def run(self, trainer: Trainer, gait: Gait) -> tuple[Gait, dict[str, Any]]:
+        """Certify and repair until the proof stands, or rounds or budget end.
+
+        Args:
+            trainer: that trained the gait.
+            gait: trained; a repair that was under way goes on from its own checkpoint.
+
+        Returns: the gait last certified, and what the run's summary says of it.
+        """
+        began, budget = time.monotonic(), self.folder.config["certify"]["budget_s"]
+        deadline = began + (np.inf if budget is None else budget)
+        repairer = trainer.repairing(max(round(SHARE * self.spec.recipe.steps), 1))
+        state = self._under_way(repairer, gait)
+        history = self._rounds_before(state)
+        while True:
+            if state is not None:
+                training = self._repair(repairer, state, trainer.steps, deadline)
+                if not repairer.done(training):
+                    # The weights that were certified last stay.
+                    gait = self.folder.read_tree(WEIGHTS, gait)
+                    break
+                state = state._replace(training=training)
+                gait = repairer.gait(training.best)
+            number = 0 if state is None else int(state.number)
+            done = trainer.steps + number * repairer.steps
+            boxes = self._certify(gait, number, done, deadline, history)
+            proved, late = history[-1].verdict == "proved", time.monotonic() >= deadline
+            if proved or not boxes or number == ROUNDS or late:
+                break
+            extra = trainer.extra_of(boxes, None if state is None else state.extra)
+            extra = jax.tree.map(jnp.asarray, extra)
+            state = RepairState(jnp.asarray(number + 1, jnp.int32), extra, repairer.init(gait))
+            self.folder.write_tree(REPAIR, state)
+        return gait, self._summary(history, trainer.steps, time.monotonic() - began)
+
+    def _under_way(self, repairer: Trainer, gait: Gait) -> RepairState | None:
+        """The repair that a killed run was in."""
+        if not (self.folder.path / REPAIR).is_file():
+            return None
+        number = jnp.zeros((), jnp.int32)
+        like = RepairState(number, repairer.extra_shapes(), repairer.init(gait))
+        return self.folder.read_tree(REPAIR, like)
+
+    def _rounds_before(self, state: RepairState | None) -> list[Round]:
+        """Rounds of a killed run that come before the repair it was in."""
+        if state is None:
+            return []
+        rows = self.folder.read_json(HISTORY)["rounds"]
+        return [Round(**row) for row in rows if row["number"] < int(state.number)]
+
+    def _repair(
+        self, repairer: Trainer, state: RepairState, trained: int, deadline: float
+    ) -> TrainState:
+        """Take the steps of one repair, or as many as there is time for."""
+        number = int(state.number)
+        before = trained + (number - 1) * repairer.steps
+
+        def save(training: TrainState) -> None:
+            self.folder.write_tree(REPAIR, state._replace(training=training))
+
+        self.steps.forget_after(before + int(state.training.step))
+        trainer = repairer.on(state.extra, number)
+        return self.steps.take(trainer, state.training, save, before=before, deadline=deadline)
+
+    def _certify(
+        self, gait: Gait, number: int, steps: int, deadline: float, history: list[Round]
+    ) -> dict[str, Boxes]:
+        """Certify the gait and add the round. Returns: the boxes left open, by region."""
+        self.folder.write_tree(WEIGHTS, gait)
+        left = deadline - time.monotonic()
+        found = certify(
+            Run(self.folder, self.robot, self.spec, gait),
+            level=1,
+            # Without any time left it still says what was to be proved.
+            budget=None if left == np.inf else max(left, 1e-3),
+            progress=self.watch.proved,
+        )
+        left_open = self._open_boxes()
+        margins = [verdict.margin for verdict in found.conditions.values()]
+        known = [margin for margin in margins if margin is not None]
+        ended = Round(
+            number=number,
+            steps=steps,
+            verdict=found.verdict,
+            open_boxes=sum(len(boxes.low) for boxes in left_open),
+            failing=_failing(left_open),
+            smallest_margin=min(known) if len(known) == len(margins) else None,
+            wall_s=found.summary["wall_s"],
+        )
+        history.append(ended)
+        self.folder.write_json(HISTORY, {"rounds": [asdict(row) for row in history]})
+        if self.watch.ended is not None:
+            self.watch.ended(ended)
+        regions: dict[str, list[OpenBoxes]] = {}
+        for boxes in left_open:
+            regions.setdefault(boxes.region, []).append(boxes)
+        return {
+            region: (np.concatenate([b.low for b in some]), np.concatenate([b.high for b in some]))
+            for region, some in regions.items()
+        }
+
+    def _open_boxes(self) -> list[OpenBoxes]:
+        files = sorted((self.folder.path / FOLDER).glob("boxes-*.safetensors"))
+        return [boxes for boxes in map(open_boxes, files) if len(boxes.low)]
+
+    def _summary(self, history: list[Round], trained: int, wall_s: float) -> dict[str, Any]:
+        last = history[-1]
+        return {
+            "verdict": last.verdict,
+            "level": 1,
+            "repairs": last.number,
+            "repair_steps": last.steps - trained,
+            "smallest_margin": last.smallest_margin,
+            "open_boxes": last.open_boxes,
+            "failing": dict(last.failing),
+            "wall_s": wall_s,
+        }
+
+
+def _failing(left_open: list[OpenBoxes]) -> dict[str, int]:
+    total: Counter[str] = Counter()
+    for boxes in left_open:
+        total.update(boxes.failing)
+    return dict(total)

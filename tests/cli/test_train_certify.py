@@ -1,0 +1,30 @@
+"""The verb train with --certify: exit codes, lines of progress, one JSON object."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from neuralgaits.cli.main import main
+
+SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+WORDS = ["train", "amber3m", "--spec", f"{SMALL}:small", "--hidden", "4", "--steps", "1"]
+
+
+@pytest.mark.parametrize(("budget", "code"), [([], 0), (["--budget", "0.001"], 3)])
+def test_the_exit_code_says_whether_the_proof_stands(
+    budget: list[str],
+    code: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([*WORDS, "--certify", *budget, "--out", "run", "--json"]) == code
+    out, err = capfd.readouterr()
+    found = json.loads(out)["certificate"]
+    assert found["verdict"] == {0: "proved", 3: "undecided"}[code]
+    lines = [line for line in err.splitlines() if line.startswith("certificate after")]
+    assert len(lines) == found["repairs"] + 1
+    assert ("smallest margin" in lines[-1]) == (code == 0)
+    assert ("boxes open" in lines[0]) and found["verdict"] in lines[-1]
