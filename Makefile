@@ -2,13 +2,20 @@
 PYTHON ?= python3
 PIP_INSTALL = .venv/bin/python -m pip install --quiet --constraint constraints.txt
 
-.PHONY: walk test bench lint clean
+.PHONY: walk proofcheck test bench lint clean
 .DELETE_ON_ERROR:
 
 # Train a gait for AMBER-3M and walk it in MuJoCo.
 walk: .venv/run.stamp
 	.venv/bin/neuralgaits train amber3m
 	.venv/bin/neuralgaits simulate latest
+
+# Build the independent proof checker, which needs g++ and nothing else: build/proofcheck FILE.
+proofcheck: build/proofcheck
+
+build/proofcheck: tools/proofcheck/proofcheck.cpp
+	@mkdir -p build
+	$(CXX) -std=c++17 -O2 -frounding-math -ffp-contract=off -Wall -Wextra -Werror $< -o $@
 
 test: .venv/dev.stamp
 	.venv/bin/python -m pytest -n 2

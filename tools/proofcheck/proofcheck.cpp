@@ -1,0 +1,2675 @@
+// proofcheck: an independent check of a gait certificate.
+//
+// A proof file says: at every state of a region, this condition of the gait holds with this margin.
+// It contains link data of a robot, the numbers of a policy and of a tube in the plane of the zero
+// dynamics, and for each statement a tree of boxes. This program derives everything else from
+// those numbers: positions, momenta, the zero dynamics, accelerations, torques, ground forces, the
+// impact. It never evaluates the list of operations ("Program") that the file also contains and
+// that the finder worked with; it shares no formula file, no derivative rule and no library with it.
+//
+// The story, in sections:
+//    1  intervals            numbers enclosed by directed rounding
+//    2  elementary functions exp, tanh, logistic, log1p, sin, cos at a point, with remainders
+//    3  Taylor models        functions of a box: quadratic polynomials with interval coefficients
+//    4  duals                a value and its derivative along a direction
+//    5  reading              JSON, hexadecimal floats, base64, sha256
+//    6  the model            robot from link data, policy, tube, conditions
+//    7  the policy           desired outputs and their derivatives up to second order
+//    8  mechanics            from (z1, z2) to forces and impact, link by link
+//    9  conditions           what is claimed, as formulas and in words
+//   10  the check            trees of boxes
+//   11  the file             consistency of what it says
+//   12  the command
+//
+// Trusted: the C++ compiler, IEEE 754 + - * / sqrt in the rounding mode that is set and tested at
+// the start, and the standard library's strings and containers. Signs and symbols are those of
+// docs/notation.md: x forward, z up, angles counter-clockwise, z2 forward positive.
+
+#include <algorithm>
+#include <array>
+#include <cfenv>
+#include <cfloat>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+static_assert(FLT_EVAL_METHOD == 0, "doubles must be rounded to doubles");
+static_assert(std::numeric_limits<double>::is_iec559, "doubles must be IEEE 754");
+
+namespace {
+
+using std::string;
+using std::vector;
+
+// What may end the evaluation of a box, a statement or the whole.
+struct NoBound {};                        // No finite enclosure: the box is too large.
+struct Unknown { string what; };          // A condition that this program does not know.
+struct Inconsistent { string why; };      // The file contradicts itself: rejected.
+struct NotAProof { string why; };         // Not a proof file of this format.
+
+// ------------------------------------------------------------------------------ 1 intervals
+//
+// The rounding mode is upward throughout. An interval is stored as (-low, high), so that both ends
+// round outward: -low is an upper bound of minus the value. Every interval is finite; an operation
+// whose result is not finite throws. Hence no NaN can arise, and none can pass as a bound.
+
+struct I {
+  double n, h;  // The interval [-n, h].
+  I(double point = 0.0) : n(-point), h(point) {}
+  I(double minus_low, double high) : n(minus_low), h(high) {}
+  double low() const { return -n; }
+  double high() const { return h; }
+};
+
+inline I finite(double n, double h) {
+  if (!(n < HUGE_VAL && h < HUGE_VAL)) throw NoBound();
+  return {n, h};
+}
+
+inline double larger(double a, double b) { return a < b ? b : a; }
+inline double magnitude(I a) { return larger(a.n, a.h); }
+
+inline I operator-(I a) { return {a.h, a.n}; }
+inline I operator+(I a, I b) { return finite(a.n + b.n, a.h + b.h); }
+inline I operator-(I a, I b) { return finite(a.n + b.h, a.h + b.n); }
+
+inline I operator*(I a, I b) {
+  // The four products of ends, rounded up; and their negatives, rounded up.
+  const double high = larger(larger(a.n * b.n, (-a.n) * b.h), larger(a.h * (-b.n), a.h * b.h));
+  const double low = larger(larger((-a.n) * b.n, a.n * b.h), larger(a.h * b.n, (-a.h) * b.h));
+  return finite(low, high);
+}
+
+inline I inverse(I a) {
+  if (!(a.n < 0.0 || a.h < 0.0)) throw NoBound();  // 0 may lie in a.
+  return finite(-1.0 / a.h, -1.0 / a.n);
+}
+
+inline I operator/(I a, I b) { return a * inverse(b); }
+
+inline I square(I a) {
+  const double m = magnitude(a);
+  if (a.n < 0.0) return finite((-a.n) * a.n, m * m);  // low > 0
+  if (a.h < 0.0) return finite((-a.h) * a.h, m * m);  // high < 0
+  return finite(0.0, m * m);
+}
+
+inline I root(I a) {
+  if (!(a.n < 0.0)) throw NoBound();
+  const double low = a.low(), high = std::sqrt(a.h), above = std::sqrt(low);
+  return finite((-low) / above, high);  // low / above <= sqrt(low), as above >= sqrt(low).
+}
+
+inline I symmetric(double radius) { return finite(radius, radius); }
+
+inline I intersection(I a, I b) {
+  const I c(a.n < b.n ? a.n : b.n, a.h < b.h ? a.h : b.h);
+  if (-c.n > c.h) throw NoBound();  // Both contain the value, so this does not happen.
+  return c;
+}
+
+inline double middle(I a) { return 0.5 * (a.h - a.n); }
+
+// True if the processor and the compiled code round as this file needs it.
+bool rounding_works() {
+  if (std::fesetround(FE_UPWARD) != 0 || std::fegetround() != FE_UPWARD) return false;
+  volatile double one = 1.0, tiny = 0x1p-60, three = 3.0, near_one = 1.0 + 0x1p-52;
+  const double up = one + tiny, down = -(-one - tiny);
+  if (!(up == 1.0 + 0x1p-52 && down == 1.0)) return false;
+  const double minus_down = (-one) - (-tiny);  // -1 + 2^-60 rounded up
+  if (!(minus_down == -(1.0 - 0x1p-53))) return false;
+  const I third = I(one) / I(three);
+  if (!(third.low() < third.high() && third.low() >= 0x1.5555555555554p-2 &&
+        third.high() <= 0x1.5555555555557p-2))
+    return false;
+  const I square_up = I(near_one) * I(near_one);  // 1 + 2^-51 + 2^-104
+  if (!(square_up.low() == 1.0 + 0x1p-51 && square_up.high() == 1.0 + 0x1p-51 + 0x1p-52))
+    return false;
+  const I minus = I(-near_one) * I(near_one);
+  if (!(minus.low() == -square_up.high() && minus.high() == -square_up.low())) return false;
+  volatile double two = 2.0;
+  const I r = root(I(two));  // 0x1.6a09e667f3bcc908b2fb...p+0
+  return r.low() >= 0x1.6a09e667f3bcbp+0 && r.low() <= 0x1.6a09e667f3bccp+0 &&
+         r.high() == 0x1.6a09e667f3bcdp+0;
+}
+
+// ------------------------------------------------------------------ 2 elementary functions
+//
+// Each encloses its value at one double. Arguments are reduced with enclosures of the constants,
+// series are summed in intervals, and what is left out is bounded in the line that says so.
+
+const I LN2(-0x1.62e42fefa39efp-1, 0x1.62e42fefa39f0p-1);      // 0.693147180559945309417232...
+const I HALF_PI(-0x1.921fb54442d18p+0, 0x1.921fb54442d19p+0);  // 1.570796326794896619231321...
+
+// r^count / count!, rounded up.
+double term_bound(double r, int count) {
+  double term = 1.0;
+  for (int j = 1; j <= count; ++j) term = term * r / j;
+  return term;
+}
+
+// exp x = 2^k exp r, r = x - k ln 2.
+I exp_at(double x) {
+  if (!(x < 700.0)) throw NoBound();
+  if (x < -700.0) return {0.0, 1e-300};  // exp(-700) < 1e-303
+  const int k = static_cast<int>(x * 1.4426950408889634 + (x < 0.0 ? -0.5 : 0.5));
+  const I r = I(x) - I(k) * LN2;
+  if (!(magnitude(r) <= 0.5)) throw NoBound();
+  const int terms = 18;
+  I sum(1.0);
+  for (int j = terms - 1; j >= 1; --j) sum = I(1.0) + r * sum / I(j);
+  // Rest: |r|^18/18! (1 + |r|/19 + ...) <= 2 |r|^18/18!
+  sum = sum + symmetric(2.0 * term_bound(magnitude(r), terms));
+  double scale = 1.0;  // A power of two within the normal range: exact.
+  for (int j = 0; j < (k < 0 ? -k : k); ++j) scale *= k < 0 ? 0.5 : 2.0;
+  return sum * I(scale);
+}
+
+I tanh_at(double x) {
+  if (x > 300.0 || x < -300.0) return x > 0 ? I(-1.0 + 1e-15, 1.0) : I(1.0, -1.0 + 1e-15);
+  const I value = I(1.0) - I(2.0) / (exp_at(2.0 * x) + I(1.0));
+  return intersection(value, symmetric(1.0));
+}
+
+I logistic_at(double x) {
+  if (x < 0.0) {
+    const I e = exp_at(x);
+    return intersection(e / (I(1.0) + e), I(0.0, 1.0));
+  }
+  return intersection(inverse(I(1.0) + exp_at(-x)), I(0.0, 1.0));
+}
+
+// log(1 + y) = 2 artanh w = 2 sum w^(2j+1)/(2j+1), w = y/(2 + y), for y in [0, 1].
+I log1p_of(I y) {
+  if (!(y.n <= 0.0 && y.h <= 1.0)) throw NoBound();
+  const I w = y / (I(2.0) + y), w2 = square(w);
+  const int terms = 18;
+  I sum(0.0);
+  for (int j = terms - 1; j >= 0; --j) sum = sum * w2 + inverse(I(2 * j + 1));
+  // Rest: sum over j >= 18 of w^(2j) / 37 <= w^36 / 37 / (1 - w^2), and w <= 1/3.
+  double rest = 1.125 / 37.0;
+  for (int j = 0; j < terms; ++j) rest *= magnitude(w2);
+  return I(2.0) * w * (sum + I(0.0, rest));
+}
+
+// log(1 + exp x)
+I softplus_at(double x) {
+  const I tail = log1p_of(intersection(exp_at(x < 0.0 ? x : -x), I(0.0, 1.0)));
+  return x < 0.0 ? tail : I(x) + tail;
+}
+
+struct SineCosine { I sine, cosine; };
+
+// x = r + k pi/2; series of sine and cosine at r.
+SineCosine sincos_at(double x) {
+  if (!(x > -1e6 && x < 1e6)) return {symmetric(1.0), symmetric(1.0)};
+  const int k = static_cast<int>(x * 0.6366197723675814 + (x < 0.0 ? -0.5 : 0.5));
+  const I r = I(x) - I(k) * HALF_PI, r2 = square(r);
+  if (!(magnitude(r) <= 1.0)) throw NoBound();
+  const int terms = 10;
+  I s(1.0), c(1.0);
+  for (int j = terms - 1; j >= 1; --j) {
+    s = I(1.0) - r2 * s / I((2 * j) * (2 * j + 1));
+    c = I(1.0) - r2 * c / I((2 * j - 1) * (2 * j));
+  }
+  // Alternating with decreasing terms: the rest is at most the first term left out.
+  s = r * s + symmetric(term_bound(magnitude(r), 2 * terms + 1));
+  c = c + symmetric(term_bound(magnitude(r), 2 * terms));
+  switch (((k % 4) + 4) % 4) {
+    case 0: return {s, c};
+    case 1: return {c, -s};
+    case 2: return {-s, -c};
+    default: return {-c, s};
+  }
+}
+
+// -------------------------------------------------------------------------- 3 Taylor models
+//
+// A function of the box is enclosed by c0 + c1 x + c2 y + c3 x^2 + c4 xy + c5 y^2 with x, y in
+// [-1, 1] the box's own coordinates. Coefficients are intervals: for every point of the box some
+// real choice of them gives the function's value. All that has a higher degree is enclosed by an
+// interval and added to c0, which is therefore also the remainder.
+
+struct TM {
+  std::array<I, 6> c;
+  TM(I constant = I(0.0)) { c[0] = constant; }
+  TM(double constant) { c[0] = I(constant); }
+  double linear() const { return magnitude(c[1]) + magnitude(c[2]); }
+  double quadratic() const { return magnitude(c[3]) + magnitude(c[4]) + magnitude(c[5]); }
+};
+
+// [low, high] as middle + radius * coordinate `axis`.
+TM coordinate(double low, double high, int axis) {
+  const double centre = low + (high - low) * 0.5;
+  TM a(centre);
+  a.c[1 + axis] = I(larger((high - centre), (centre - low)));
+  return a;
+}
+
+inline TM operator-(const TM& a) {
+  TM r;
+  for (int i = 0; i < 6; ++i) r.c[i] = -a.c[i];
+  return r;
+}
+inline TM operator+(const TM& a, const TM& b) {
+  TM r;
+  for (int i = 0; i < 6; ++i) r.c[i] = a.c[i] + b.c[i];
+  return r;
+}
+inline TM operator-(const TM& a, const TM& b) {
+  TM r;
+  for (int i = 0; i < 6; ++i) r.c[i] = a.c[i] - b.c[i];
+  return r;
+}
+inline TM operator*(I k, const TM& a) {
+  TM r;
+  for (int i = 0; i < 6; ++i) r.c[i] = k * a.c[i];
+  return r;
+}
+inline TM operator*(const TM& a, const TM& b) {
+  TM r;
+  r.c[0] = a.c[0] * b.c[0];
+  r.c[1] = a.c[0] * b.c[1] + a.c[1] * b.c[0];
+  r.c[2] = a.c[0] * b.c[2] + a.c[2] * b.c[0];
+  r.c[3] = a.c[0] * b.c[3] + a.c[3] * b.c[0] + a.c[1] * b.c[1];
+  r.c[4] = a.c[0] * b.c[4] + a.c[4] * b.c[0] + a.c[1] * b.c[2] + a.c[2] * b.c[1];
+  r.c[5] = a.c[0] * b.c[5] + a.c[5] * b.c[0] + a.c[2] * b.c[2];
+  // Degree three and four.
+  const double a1 = a.linear(), a2 = a.quadratic(), b1 = b.linear(), b2 = b.quadratic();
+  r.c[0] = r.c[0] + symmetric(a1 * b2 + a2 * b1 + a2 * b2);
+  return r;
+}
+
+// Lower end of b x + a x^2 over x in [-1, 1], over all a and b of the intervals, as minus it.
+double minus_parabola(I b, I a) {
+  const double steep = magnitude(b);
+  double found = steep + larger(a.n, 0.0);  // >= -|b| - max(0, -a)
+  if (a.n < 0.0) {                          // Convex: also >= -b^2/(4a), its least value anywhere.
+    const double vertex = steep * steep / (4.0 * a.low());
+    if (vertex < found) found = vertex;
+    const double least = b.n < 0.0 ? -b.n : (b.h < 0.0 ? -b.h : 0.0);
+    // The vertex lies outside [-1, 1]: the least value is at an end.
+    if (least >= 2.0 * a.h && steep + a.n < found) found = steep + a.n;
+  }
+  return found;
+}
+
+I range(const TM& a) {
+  const double mixed = magnitude(a.c[4]);
+  const double n = a.c[0].n + minus_parabola(a.c[1], a.c[3]) + minus_parabola(a.c[2], a.c[5]);
+  const double h = a.c[0].h + minus_parabola(-a.c[1], -a.c[3]) + minus_parabola(-a.c[2], -a.c[5]);
+  return finite(n + mixed, h + mixed);
+}
+
+// f(a) from f, f' and f''/2 at the middle m of c0; `third(R)` bounds |f'''| within R of m.
+template <class Third>
+TM expanded(const TM& a, double m, I f, I slope, I curve, Third third) {
+  TM d = a;
+  d.c[0] = d.c[0] - I(m);
+  const double reach = magnitude(range(d));
+  TM r = slope * d + curve * (d * d);
+  r.c[0] = r.c[0] + f + symmetric(third(reach) * reach * reach * reach / 6.0);
+  return r;
+}
+
+// Sine and cosine together.
+void sincos(const TM& a, TM& sine, TM& cosine) {
+  const double m = middle(a.c[0]);
+  const auto [s, c] = sincos_at(m);
+  TM d = a;
+  d.c[0] = d.c[0] - I(m);
+  const TM half = I(0.5) * (d * d);
+  const double reach = magnitude(range(d)), cube = reach * reach * reach / 6.0;
+  // |sin'''| = |cos| and |cos'''| = |sin|, whose slopes are at most one.
+  sine = c * d - s * half;
+  sine.c[0] = sine.c[0] + s + symmetric(std::min(1.0, magnitude(c) + reach) * cube);
+  cosine = -s * d - c * half;
+  cosine.c[0] = cosine.c[0] + c + symmetric(std::min(1.0, magnitude(s) + reach) * cube);
+}
+
+TM tanh(const TM& a) {
+  const double m = middle(a.c[0]);
+  const I t = tanh_at(m), g = I(1.0) - square(t);
+  return expanded(a, m, t, g, -t * g, [t](double reach) {
+    // tanh''' = -2 (1 - t^2)(1 - 3 t^2); t moves by at most `reach`.
+    const I u = square(intersection(t + symmetric(reach), symmetric(1.0)));
+    return magnitude(I(2.0) * (I(1.0) - u) * (I(1.0) - I(3.0) * u));
+  });
+}
+
+// s (1 - s) and s over the values of the logistic function within `reach` of where it is s.
+std::pair<I, I> logistic_nearby(I s, double reach) {
+  const I near = intersection(s + symmetric(0.25 * reach), I(0.0, 1.0));
+  return {I(0.25) - square(near - I(0.5)), near};
+}
+
+TM logistic(const TM& a) {
+  const double m = middle(a.c[0]);
+  const I s = logistic_at(m), g = s * (I(1.0) - s);
+  return expanded(a, m, s, g, g * (I(0.5) - s), [s](double reach) {
+    const I p = logistic_nearby(s, reach).first;  // s''' = p (1 - 6 p), p = s (1 - s)
+    return magnitude(p * (I(1.0) - I(6.0) * p));
+  });
+}
+
+TM softplus(const TM& a) {
+  const double m = middle(a.c[0]);
+  const I s = logistic_at(m);
+  return expanded(a, m, softplus_at(m), s, I(0.5) * s * (I(1.0) - s), [s](double reach) {
+    const auto [p, near] = logistic_nearby(s, reach);
+    return magnitude(p * (I(1.0) - I(2.0) * near));
+  });
+}
+
+TM inverse(const TM& a) {
+  const double m = middle(a.c[0]);
+  const I v = inverse(I(m));
+  return expanded(a, m, v, -square(v), v * square(v), [m](double reach) {
+    const I w = square(inverse(I(m) + symmetric(reach)));  // |(1/x)'''| = 6 / x^4
+    return magnitude(I(6.0) * w * w);
+  });
+}
+
+TM root(const TM& a) {
+  const double m = middle(a.c[0]);
+  const I v = root(I(m)), slope = I(0.5) / v;
+  return expanded(a, m, v, slope, I(-0.25) * slope / I(m), [m](double reach) {
+    const I least = I(m) - I(reach), w = root(least);  // sqrt''' = 3/8 x^(-5/2)
+    return magnitude(I(0.375) / (square(least) * w));
+  });
+}
+
+inline TM operator/(const TM& a, const TM& b) { return a * inverse(b); }
+
+// ---------------------------------------------------------------------------------- 4 duals
+//
+// A value and its derivative along one direction. Along the flow that is the rate.
+
+struct Dual {
+  TM v, d;
+  Dual(TM value = TM(), TM derivative = TM()) : v(std::move(value)), d(std::move(derivative)) {}
+  Dual(I constant) : v(constant) {}
+  Dual(double constant) : v(constant) {}
+};
+
+inline Dual operator-(const Dual& a) { return {-a.v, -a.d}; }
+inline Dual operator+(const Dual& a, const Dual& b) { return {a.v + b.v, a.d + b.d}; }
+inline Dual operator-(const Dual& a, const Dual& b) { return {a.v - b.v, a.d - b.d}; }
+inline Dual operator*(I k, const Dual& a) { return {k * a.v, k * a.d}; }
+inline Dual operator*(const Dual& a, const Dual& b) { return {a.v * b.v, a.d * b.v + a.v * b.d}; }
+inline Dual operator/(const Dual& a, const Dual& b) {
+  const TM share = inverse(b.v), v = a.v * share;
+  return {v, (a.d - v * b.d) * share};
+}
+inline void sincos(const Dual& a, Dual& sine, Dual& cosine) {
+  sincos(a.v, sine.v, cosine.v);
+  sine.d = cosine.v * a.d;
+  cosine.d = -(sine.v * a.d);
+}
+inline Dual root(const Dual& a) {
+  const TM v = root(a.v);
+  return {v, I(0.5) * (a.d / v)};
+}
+
+// -------------------------------------------------------------------------------- 5 reading
+//
+// All numbers of the file are read in the default rounding mode, before upward rounding is set:
+// decimals to the nearest double, as every other reader does, hexadecimal numbers exactly.
+
+struct Json {
+  enum Type { null, boolean, number, text, list, object } type = null;
+  string string_value;  // Of a text; of a number, as it is written.
+  double number_value = 0.0;
+  vector<Json> items;  // Of a list; of an object, the values.
+  vector<string> names;
+
+  const Json* find(const string& name) const {
+    for (size_t i = 0; i < names.size(); ++i)
+      if (names[i] == name) return &items[i];
+    return nullptr;
+  }
+};
+
+[[noreturn]] void refuse(const string& why) { throw NotAProof{why}; }
+
+class JsonReader {
+ public:
+  explicit JsonReader(const string& text) : text_(text) {}
+
+  Json document() {
+    Json value = element(0);
+    space();
+    if (at_ != text_.size()) refuse("text after the end of the JSON object");
+    return value;
+  }
+
+ private:
+  static constexpr int kDeepest = 60;
+  const string& text_;
+  size_t at_ = 0;
+
+  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  void space() {
+    while (at_ < text_.size() && strchr(" \t\r\n", text_[at_]) && text_[at_]) ++at_;
+  }
+  void expect(const char* word) {
+    if (text_.compare(at_, strlen(word), word) != 0)
+      refuse("no JSON at byte " + std::to_string(at_));
+    at_ += strlen(word);
+  }
+
+  Json element(int depth) {
+    if (depth > kDeepest) refuse("JSON nested more than 60 deep");
+    space();
+    Json value;
+    switch (peek()) {
+      case '{': fields(value, depth); break;
+      case '[': entries(value, depth); break;
+      case '"': value.type = Json::text; value.string_value = quoted(); break;
+      case 't': expect("true"); value.type = Json::boolean; value.number_value = 1.0; break;
+      case 'f': expect("false"); value.type = Json::boolean; break;
+      case 'n': expect("null"); break;
+      default: number(value);
+    }
+    return value;
+  }
+
+  void fields(Json& value, int depth) {
+    value.type = Json::object;
+    std::set<string> seen;
+    expect("{");
+    space();
+    if (peek() == '}') { expect("}"); return; }
+    while (true) {
+      space();
+      string name = quoted();
+      if (!seen.insert(name).second) refuse("the field '" + name + "' twice in one object");
+      space();
+      expect(":");
+      value.names.push_back(std::move(name));
+      value.items.push_back(element(depth + 1));
+      space();
+      if (peek() == '}') { expect("}"); return; }
+      expect(",");
+    }
+  }
+
+  void entries(Json& value, int depth) {
+    value.type = Json::list;
+    expect("[");
+    space();
+    if (peek() == ']') { expect("]"); return; }
+    while (true) {
+      value.items.push_back(element(depth + 1));
+      space();
+      if (peek() == ']') { expect("]"); return; }
+      expect(",");
+    }
+  }
+
+  void digits() {
+    if (!isdigit(static_cast<unsigned char>(peek())))
+      refuse("no JSON at byte " + std::to_string(at_));
+    while (isdigit(static_cast<unsigned char>(peek()))) ++at_;
+  }
+
+  void number(Json& value) {
+    const size_t start = at_;
+    if (peek() == '-') ++at_;
+    if (peek() == '0') ++at_; else digits();
+    if (peek() == '.') { ++at_; digits(); }
+    if (peek() == 'e' || peek() == 'E') {
+      ++at_;
+      if (peek() == '+' || peek() == '-') ++at_;
+      digits();
+    }
+    value.type = Json::number;
+    value.string_value = text_.substr(start, at_ - start);
+    const char* first = value.string_value.data();
+    const auto end = std::from_chars(first, first + value.string_value.size(), value.number_value);
+    if (end.ec != std::errc() || !(std::abs(value.number_value) < HUGE_VAL))
+      refuse("the number " + value.string_value.substr(0, 40) + ", which no double is near");
+  }
+
+  unsigned hex4() {
+    unsigned code = 0;
+    for (int i = 0; i < 4; ++i, ++at_) {
+      const char* place = peek() ? strchr("0123456789abcdef", tolower(peek())) : nullptr;
+      if (!place) refuse("a broken escape in a JSON text");
+      code = 16 * code + static_cast<unsigned>(place - "0123456789abcdef");
+    }
+    return code;
+  }
+
+  void utf8(string& out, unsigned code) {
+    if (code < 0x80) {
+      out += static_cast<char>(code);
+    } else if (code < 0x800) {
+      out += static_cast<char>(0xC0 | code >> 6);
+      out += static_cast<char>(0x80 | (code & 63));
+    } else if (code < 0x10000) {
+      out += static_cast<char>(0xE0 | code >> 12);
+      out += static_cast<char>(0x80 | (code >> 6 & 63));
+      out += static_cast<char>(0x80 | (code & 63));
+    } else {
+      out += static_cast<char>(0xF0 | code >> 18);
+      out += static_cast<char>(0x80 | (code >> 12 & 63));
+      out += static_cast<char>(0x80 | (code >> 6 & 63));
+      out += static_cast<char>(0x80 | (code & 63));
+    }
+  }
+
+  string quoted() {
+    expect("\"");
+    string out;
+    while (true) {
+      if (at_ >= text_.size()) refuse("a JSON text without an end");
+      const char c = text_[at_++];
+      if (c == '"') return out;
+      if (static_cast<unsigned char>(c) < 0x20) refuse("a control character in a JSON text");
+      if (c != '\\') { out += c; continue; }
+      const char e = peek();
+      ++at_;
+      switch (e) {
+        case '"': case '\\': case '/': out += e; break;
+        case 'b': out += '\b'; break;
+        case 'f': out += '\f'; break;
+        case 'n': out += '\n'; break;
+        case 'r': out += '\r'; break;
+        case 't': out += '\t'; break;
+        case 'u': {
+          unsigned code = hex4();
+          if (code >= 0xD800 && code < 0xDC00) {
+            expect("\\u");
+            const unsigned second = hex4();
+            if (second < 0xDC00 || second > 0xDFFF) refuse("half a character in a JSON text");
+            code = 0x10000 + ((code - 0xD800) << 10) + (second - 0xDC00);
+          } else if (code >= 0xDC00 && code < 0xE000) {
+            refuse("half a character in a JSON text");
+          }
+          utf8(out, code);
+          break;
+        }
+        default: refuse("a broken escape in a JSON text");
+      }
+    }
+  }
+};
+
+// An object with exactly these fields.
+void only(const Json& table, const string& what, const vector<string>& names) {
+  if (table.type != Json::object) refuse(what + " that is no JSON object");
+  for (const string& name : names)
+    if (!table.find(name)) refuse("no field '" + name + "' in " + what);
+  for (const string& name : table.names)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      refuse("unknown field '" + name + "' in " + what);
+}
+
+const Json& field(const Json& table, const string& what, const string& name) {
+  const Json* value = table.type == Json::object ? table.find(name) : nullptr;
+  if (!value) refuse("no field '" + name + "' in " + what);
+  return *value;
+}
+
+string text_of(const Json& value, const string& what) {
+  if (value.type != Json::text) refuse(what + " that is no text");
+  return value.string_value;
+}
+
+const vector<Json>& list_of(const Json& value, const string& what) {
+  if (value.type != Json::list) refuse(what + " that is no list");
+  return value.items;
+}
+
+double number_of(const Json& value, const string& what) {
+  if (value.type != Json::number) refuse(what + " that is no number");
+  return value.number_value;
+}
+
+int integer_of(const Json& value, const string& what) {
+  const string& digits = value.string_value;
+  if (value.type != Json::number || digits.size() > 9 ||
+      digits.find_first_not_of("-0123456789") != string::npos)
+    refuse(what + " that is no whole number");
+  return static_cast<int>(value.number_value);
+}
+
+// [-]0x1.8p+3 and the like: at most 53 bits, so the double is exact.
+double hexadecimal(const Json& value, const string& what) {
+  const string text = text_of(value, what);
+  const string wrong = what + " '" + text.substr(0, 40) + "' instead of a hexadecimal number";
+  size_t at = 0;
+  const bool negative = at < text.size() && text[at] == '-';
+  if (negative) ++at;
+  if (text.compare(at, 2, "0x") != 0) refuse(wrong);
+  at += 2;
+  if (at >= text.size() || (text[at] != '0' && text[at] != '1')) refuse(wrong);
+  std::uint64_t bits = text[at++] == '1';
+  int exponent = 0, count = 0;
+  if (at < text.size() && text[at] == '.') {
+    for (++at; at < text.size() && text[at] != 'p'; ++at, ++count, exponent -= 4) {
+      const char c = text[at];
+      const bool known = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+      if (!known || count == 13) refuse(wrong);
+      bits = bits << 4 | static_cast<std::uint64_t>(c <= '9' ? c - '0' : c - 'a' + 10);
+    }
+    if (count == 0) refuse(wrong);
+  }
+  if (at >= text.size() || text[at] != 'p') refuse(wrong);
+  ++at;
+  int sign = 1, power = 0;
+  if (at < text.size() && (text[at] == '+' || text[at] == '-')) sign = text[at++] == '-' ? -1 : 1;
+  if (at >= text.size() || text.size() - at > 4) refuse(wrong);
+  for (; at < text.size(); ++at) {
+    if (text[at] < '0' || text[at] > '9') refuse(wrong);
+    power = 10 * power + (text[at] - '0');
+  }
+  exponent += sign * power;
+  const double mantissa = static_cast<double>(bits), found = std::ldexp(mantissa, exponent);
+  if (!(found < HUGE_VAL) || std::ldexp(found, -exponent) != mantissa) refuse(wrong);
+  return negative ? -found : found;
+}
+
+vector<unsigned char> base64(const string& text, const string& what) {
+  static const string alphabet =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const string wrong = what + " whose data are no base64";
+  if (text.size() % 4 != 0) refuse(wrong);
+  vector<unsigned char> out;
+  for (size_t start = 0; start < text.size(); start += 4) {
+    std::uint32_t bits = 0;
+    int padding = 0;
+    for (size_t i = 0; i < 4; ++i) {
+      const char c = text[start + i];
+      const size_t place = alphabet.find(c);
+      const bool last = start + 4 == text.size();
+      if (c == '=' && last && i >= 2) ++padding;
+      else if (place == string::npos || padding) refuse(wrong);
+      bits = bits << 6 | static_cast<std::uint32_t>(c == '=' ? 0 : place);
+    }
+    if (padding && (bits & (padding == 1 ? 0xFFu : 0xFFFFu))) refuse(wrong);
+    for (int i = 0; i < 3 - padding; ++i)
+      out.push_back(static_cast<unsigned char>(bits >> (16 - 8 * i)));
+  }
+  return out;
+}
+
+// FIPS 180-4.
+string sha256(const string& message) {
+  static const std::uint32_t k[64] = {
+      0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4,
+      0xab1c5ed5, 0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe,
+      0x9bdc06a7, 0xc19bf174, 0xe49b69c1, 0xefbe4786, 0x0fc19dc6, 0x240ca1cc, 0x2de92c6f,
+      0x4a7484aa, 0x5cb0a9dc, 0x76f988da, 0x983e5152, 0xa831c66d, 0xb00327c8, 0xbf597fc7,
+      0xc6e00bf3, 0xd5a79147, 0x06ca6351, 0x14292967, 0x27b70a85, 0x2e1b2138, 0x4d2c6dfc,
+      0x53380d13, 0x650a7354, 0x766a0abb, 0x81c2c92e, 0x92722c85, 0xa2bfe8a1, 0xa81a664b,
+      0xc24b8b70, 0xc76c51a3, 0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070, 0x19a4c116,
+      0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
+      0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7,
+      0xc67178f2};
+  std::uint32_t h[8] = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                        0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+  const auto turn = [](std::uint32_t x, int n) { return x >> n | x << (32 - n); };
+  string data = message + '\x80';
+  while (data.size() % 64 != 56) data += '\0';
+  for (int i = 7; i >= 0; --i)
+    data += static_cast<char>(static_cast<std::uint64_t>(message.size()) * 8 >> (8 * i) & 255);
+  for (size_t start = 0; start < data.size(); start += 64) {
+    std::uint32_t w[64];
+    for (size_t i = 0; i < 16; ++i) {
+      w[i] = 0;
+      for (size_t b = 0; b < 4; ++b)
+        w[i] = w[i] << 8 | static_cast<unsigned char>(data[start + 4 * i + b]);
+    }
+    for (int i = 16; i < 64; ++i)
+      w[i] = w[i - 16] + (turn(w[i - 15], 7) ^ turn(w[i - 15], 18) ^ w[i - 15] >> 3) + w[i - 7] +
+             (turn(w[i - 2], 17) ^ turn(w[i - 2], 19) ^ w[i - 2] >> 10);
+    std::uint32_t v[8];
+    std::copy(h, h + 8, v);
+    for (int i = 0; i < 64; ++i) {
+      const std::uint32_t a = v[7] + (turn(v[4], 6) ^ turn(v[4], 11) ^ turn(v[4], 25)) +
+                              ((v[4] & v[5]) ^ (~v[4] & v[6])) + k[i] + w[i];
+      const std::uint32_t b = (turn(v[0], 2) ^ turn(v[0], 13) ^ turn(v[0], 22)) +
+                              ((v[0] & v[1]) ^ (v[0] & v[2]) ^ (v[1] & v[2]));
+      for (int j = 7; j > 0; --j) v[j] = v[j - 1];
+      v[4] += a;
+      v[0] = a + b;
+    }
+    for (int i = 0; i < 8; ++i) h[i] += v[i];
+  }
+  char out[65];
+  for (int i = 0; i < 8; ++i) snprintf(out + 8 * i, 9, "%08x", h[i]);
+  return out;
+}
+
+// A JSON text in ASCII: everything else as \uXXXX.
+void ascii(const string& text, string& out) {
+  out += '"';
+  for (size_t at = 0; at < text.size();) {
+    const unsigned char c = static_cast<unsigned char>(text[at++]);
+    const int more = c < 0xC0 ? 0 : c < 0xE0 ? 1 : c < 0xF0 ? 2 : 3;
+    unsigned code = more ? c & (63u >> more) : c;
+    for (int i = 0; i < more; ++i) {
+      if (at >= text.size()) refuse("a text that is no UTF-8");
+      code = code << 6 | (static_cast<unsigned char>(text[at++]) & 63u);
+    }
+    static const std::map<unsigned, string> known = {{'"', "\\\""}, {'\\', "\\\\"}, {8, "\\b"},
+        {9, "\\t"}, {10, "\\n"}, {12, "\\f"}, {13, "\\r"}};
+    char escape[16];
+    if (const auto found = known.find(code); found != known.end()) out += found->second;
+    else if (code >= 0x20 && code < 0x7F) out += static_cast<char>(code);
+    else if (code < 0x10000) { snprintf(escape, sizeof escape, "\\u%04x", code); out += escape; }
+    else {
+      snprintf(escape, sizeof escape, "\\u%04x\\u%04x", 0xD800 + ((code - 0x10000) >> 10 & 0x3FF),
+               0xDC00 + ((code - 0x10000) & 0x3FF));
+      out += escape;
+    }
+  }
+  out += '"';
+}
+
+// The text that the Program's hash is of: names sorted, no spaces, ASCII.
+void canonical(const Json& value, string& out) {
+  switch (value.type) {
+    case Json::null: out += "null"; break;
+    case Json::boolean: out += value.number_value != 0.0 ? "true" : "false"; break;
+    case Json::number:
+      integer_of(value, "a number of the Program");
+      out += value.string_value;
+      break;
+    case Json::text:
+      ascii(value.string_value, out);
+      break;
+    case Json::list:
+      out += '[';
+      for (size_t i = 0; i < value.items.size(); ++i) {
+        if (i) out += ',';
+        canonical(value.items[i], out);
+      }
+      out += ']';
+      break;
+    case Json::object: {
+      std::map<string, const Json*> sorted;
+      for (size_t i = 0; i < value.names.size(); ++i) sorted[value.names[i]] = &value.items[i];
+      out += '{';
+      for (const auto& [name, item] : sorted) {
+        if (out.back() != '{') out += ',';
+        ascii(name, out);
+        out += ':';
+        canonical(*item, out);
+      }
+      out += '}';
+    }
+  }
+}
+
+// ------------------------------------------------------------------------------ 6 the model
+
+struct Array {
+  vector<int> shape;
+  vector<double> values;
+  double scalar(const string& what) const {
+    if (!shape.empty()) refuse(what + " that is no single number");
+    return values[0];
+  }
+};
+
+using Constants = std::map<string, Array>;  // The Program's named constants.
+
+size_t elements(const vector<int>& shape) {
+  size_t count = 1;
+  for (const int size : shape) count *= static_cast<size_t>(size);
+  return count;
+}
+
+vector<int> shape_of(const Json& value, const string& what) {
+  vector<int> shape;
+  for (const Json& size : list_of(value, "the shape of " + what)) {
+    shape.push_back(integer_of(size, "the shape of " + what));
+    if (shape.back() < 1 || shape.back() > 1'000'000 || elements(shape) > 100'000'000)
+      refuse("the shape of " + what + " with a size that no array here has");
+  }
+  return shape;
+}
+
+// Arrays of one owner, "policy" or "tube": given as numbers, or as constants of the Program.
+std::map<string, Array> arrays_of(const Json& table, const string& owner, const Constants& known) {
+  std::map<string, Array> found;
+  for (size_t i = 0; i < table.names.size(); ++i) {
+    const string name = owner + "." + table.names[i];
+    const Json& entry = table.items[i];
+    if (entry.type == Json::null) continue;
+    Array array;
+    const auto constant = known.find(name);
+    if (entry.find("constant")) {
+      only(entry, name, {"constant"});
+      if (text_of(entry.items[0], name) != name || constant == known.end())
+        throw Inconsistent{"the model's " + name + " is no constant of the Program"};
+      array = constant->second;
+    } else {
+      only(entry, name, {"shape", "values"});
+      array.shape = shape_of(field(entry, name, "shape"), name);
+      for (const Json& value : list_of(field(entry, name, "values"), name))
+        array.values.push_back(hexadecimal(value, name));
+      if (array.values.size() != elements(array.shape)) refuse(name + " of another size");
+      if (constant != known.end() && (constant->second.shape != array.shape ||
+                                      constant->second.values != array.values))
+        throw Inconsistent{"the model's " + name + " is not that of the Program"};
+    }
+    found[table.names[i]] = array;
+  }
+  return found;
+}
+
+const Array& array(const std::map<string, Array>& table, const string& name, vector<int> shape) {
+  const auto found = table.find(name);
+  if (found == table.end()) refuse("no array '" + name + "' in the model");
+  if (found->second.shape != shape) refuse("the array '" + name + "' of the model in another shape");
+  return found->second;
+}
+
+// along e + across (e turned a quarter counter-clockwise), e a link's direction.
+struct Complex {
+  I along, across;
+  bool zero() const { return magnitude(along) == 0.0 && magnitude(across) == 0.0; }
+};
+using Row = vector<Complex>;  // A point of the robot: sum over links of a Complex times e.
+
+struct Robot {
+  int links = 0;  // n: stance leg upwards, torso if there is one, swing leg downwards.
+  int leg = 0;    // Links of a leg.
+  bool torso = false;
+  vector<I> mass, inertia;       // Of the links.
+  vector<Row> centre;            // Centres of mass.
+  Row hip, foot, moment;         // Hip, swing foot, and mass times centre of mass of the whole.
+  I weight_mass, gravity;        // Total mass, g.
+  vector<I> armature, damping;   // Of the n coordinates; the first has none.
+  vector<I> torque_limit;        // Of the n - 1 joints.
+  vector<I> hip_gradient;        // c: z1 = c q.
+
+  int joints() const { return links - 1; }
+  // d theta_k / d q_j: angles add up the stance leg and over its hip, and subtract down the other.
+  int turn(int k, int j) const { return j > k ? 0 : j > links / 2 ? -1 : 1; }
+};
+
+Complex times(I k, const Complex& c) { return {k * c.along, k * c.across}; }
+
+Robot robot_of(const Json& table) {
+  only(table, "the robot", {"name", "leg", "torso", "gravity", "friction", "foot_radius"});
+  const vector<Json>& leg = list_of(field(table, "the robot", "leg"), "the leg");
+  const Json& trunk = field(table, "the robot", "torso");
+  if (leg.empty() || leg.size() > 3) refuse("a leg of " + std::to_string(leg.size()) + " links");
+  for (const Json& link : leg)
+    only(link, "a link", {"length", "mass", "inertia", "armature", "damping", "torque_limit",
+                          "lower", "upper", "along", "across"});
+  const auto number = [](const Json& link, const char* name) {
+    return I(hexadecimal(field(link, "a link", name), string(name) + " of a link"));
+  };
+  const auto at_least = [](I value, bool strictly, const char* what) {
+    if (!(strictly ? value.low() > 0.0 : value.low() >= 0.0)) refuse(what);
+    return value;
+  };
+  Robot r;
+  r.leg = static_cast<int>(leg.size());
+  r.torso = trunk.type != Json::null;
+  r.links = 2 * r.leg + r.torso;
+  r.gravity = at_least(number(table, "gravity"), true, "a gravity that is not positive");
+  const auto n = static_cast<size_t>(r.links);
+  r.mass.resize(n);
+  r.inertia.resize(n);
+  r.centre.assign(n, Row(n));
+  r.armature.assign(n, I(0.0));
+  r.damping.assign(n, I(0.0));
+  r.torque_limit.assign(n - 1, I(0.0));
+
+  // Walk from the stance foot up to the hip and down to the swing foot; `here` is the joint.
+  Row here(n);
+  const auto fill = [&](size_t k, const Json& link) {
+    r.mass[k] = at_least(number(link, "mass"), true, "a link whose mass is not positive");
+    r.inertia[k] = at_least(number(link, "inertia"), false, "a link of negative inertia");
+    r.centre[k] = here;
+    r.centre[k][k].along = r.centre[k][k].along + number(link, "along");
+    r.centre[k][k].across = number(link, "across");
+  };
+  for (size_t k = 0; k < leg.size(); ++k) {
+    fill(k, leg[k]);
+    here[k].along = at_least(number(leg[k], "length"), true, "a link without length");
+  }
+  r.hip = here;
+  if (r.torso) {
+    only(trunk, "the torso", {"mass", "inertia", "along", "across"});
+    fill(leg.size(), trunk);
+  }
+  for (size_t i = leg.size(); i-- > 0;) {
+    const size_t k = n - 1 - i;
+    here[k].along = -number(leg[i], "length");  // To the link's lower end, where it is seen from.
+    fill(k, leg[i]);
+  }
+  r.foot = here;
+
+  r.moment = Row(n);
+  for (size_t i = 0; i < n; ++i) {
+    r.weight_mass = r.weight_mass + r.mass[i];
+    for (size_t k = 0; k < n; ++k) {
+      const Complex part = times(r.mass[i], r.centre[i][k]);
+      r.moment[k] = {r.moment[k].along + part.along, r.moment[k].across + part.across};
+    }
+  }
+  // Joint j of a leg is above link j; the hip is its last. Without a torso the hips are one joint.
+  for (size_t j = 1; j < n; ++j) {
+    const size_t i = j <= leg.size() ? j - 1 : n - 1 - j;
+    r.armature[j] = at_least(number(leg[i], "armature"), false, "a negative armature");
+    r.damping[j] = at_least(number(leg[i], "damping"), false, "a negative damping");
+    r.torque_limit[j - 1] =
+        at_least(number(leg[i], "torque_limit"), true, "a torque limit that is not positive");
+  }
+  // The hip is at -sum l_k sin theta_k: linearised in q.
+  r.hip_gradient.assign(n, I(0.0));
+  for (int j = 0; j < r.links; ++j)
+    for (int k = 0; k < r.leg; ++k)
+      if (r.turn(k, j)) r.hip_gradient[j] = r.hip_gradient[j] - I(r.turn(k, j)) * r.hip[k].along;
+  return r;
+}
+
+struct Layer {
+  int rows = 0, columns = 0;
+  vector<double> weights, biases;  // [rows, columns], [rows]
+};
+
+struct Policy {
+  bool hybrid_invariant = false;  // Else the network alone.
+  bool softplus = false;          // Else tanh.
+  bool z2_dependence = true;
+  vector<Layer> layers;
+  vector<double> lower, upper, scale, shift;
+  double start = 0.0, guard = 0.0;  // z1 after the impact and at the guard.
+  vector<double> cubic;             // [4, m]
+};
+
+Policy policy_of(const Json& table, int joints, const Constants& constants) {
+  only(table, "the policy", {"kind", "activation", "layers", "z2_dependence", "arrays"});
+  const auto text = [&](const char* name) {
+    return text_of(field(table, "the policy", name), string("the policy's ") + name);
+  };
+  Policy p;
+  if (text("kind") == "HybridInvariantPolicy") p.hybrid_invariant = true;
+  else if (text("kind") != "MLPPolicy") throw Unknown{"a policy of the kind " + text("kind")};
+  if (text("activation") == "softplus") p.softplus = true;
+  else if (text("activation") != "tanh") throw Unknown{"the activation " + text("activation")};
+  const Json& dependence = field(table, "the policy", "z2_dependence");
+  if (dependence.type != Json::boolean) refuse("z2_dependence that is neither true nor false");
+  p.z2_dependence = dependence.number_value != 0.0;
+  const auto arrays = arrays_of(field(table, "the policy", "arrays"), "policy", constants);
+  size_t used = 6;
+  p.lower = array(arrays, "lower", {joints}).values;
+  p.upper = array(arrays, "upper", {joints}).values;
+  p.scale = array(arrays, "input_scale", {2}).values;
+  p.shift = array(arrays, "input_shift", {2}).values;
+  if (p.hybrid_invariant) {
+    p.guard = array(arrays, "z_guard", {}).values[0];
+    p.start = array(arrays, "z_start", {}).values[0];
+    p.cubic = array(arrays, "cubic", {4, joints}).values;
+    used = 7;
+  } else {
+    const vector<double>& ends = array(arrays, "start_and_guard", {2}).values;
+    p.start = ends[0];
+    p.guard = ends[1];
+    used = 5;
+  }
+  const int depth = integer_of(field(table, "the policy", "layers"), "the number of layers");
+  if (depth < 1 || depth > 50) refuse("a network of " + std::to_string(depth) + " layers");
+  int columns = 2;
+  for (int i = 0; i < depth; ++i, used += 2) {
+    const string place = "[" + std::to_string(i) + "]";
+    const auto found = arrays.find("network.weights" + place);
+    if (found == arrays.end() || found->second.shape.size() != 2)
+      refuse("no array 'network.weights" + place + "' in the model");
+    Layer layer;
+    layer.rows = i + 1 == depth ? joints : found->second.shape[0];
+    layer.columns = columns;
+    layer.weights = array(arrays, "network.weights" + place, {layer.rows, columns}).values;
+    layer.biases = array(arrays, "network.biases" + place, {layer.rows}).values;
+    columns = layer.rows;
+    p.layers.push_back(layer);
+  }
+  if (used != arrays.size()) refuse("arrays of the policy that its kind does not have");
+  return p;
+}
+
+struct Tube {
+  vector<double> lower, upper;  // Chebyshev coefficients of zeta = z2^2/2 over the phase.
+  double unit = 1.0, start = 0.0, guard = 0.0;  // z1 at phase 0 and 1.
+};
+
+Tube tube_of(const Json& table, const Policy& policy, const Constants& constants) {
+  only(table, "the tube", {"lower", "upper", "unit", "span"});
+  const auto arrays = arrays_of(table, "tube", constants);
+  Tube t;
+  for (const char* side : {"lower", "upper"}) {
+    const auto found = arrays.find(side);
+    if (found == arrays.end() || found->second.shape.size() != 1)
+      refuse(string("no series '") + side + "' in the tube");
+    (string(side) == "lower" ? t.lower : t.upper) = found->second.values;
+  }
+  t.unit = array(arrays, "unit", {}).values[0];
+  t.start = policy.start;
+  t.guard = policy.guard;
+  if (arrays.count("span")) {
+    t.start = array(arrays, "span", {2}).values[0];
+    t.guard = array(arrays, "span", {2}).values[1];
+  }
+  return t;
+}
+
+struct Model {
+  Robot robot;
+  Policy policy;
+  Tube tube;
+};
+
+// ----------------------------------------------------------------------------- 7 the policy
+//
+// Desired outputs as a jet in z: value, d/dz1, d/dz2, and the three second derivatives, each a
+// Taylor model on the box. `order` says how many of them are wanted.
+
+struct Jet {
+  std::array<TM, 6> c;  // f, f_1, f_2, f_11, f_12, f_22
+};
+
+int parts(int order) { return order == 0 ? 1 : order == 1 ? 3 : 6; }
+
+Jet operator+(const Jet& a, const Jet& b) {
+  Jet r;
+  for (size_t i = 0; i < 6; ++i) r.c[i] = a.c[i] + b.c[i];
+  return r;
+}
+
+Jet operator*(I k, const Jet& a) {
+  Jet r;
+  for (size_t i = 0; i < 6; ++i) r.c[i] = k * a.c[i];
+  return r;
+}
+
+Jet product(const Jet& a, const Jet& b, int order) {
+  Jet r;
+  r.c[0] = a.c[0] * b.c[0];
+  if (order < 1) return r;
+  r.c[1] = a.c[1] * b.c[0] + a.c[0] * b.c[1];
+  r.c[2] = a.c[2] * b.c[0] + a.c[0] * b.c[2];
+  if (order < 2) return r;
+  const TM cross = a.c[1] * b.c[1], other = a.c[2] * b.c[2];
+  r.c[3] = a.c[3] * b.c[0] + (cross + cross) + a.c[0] * b.c[3];
+  r.c[4] = a.c[4] * b.c[0] + a.c[1] * b.c[2] + a.c[2] * b.c[1] + a.c[0] * b.c[4];
+  r.c[5] = a.c[5] * b.c[0] + (other + other) + a.c[0] * b.c[5];
+  return r;
+}
+
+// f(a) from f, f' and f'' at a's value.
+Jet composed(const Jet& a, const TM& f, const TM& slope, const TM& curve, int order) {
+  Jet r;
+  r.c[0] = f;
+  if (order < 1) return r;
+  r.c[1] = slope * a.c[1];
+  r.c[2] = slope * a.c[2];
+  if (order < 2) return r;
+  const TM along = curve * a.c[1];
+  r.c[3] = slope * a.c[3] + along * a.c[1];
+  r.c[4] = slope * a.c[4] + along * a.c[2];
+  r.c[5] = slope * a.c[5] + curve * (a.c[2] * a.c[2]);
+  return r;
+}
+
+const TM ONE(1.0);
+
+Jet tanh(const Jet& a, int order) {
+  const TM t = tanh(a.c[0]), g = ONE - t * t;  // tanh' = 1 - t^2, tanh'' = -2 t tanh'
+  return composed(a, t, g, I(-2.0) * (t * g), order);
+}
+
+Jet logistic(const Jet& a, int order) {
+  const TM s = logistic(a.c[0]), g = s * (ONE - s);  // s' = s (1 - s), s'' = s' (1 - 2 s)
+  return composed(a, s, g, g * (ONE - I(2.0) * s), order);
+}
+
+Jet softplus(const Jet& a, int order) {
+  const TM s = logistic(a.c[0]);  // softplus' = s, softplus'' = s (1 - s)
+  return composed(a, softplus(a.c[0]), s, s * (ONE - s), order);
+}
+
+// sum += w x for one double w, the inner loop of every network.
+inline void add_scaled(Jet& sum, double w, const Jet& x, int count) {
+  const double size = w < 0.0 ? -w : w;
+  for (int part = 0; part < count; ++part)
+    for (int i = 0; i < 6; ++i) {
+      I& s = sum.c[part].c[i];
+      const I& v = x.c[part].c[i];
+      s.n += size * (w < 0.0 ? v.h : v.n);
+      s.h += size * (w < 0.0 ? v.n : v.h);
+    }
+}
+
+vector<Jet> applied(const Layer& layer, const vector<Jet>& inputs, int order) {
+  vector<Jet> out(static_cast<size_t>(layer.rows));
+  const double* weight = layer.weights.data();
+  for (size_t row = 0; row < out.size(); ++row) {
+    out[row].c[0] = TM(layer.biases[row]);
+    for (const Jet& input : inputs) add_scaled(out[row], *weight++, input, parts(order));
+    for (const TM& part : out[row].c)
+      for (const I& coefficient : part.c) finite(coefficient.n, coefficient.h);
+  }
+  return out;
+}
+
+// y_d = lower + (upper - lower) logistic(logit), the logit being the network's output, or
+// H(t) + 4 (4 t (1 - t))^2 network with t the phase of the step and H a cubic.
+vector<Jet> desired_outputs(const Policy& p, const TM& z1, const TM& z2, int order) {
+  Jet first, second;
+  first.c[0] = z1;
+  first.c[1] = ONE;
+  second.c[0] = z2;
+  second.c[2] = ONE;
+  vector<Jet> values = {inverse(I(p.scale[0])) * first, inverse(I(p.scale[1])) * second};
+  values[0].c[0] = values[0].c[0] - TM(p.shift[0]);
+  values[1].c[0] = values[1].c[0] - TM(p.shift[1]);
+  if (!p.z2_dependence) values[1] = Jet();
+  for (size_t i = 0; i < p.layers.size(); ++i) {
+    values = applied(p.layers[i], values, order);
+    if (i + 1 < p.layers.size())
+      for (Jet& value : values) value = p.softplus ? softplus(value, order) : tanh(value, order);
+  }
+  const size_t m = p.lower.size();
+  if (p.hybrid_invariant) {
+    Jet t = first, rest;
+    t.c[0] = t.c[0] - TM(p.start);
+    t = inverse(I(p.guard) - I(p.start)) * t;
+    rest = I(-1.0) * t;
+    rest.c[0] = rest.c[0] + ONE;
+    const Jet bump = I(4.0) * product(t, rest, order);
+    const Jet window = I(4.0) * product(bump, bump, order);
+    for (size_t i = 0; i < m; ++i) {
+      Jet path;
+      path.c[0] = TM(p.cubic[3 * m + i]);
+      for (size_t power = 3; power-- > 0;) {
+        path = product(path, t, order);
+        path.c[0] = path.c[0] + TM(p.cubic[power * m + i]);
+      }
+      values[i] = path + product(window, values[i], order);
+    }
+  }
+  for (size_t i = 0; i < m; ++i) {
+    values[i] = (I(p.upper[i]) - I(p.lower[i])) * logistic(values[i], order);
+    values[i].c[0] = values[i].c[0] + TM(p.lower[i]);
+  }
+  return values;
+}
+
+// ------------------------------------------------------------------------------ 8 mechanics
+//
+// A state of the zero dynamics: the robot follows its outputs exactly, so z gives all angles, and
+// z with the flow gives all rates. S is TM, or Dual for derivatives along a direction in z.
+
+template <class S>
+struct Vec {
+  S x, z;
+};
+template <class S>
+Vec<S> operator+(const Vec<S>& a, const Vec<S>& b) { return {a.x + b.x, a.z + b.z}; }
+template <class S>
+Vec<S> operator-(const Vec<S>& a, const Vec<S>& b) { return {a.x - b.x, a.z - b.z}; }
+template <class S>
+Vec<S> scaled(const S& k, const Vec<S>& a) { return {k * a.x, k * a.z}; }
+template <class S>
+Vec<S> quarter(const Vec<S>& a) { return {-a.z, a.x}; }  // Turned counter-clockwise.
+template <class S>
+S dot(const Vec<S>& a, const Vec<S>& b) { return a.x * b.x + a.z * b.z; }
+template <class S>
+S cross(const Vec<S>& a, const Vec<S>& b) { return a.x * b.z - a.z * b.x; }
+
+template <class S>
+Vec<S> times(const Complex& k, const Vec<S>& a) {
+  Vec<S> r{k.along * a.x, k.along * a.z};
+  if (magnitude(k.across) == 0.0) return r;
+  return r + Vec<S>{-(k.across * a.z), k.across * a.x};
+}
+
+// Sum over links of row[k] times directions[k].
+template <class S>
+Vec<S> point(const Row& row, const vector<Vec<S>>& directions) {
+  Vec<S> sum{S(0.0), S(0.0)};
+  for (size_t k = 0; k < row.size(); ++k)
+    if (!row[k].zero()) sum = sum + times(row[k], directions[k]);
+  return sum;
+}
+
+// T q: absolute link angles, or their rates, from coordinates.
+template <class S>
+vector<S> turned(const Robot& robot, const vector<S>& q) {
+  vector<S> theta(q.size(), S(0.0));
+  theta[0] = q[0];
+  for (size_t k = 1; k < q.size(); ++k)
+    theta[k] = robot.turn(int(k), int(k)) > 0 ? theta[k - 1] + q[k] : theta[k - 1] - q[k];
+  return theta;
+}
+
+// The inverse: coordinates from absolute angles.
+template <class S>
+vector<S> unturned(const Robot& robot, const vector<S>& theta) {
+  vector<S> q(theta.size(), S(0.0));
+  q[0] = theta[0];
+  for (size_t k = 1; k < q.size(); ++k)
+    q[k] = robot.turn(int(k), int(k)) > 0 ? theta[k] - theta[k - 1] : theta[k - 1] - theta[k];
+  return q;
+}
+
+// Generalised forces in q from moments about the links: T' times them.
+template <class S>
+vector<S> gathered(const Robot& robot, const vector<S>& moments) {
+  vector<S> forces(moments.size(), S(0.0));
+  for (int j = 0; j < robot.links; ++j)
+    for (int k = j; k < robot.links; ++k)
+      forces[j] = robot.turn(k, j) > 0 ? forces[j] + moments[k] : forces[j] - moments[k];
+  return forces;
+}
+
+// Solve a x = b for a positive definite matrix: elimination without pivoting.
+template <class S>
+vector<S> solved(vector<vector<S>> a, vector<S> b) {
+  const size_t n = b.size();
+  for (size_t k = 0; k < n; ++k) {
+    const S share = S(I(1.0)) / a[k][k];
+    for (size_t i = k + 1; i < n; ++i) {
+      const S factor = a[i][k] * share;
+      for (size_t j = k + 1; j < n; ++j) a[i][j] = a[i][j] - factor * a[k][j];
+      b[i] = b[i] - factor * b[k];
+    }
+  }
+  for (size_t k = n; k-- > 0;) {
+    for (size_t j = k + 1; j < n; ++j) b[k] = b[k] - a[k][j] * b[j];
+    b[k] = b[k] / a[k][k];
+  }
+  return b;
+}
+
+// Angles of all links and what follows from them alone.
+template <class S>
+struct Pose {
+  const Robot& robot;
+  vector<S> q, theta;
+  vector<Vec<S>> e;       // Directions of the links, (-sin, cos).
+  vector<Vec<S>> centre;  // Of mass, of each link.
+
+  Pose(const Robot& r, vector<S> coordinates)
+      : robot(r), q(std::move(coordinates)), theta(turned(r, q)) {
+    for (const S& angle : theta) {
+      S sine, cosine;
+      sincos(angle, sine, cosine);
+      e.push_back({-sine, cosine});
+    }
+    for (const Row& row : robot.centre) centre.push_back(point(row, e));
+  }
+
+  // Rates of the directions, for link rates w.
+  vector<Vec<S>> spin(const vector<S>& w) const {
+    vector<Vec<S>> out;
+    for (size_t k = 0; k < e.size(); ++k) out.push_back(scaled(w[k], quarter(e[k])));
+    return out;
+  }
+
+  // Angular momentum about `pivot`, counter-clockwise, of links that turn at w while the stance
+  // foot stands still.
+  S momentum(const vector<S>& w, const Vec<S>* pivot = nullptr) const {
+    const auto moving = spin(w);
+    S sum(0.0);
+    for (size_t i = 0; i < w.size(); ++i) {
+      const Vec<S> arm = pivot ? centre[i] - *pivot : centre[i];
+      sum = sum + robot.mass[i] * cross(arm, point(robot.centre[i], moving)) +
+            robot.inertia[i] * w[i];
+    }
+    return sum;
+  }
+
+  // Moments about each link (per unit of its angle) of forces at the centres of mass, plus couples.
+  vector<S> moments(const vector<Vec<S>>& forces, const vector<S>& couples) const {
+    vector<S> out = couples;
+    for (size_t k = 0; k < e.size(); ++k) {
+      Vec<S> sum{S(0.0), S(0.0)};
+      for (size_t i = 0; i < e.size(); ++i) {
+        const Complex& arm = robot.centre[i][k];
+        // (arm e)' . f = quarter(e) . conjugate(arm) f
+        if (!arm.zero()) sum = sum + times(Complex{arm.along, -arm.across}, forces[i]);
+      }
+      out[k] = out[k] + dot(quarter(e[k]), sum);
+    }
+    return out;
+  }
+
+  // Momenta conjugate to q of links whose centres move at `velocity` and that turn at w.
+  vector<S> momenta(const vector<Vec<S>>& velocity, const vector<S>& w) const {
+    vector<Vec<S>> linear;
+    vector<S> angular;
+    for (size_t i = 0; i < w.size(); ++i) {
+      linear.push_back({robot.mass[i] * velocity[i].x, robot.mass[i] * velocity[i].z});
+      angular.push_back(robot.inertia[i] * w[i]);
+    }
+    vector<S> found = gathered(robot, moments(linear, angular));
+    const vector<S> rates = unturned(robot, w);
+    for (size_t j = 0; j < found.size(); ++j) found[j] = found[j] + robot.armature[j] * rates[j];
+    return found;
+  }
+
+  vector<Vec<S>> velocities(const vector<S>& w) const {
+    const auto moving = spin(w);
+    vector<Vec<S>> out;
+    for (const Row& row : robot.centre) out.push_back(point(row, moving));
+    return out;
+  }
+};
+
+// y_d and its first derivatives.
+template <class S>
+struct Outputs {
+  vector<S> y, d1, d2;
+};
+
+Outputs<TM> outputs_at(const Policy& policy, const TM& z1, const TM& z2) {
+  Outputs<TM> out;
+  for (const Jet& jet : desired_outputs(policy, z1, z2, 1)) {
+    out.y.push_back(jet.c[0]);
+    out.d1.push_back(jet.c[1]);
+    out.d2.push_back(jet.c[2]);
+  }
+  return out;
+}
+
+Outputs<Dual> along(const vector<Jet>& jets, const TM& dz1, const TM& dz2) {
+  Outputs<Dual> out;
+  for (const Jet& jet : jets) {
+    out.y.push_back({jet.c[0], jet.c[1] * dz1 + jet.c[2] * dz2});
+    out.d1.push_back({jet.c[1], jet.c[3] * dz1 + jet.c[4] * dz2});
+    out.d2.push_back({jet.c[2], jet.c[4] * dz1 + jet.c[5] * dz2});
+  }
+  return out;
+}
+
+Outputs<Dual> outputs_at(const Policy& policy, const Dual& z1, const Dual& z2) {
+  return along(desired_outputs(policy, z1.v, z2.v, 2), z1.d, z2.d);
+}
+
+template <class S>
+class Motion {
+ public:
+  const Model& model;
+  const Robot& robot;
+  const S z1, z2;
+
+  Motion(const Model& m, S first, S second, std::optional<Outputs<S>> known = {})
+      : model(m), robot(m.robot), z1(std::move(first)), z2(std::move(second)),
+        outputs_(std::move(known)) {}
+
+  const Outputs<S>& outputs() {
+    if (!outputs_) outputs_ = outputs_at(model.policy, z1, z2);
+    return *outputs_;
+  }
+
+  // q with c q = z1 and the joints at `joints`; linear, so it lifts rates as well.
+  vector<S> lifted(const S& hip, const vector<S>& joints) const {
+    S first = hip;
+    for (size_t j = 0; j < joints.size(); ++j)
+      if (magnitude(robot.hip_gradient[j + 1]) != 0.0)
+        first = first - robot.hip_gradient[j + 1] * joints[j];
+    vector<S> q = {inverse(robot.hip_gradient[0]) * first};
+    q.insert(q.end(), joints.begin(), joints.end());
+    return q;
+  }
+
+  const Pose<S>& pose() {
+    if (!pose_) pose_.emplace(robot, lifted(z1, outputs().y));
+    return *pose_;
+  }
+
+  // Link rates per unit of dz1 and of dz2.
+  const vector<S>& per_dz1() {
+    if (!along1_) along1_ = turned(robot, lifted(S(I(1.0)), outputs().d1));
+    return *along1_;
+  }
+  const vector<S>& per_dz2() {
+    if (!along2_) along2_ = turned(robot, lifted(S(I(0.0)), outputs().d2));
+    return *along2_;
+  }
+
+  // dz2: moment of the weight about the stance foot.
+  const S& dz2() {
+    if (!dz2_) dz2_ = robot.gravity * point(robot.moment, pose().e).x;
+    return *dz2_;
+  }
+
+  // Angular momentum per dz1: J s, negative in forward walking.
+  const S& transversal() {
+    if (!transversal_) transversal_ = pose().momentum(per_dz1());
+    return *transversal_;
+  }
+
+  // dz1: with z2 = -(momentum per dz1) dz1 - (momentum per dz2) dz2.
+  const S& dz1() {
+    if (!dz1_) dz1_ = -(z2 + pose().momentum(per_dz2()) * dz2()) / transversal();
+    return *dz1_;
+  }
+
+  // Rates of the links, and of the coordinates.
+  const vector<S>& w() {
+    if (!w_) {
+      w_.emplace();
+      for (size_t k = 0; k < per_dz1().size(); ++k)
+        w_->push_back(per_dz1()[k] * dz1() + per_dz2()[k] * dz2());
+    }
+    return *w_;
+  }
+  const vector<S>& dq() {
+    if (!dq_) dq_ = unturned(robot, w());
+    return *dq_;
+  }
+
+  const vector<Vec<S>>& spin() {
+    if (!spin_) spin_ = pose().spin(w());
+    return *spin_;
+  }
+  Vec<S> foot() { return point(robot.foot, pose().e); }
+  Vec<S> foot_velocity() { return point(robot.foot, spin()); }
+  Vec<S> hip() { return point(robot.hip, pose().e); }
+  Vec<S> hip_velocity() { return point(robot.hip, spin()); }
+
+  // ---- after an impact in this state: the legs have swapped roles.
+  const vector<S>& theta_after() {
+    if (!theta_after_) {
+      theta_after_ = pose().theta;
+      std::reverse(theta_after_->begin(), theta_after_->end());
+    }
+    return *theta_after_;
+  }
+
+  S hip_after() {
+    const vector<S> q = unturned(robot, theta_after());
+    S sum(0.0);
+    for (size_t j = 0; j < q.size(); ++j)
+      if (magnitude(robot.hip_gradient[j]) != 0.0) sum = sum + robot.hip_gradient[j] * q[j];
+    return sum;
+  }
+
+  // Angular momentum about the new stance foot is kept.
+  S z2_after() {
+    const Vec<S> pivot = foot();
+    return -pose().momentum(w(), &pivot);
+  }
+
+  Motion& after() {
+    if (!after_) after_ = std::make_unique<Motion>(model, hip_after(), z2_after());
+    return *after_;
+  }
+
+  struct Impact {
+    Pose<S> pose;
+    vector<S> w, dq;  // Rates of links and coordinates after it.
+    Vec<S> impulse;   // Of the ground on the new stance foot.
+  };
+
+  // Plastic impact: the old stance foot is free, the impulse acts at the new one, so momenta
+  // conjugate to coordinates about the new foot are kept; the new foot stands still after it.
+  const Impact& impact() {
+    if (impact_) return *impact_;
+    Pose<S> pose_after(robot, unturned(robot, theta_after()));
+    vector<Vec<S>> before = pose().velocities(w());
+    std::reverse(before.begin(), before.end());
+    vector<S> w_before = w();
+    std::reverse(w_before.begin(), w_before.end());
+    const vector<S> kept = pose_after.momenta(before, w_before);
+    // Columns of the mass matrix: momenta for unit rates of the coordinates.
+    const size_t n = kept.size();
+    vector<vector<S>> mass(n, vector<S>(n, S(0.0)));
+    for (size_t j = 0; j < n; ++j) {
+      vector<S> unit(n, S(0.0));
+      unit[j] = S(I(1.0));
+      const vector<S> turning = turned(robot, unit);
+      const vector<S> column = pose_after.momenta(pose_after.velocities(turning), turning);
+      for (size_t i = 0; i < n; ++i) mass[i][j] = column[i];
+    }
+    const vector<S> rates = solved(mass, kept);
+    const vector<S> turning = turned(robot, rates);
+    const vector<Vec<S>> later = pose_after.velocities(turning);
+    Vec<S> impulse{S(0.0), S(0.0)};
+    for (size_t i = 0; i < n; ++i) {
+      const Vec<S> change = later[i] - before[i];
+      impulse = impulse + Vec<S>{robot.mass[i] * change.x, robot.mass[i] * change.z};
+    }
+    impact_ = std::make_unique<Impact>(Impact{pose_after, turning, rates, impulse});
+    return *impact_;
+  }
+
+  // ---- what needs accelerations: only for S = TM.
+  struct Forces {
+    vector<S> torque;  // Of the joints.
+    Vec<S> ground;     // On the stance foot.
+  };
+  const Forces& forces();
+
+  // The same state, with derivatives along (dz1, dz2) of direction.
+  Motion<Dual> moving(const TM& first, const TM& second);
+  // Along the flow.
+  Motion<Dual>& flow();
+
+ private:
+  std::optional<Outputs<S>> outputs_;
+  std::optional<Pose<S>> pose_;
+  std::optional<vector<S>> along1_, along2_, w_, dq_, theta_after_;
+  std::optional<S> dz1_, dz2_, transversal_;
+  std::optional<vector<Vec<S>>> spin_;
+  std::unique_ptr<Motion> after_;
+  std::unique_ptr<Impact> impact_;
+  std::unique_ptr<Motion<Dual>> flow_;
+  std::optional<Forces> forces_;
+  std::optional<vector<Jet>> jets_;
+};
+
+template <>
+Motion<Dual> Motion<TM>::moving(const TM& first, const TM& second) {
+  if (!jets_) jets_ = desired_outputs(model.policy, z1, z2, 2);
+  return {model, Dual(z1, first), Dual(z2, second), along(*jets_, first, second)};
+}
+
+template <>
+Motion<Dual>& Motion<TM>::flow() {
+  if (!flow_) {
+    if (!jets_) {
+      jets_ = desired_outputs(model.policy, z1, z2, 2);
+      outputs_.emplace();
+      for (const Jet& jet : *jets_) {
+        outputs_->y.push_back(jet.c[0]);
+        outputs_->d1.push_back(jet.c[1]);
+        outputs_->d2.push_back(jet.c[2]);
+      }
+    }
+    flow_ = std::make_unique<Motion<Dual>>(moving(dz1(), dz2()));
+  }
+  return *flow_;
+}
+
+template <>
+const Motion<TM>::Forces& Motion<TM>::forces() {
+  if (forces_) return *forces_;
+  const vector<Dual>& rates = flow().w();
+  // Accelerations of the directions: quarter(e) dw - e w^2.
+  const Pose<TM>& p = pose();
+  vector<Vec<TM>> turning, push;
+  vector<TM> couples;
+  for (size_t k = 0; k < rates.size(); ++k) {
+    const TM fast = rates[k].v * rates[k].v;
+    turning.push_back(scaled(rates[k].d, quarter(p.e[k])) - scaled(fast, p.e[k]));
+    couples.push_back(robot.inertia[k] * rates[k].d);
+  }
+  // Mass times (acceleration plus gravity) of each link: what ground and joints must bring up.
+  Vec<TM> ground{TM(0.0), TM(0.0)};
+  for (size_t i = 0; i < rates.size(); ++i) {
+    Vec<TM> a = point(robot.centre[i], turning);
+    a.z = a.z + TM(robot.gravity);
+    push.push_back({robot.mass[i] * a.x, robot.mass[i] * a.z});
+    ground = ground + push.back();
+  }
+  const vector<TM> needed = gathered(robot, p.moments(push, couples));
+  const vector<Dual>& joint_rates = flow().dq();
+  vector<TM> torque;
+  for (size_t j = 1; j < needed.size(); ++j)
+    torque.push_back(needed[j] + robot.armature[j] * joint_rates[j].d +
+                     robot.damping[j] * joint_rates[j].v);
+  forces_ = Forces{torque, ground};
+  return *forces_;
+}
+
+template <>
+const Motion<Dual>::Forces& Motion<Dual>::forces() {
+  throw Unknown{"a rate of torques or ground forces, which needs third derivatives of the policy"};
+}
+
+// ---- the tube's chart: phase and level of a state.
+
+template <class S>
+struct Fences {
+  S lower, upper;  // zeta = z2^2 / 2
+};
+
+template <class S>
+S chebyshev(const vector<double>& series, const S& phase) {
+  const S x = I(2.0) * phase - S(I(1.0));
+  S before = S(I(1.0)), now = x, sum = S(I(series[0]));
+  for (size_t k = 1; k < series.size(); ++k) {
+    sum = sum + I(series[k]) * now;
+    const S next = I(2.0) * (x * now) - before;
+    before = now;
+    now = next;
+  }
+  return sum;
+}
+
+template <class S>
+Fences<S> fences(const Tube& tube, const S& phase) {
+  return {I(tube.unit) * chebyshev(tube.lower, phase), I(tube.unit) * chebyshev(tube.upper, phase)};
+}
+
+template <class S>
+S phase_of(const Tube& tube, const S& z1) {
+  return inverse(I(tube.guard) - I(tube.start)) * (z1 - S(I(tube.start)));
+}
+
+template <class S>
+S level_of(const Tube& tube, const S& z1, const S& z2) {
+  const Fences<S> f = fences(tube, phase_of(tube, z1));
+  return (I(0.5) * (z2 * z2) - f.lower) / (f.upper - f.lower);
+}
+
+// The state at a box of the chart.
+Motion<TM> state_at(const Model& model, const TM& phase, const TM& level) {
+  const Tube& tube = model.tube;
+  const Fences<TM> f = fences(tube, phase);
+  const TM zeta = f.lower + level * (f.upper - f.lower);
+  const TM z1 = TM(tube.start) + (I(tube.guard) - I(tube.start)) * phase;
+  return {model, z1, root(I(2.0) * zeta)};
+}
+
+// ----------------------------------------------------------------------------- 9 conditions
+//
+// A quantity is a function of a state, as the model names it; a condition turns it into margins
+// that must not be negative. What a user has written is not known here.
+
+struct Quantity {
+  string name, side;
+  std::map<string, double> numbers;
+  vector<double> bound, sides, centre;
+  vector<int> joints;
+  std::shared_ptr<Quantity> of;
+
+  double number(const char* key) const { return numbers.at(key); }
+};
+
+struct Meaning { const char* words; const char* unit; };
+
+// Quantities without numbers.
+const std::map<string, Meaning>& plain_quantities() {
+  static const std::map<string, Meaning> table = {
+      {"torso_angle", {"torso angle, backwards positive", "rad"}},
+      {"joint_angles", {"joint angles", "rad"}},
+      {"joint_rates", {"joint rates", "rad/s"}},
+      {"torques", {"joint torques", "N m"}},
+      {"normal_force", {"normal ground force", "N"}},
+      {"foot_height", {"swing-foot height", "m"}},
+      {"foot_forward", {"swing foot ahead of the stance foot", "m"}},
+      {"foot_vertical_velocity", {"vertical swing-foot velocity", "m/s"}},
+      {"hip_height", {"hip height", "m"}},
+      {"hip_forward", {"hip ahead of the stance foot", "m"}},
+      {"hip_speed", {"forward hip velocity", "m/s"}},
+      {"forward_rate", {"rate of the linearised hip position z1", "m/s"}},
+      {"transversal_inertia", {"transversal inertia -J s", "kg m"}},
+      {"hip_state", {"linearised hip position z1", "m"}},
+      {"momentum", {"angular momentum z2", "kg m^2/s"}},
+      {"reset_hip_sum", {"z1 after the reset plus z1 before", "m"}},
+      {"reset_hip", {"z1 after the reset", "m"}},
+      {"output_mismatch", {"outputs after the impact", "rad"}},
+      {"squared_mismatch", {"minus the squared output mismatch", "rad^2"}},
+      {"rate_mismatch", {"output rates after the impact", "rad/s"}},
+      {"state_mismatch", {"state after the impact minus that above z+", "rad, rad/s"}},
+      {"impulse", {"impulse on the new stance foot", "N s"}},
+      {"normal_impulse", {"normal impulse of the impact", "N s"}},
+      {"old_foot_lift", {"vertical velocity of the old stance foot after the impact", "m/s"}}};
+  return table;
+}
+
+// Quantities with numbers, and the names of these.
+const std::map<string, vector<string>>& quantities_with_numbers() {
+  static const std::map<string, vector<string>> table = {
+      {"at_least", {"of", "bound"}},
+      {"at_most", {"of", "bound"}},
+      {"after_reset", {"of"}},
+      {"friction_forward", {"coefficient"}},
+      {"friction_backward", {"coefficient"}},
+      {"impulse_cone_forward", {"coefficient"}},
+      {"impulse_cone_backward", {"coefficient"}},
+      {"torque_reserve", {"side", "share"}},
+      {"knee_bend", {"joints", "sides", "least"}},
+      {"foot_above_arc", {"clearance"}},
+      {"foot_on_circle", {"centre", "radius"}},
+      {"parabolic_clearance", {"height", "half_width", "slack"}},
+      {"orbital_energy", {"height", "tilt"}}};
+  return table;
+}
+
+vector<double> numbers_of(const Json& value, const string& what) {
+  if (value.type == Json::number) return {value.number_value};
+  vector<double> out;
+  for (const Json& item : list_of(value, what)) out.push_back(number_of(item, what));
+  if (out.empty()) refuse(what + " without numbers");
+  return out;
+}
+
+string side_of(const Json& value) {
+  const string side = text_of(value, "a side");
+  if (side != "lower" && side != "upper") refuse("the side '" + side + "'");
+  return side;
+}
+
+Quantity quantity_of(const Json& table, int joints) {
+  if (table.find("user")) throw Unknown{"a user's function " + text_of(*table.find("user"), "a name")};
+  Quantity q;
+  q.name = text_of(field(table, "a quantity", "function"), "the name of a quantity");
+  vector<string> names = {"function"};
+  if (!plain_quantities().count(q.name)) {
+    const auto known = quantities_with_numbers().find(q.name);
+    if (known == quantities_with_numbers().end()) throw Unknown{"the quantity " + q.name};
+    names.insert(names.end(), known->second.begin(), known->second.end());
+  }
+  only(table, "the quantity " + q.name, names);
+  for (size_t i = 0; i < table.names.size(); ++i) {
+    const string& name = table.names[i];
+    const Json& value = table.items[i];
+    const string what = name + " of the quantity " + q.name;
+    if (name == "function") continue;
+    if (name == "of") q.of = std::make_shared<Quantity>(quantity_of(value, joints));
+    else if (name == "side") q.side = side_of(value);
+    else if (name == "bound") q.bound = numbers_of(value, what);
+    else if (name == "sides") q.sides = numbers_of(value, what);
+    else if (name == "centre") q.centre = numbers_of(value, what);
+    else if (name == "joints") {
+      for (const Json& joint : list_of(value, what)) {
+        q.joints.push_back(integer_of(joint, what));
+        if (q.joints.back() < 0 || q.joints.back() >= joints) refuse(what + ", which are none");
+      }
+    } else q.numbers[name] = number_of(value, what);
+  }
+  if (q.name == "knee_bend" && (q.joints.empty() || q.joints.size() != q.sides.size()))
+    refuse("knees without sides");
+  if (q.name == "foot_on_circle" && q.centre.size() != 2) refuse("a circle without a centre");
+  return q;
+}
+
+template <class S>
+vector<S> shifted(const vector<S>& values, const vector<double>& bound, bool at_least) {
+  const size_t n = values.size();
+  if (bound.size() != 1 && bound.size() != n) refuse("a bound of another size than its quantity");
+  vector<S> out;
+  for (size_t i = 0; i < n; ++i) {
+    const S least(I(bound[bound.size() == 1 ? 0 : i]));
+    out.push_back(at_least ? values[i] - least : least - values[i]);
+  }
+  return out;
+}
+
+template <class S>
+vector<S> without_first(const vector<S>& values) { return {values.begin() + 1, values.end()}; }
+
+template <class S>
+vector<S> output_mismatch(Motion<S>& p) {
+  vector<S> joints = without_first(unturned(p.robot, p.theta_after()));
+  for (size_t j = 0; j < joints.size(); ++j) joints[j] = joints[j] - p.after().outputs().y[j];
+  return joints;
+}
+
+template <class S>
+vector<S> rate_mismatch(Motion<S>& p) {
+  const auto& impact = p.impact();
+  const Outputs<S>& desired = p.after().outputs();
+  S dz1(0.0);
+  for (size_t j = 0; j < impact.dq.size(); ++j)
+    if (magnitude(p.robot.hip_gradient[j]) != 0.0)
+      dz1 = dz1 + p.robot.hip_gradient[j] * impact.dq[j];
+  const S dz2 = p.robot.gravity * point(p.robot.moment, impact.pose.e).x;
+  vector<S> out = without_first(impact.dq);
+  for (size_t j = 0; j < out.size(); ++j)
+    out[j] = out[j] - desired.d1[j] * dz1 - desired.d2[j] * dz2;
+  return out;
+}
+
+template <class S>
+vector<S> state_mismatch(Motion<S>& p) {
+  const auto& impact = p.impact();
+  vector<S> out;
+  for (size_t j = 0; j < impact.dq.size(); ++j)
+    out.push_back(impact.pose.q[j] - p.after().pose().q[j]);
+  for (size_t j = 0; j < impact.dq.size(); ++j) out.push_back(impact.dq[j] - p.after().dq()[j]);
+  return out;
+}
+
+template <class S>
+vector<S> value(const Quantity& q, Motion<S>& p) {
+  const string& n = q.name;
+  const Robot& robot = p.robot;
+  const auto number = [&q](const char* key) { return I(q.number(key)); };
+  if (n == "at_least") return shifted(value(*q.of, p), q.bound, true);
+  if (n == "at_most") return shifted(value(*q.of, p), q.bound, false);
+  if (n == "after_reset") return value(*q.of, p.after());
+  if (n == "torso_angle") {
+    if (!robot.torso) refuse("a torso angle of a robot without a torso");
+    return {p.pose().theta[static_cast<size_t>(robot.leg)]};
+  }
+  if (n == "joint_angles") return without_first(p.pose().q);
+  if (n == "joint_rates") return without_first(p.dq());
+  if (n == "torques") return p.forces().torque;
+  if (n == "normal_force") return {p.forces().ground.z};
+  if (n == "friction_forward")
+    return {number("coefficient") * p.forces().ground.z - p.forces().ground.x};
+  if (n == "friction_backward")
+    return {number("coefficient") * p.forces().ground.z + p.forces().ground.x};
+  if (n == "torque_reserve") {
+    vector<S> out;
+    for (size_t j = 0; j < robot.torque_limit.size(); ++j) {
+      const S used = inverse(number("share") * robot.torque_limit[j]) * p.forces().torque[j];
+      out.push_back(q.side == "lower" ? S(I(1.0)) + used : S(I(1.0)) - used);
+    }
+    return out;
+  }
+  if (n == "foot_height") return {p.foot().z};
+  if (n == "foot_forward") return {p.foot().x};
+  if (n == "foot_vertical_velocity") return {p.foot_velocity().z};
+  if (n == "foot_above_arc") {
+    const Policy& policy = p.model.policy;
+    const S t = inverse(I(policy.guard) - I(policy.start)) * (p.z1 - S(I(policy.start)));
+    return {p.foot().z - (I(4.0) * number("clearance")) * (t * (S(I(1.0)) - t))};
+  }
+  if (n == "foot_on_circle") {
+    const Vec<S> off = p.foot() - Vec<S>{S(I(q.centre[0])), S(I(q.centre[1]))};
+    return {dot(off, off) - S(square(number("radius")))};
+  }
+  if (n == "parabolic_clearance") {
+    const S x = inverse(number("half_width")) * p.z1;
+    return {p.foot().z - number("height") * (S(I(1.0)) - x * x) + S(number("slack"))};
+  }
+  if (n == "knee_bend") {
+    vector<S> out;
+    for (size_t i = 0; i < q.joints.size(); ++i)
+      out.push_back(I(q.sides[i]) * p.pose().q[static_cast<size_t>(q.joints[i]) + 1] -
+                    S(number("least")));
+    return out;
+  }
+  if (n == "hip_height") return {p.hip().z};
+  if (n == "hip_forward") return {p.hip().x};
+  if (n == "hip_speed") return {p.hip_velocity().x};
+  if (n == "forward_rate") return {p.dz1()};
+  if (n == "transversal_inertia") return {-p.transversal()};
+  if (n == "hip_state") return {p.z1};
+  if (n == "momentum") return {p.z2};
+  if (n == "orbital_energy") {
+    const I h = number("height");
+    const S speed = inverse(robot.weight_mass * h) * p.z2;
+    return {speed * speed - (robot.gravity / h) * (p.z1 * p.z1) - number("tilt") * p.z1};
+  }
+  if (n == "reset_hip") return {p.hip_after()};
+  if (n == "reset_hip_sum") return {p.hip_after() + p.z1};
+  if (n == "output_mismatch") return output_mismatch(p);
+  if (n == "squared_mismatch") {
+    S sum(0.0);
+    for (const S& error : output_mismatch(p)) sum = sum - error * error;
+    return {sum};
+  }
+  if (n == "rate_mismatch") return rate_mismatch(p);
+  if (n == "state_mismatch") return state_mismatch(p);
+  if (n == "impulse") return {p.impact().impulse.x, p.impact().impulse.z};
+  if (n == "normal_impulse") return {p.impact().impulse.z};
+  if (n == "impulse_cone_forward")
+    return {number("coefficient") * p.impact().impulse.z - p.impact().impulse.x};
+  if (n == "impulse_cone_backward")
+    return {number("coefficient") * p.impact().impulse.z + p.impact().impulse.x};
+  if (n == "old_foot_lift")
+    return {point(robot.foot, p.impact().pose.spin(p.impact().w)).z};
+  throw Unknown{"the quantity " + n};
+}
+
+// The shortest decimal that is this double.
+string brief(double x) {
+  char text[40];
+  return string(text, std::to_chars(text, text + sizeof text, x).ptr);
+}
+
+// Six digits, rounded down: minus x is printed in the upward mode that is set.
+string at_least(double x) {
+  char text[40];
+  snprintf(text, sizeof text, "%.6g", -x);
+  return text[0] == '-' ? text + 1 : string("-") + text;
+}
+
+string unit_of(const Quantity& q) {
+  if (q.of) return unit_of(*q.of);
+  const auto plain = plain_quantities().find(q.name);
+  if (plain != plain_quantities().end()) return plain->second.unit;
+  if (q.name == "torque_reserve") return "of the torque allowed";
+  if (q.name == "knee_bend") return "rad";
+  if (q.name == "foot_on_circle") return "m^2";
+  if (q.name == "orbital_energy") return "m^2/s^2";
+  if (q.name.rfind("friction", 0) == 0) return "N";
+  if (q.name.rfind("impulse", 0) == 0) return "N s";
+  return "m";
+}
+
+string words_for(const Quantity& q) {
+  const auto plain = plain_quantities().find(q.name);
+  if (plain != plain_quantities().end()) return plain->second.words;
+  const auto number = [&q](const char* key) { return brief(q.number(key)); };
+  string bounds;
+  for (const double bound : q.bound) bounds += (bounds.empty() ? "" : ", ") + brief(bound);
+  if (q.name == "at_least") return words_for(*q.of) + " above " + bounds + " " + unit_of(*q.of);
+  if (q.name == "at_most") return words_for(*q.of) + " below " + bounds + " " + unit_of(*q.of);
+  if (q.name == "after_reset") return words_for(*q.of) + ", at the point after the reset";
+  if (q.name == "friction_forward")
+    return "slack of the friction cone, coefficient " + number("coefficient") + ", forward";
+  if (q.name == "friction_backward")
+    return "slack of the friction cone, coefficient " + number("coefficient") + ", backward";
+  if (q.name == "impulse_cone_forward")
+    return "slack of the impulse's friction cone, coefficient " + number("coefficient") + ", forward";
+  if (q.name == "impulse_cone_backward")
+    return "slack of the impulse's friction cone, coefficient " + number("coefficient") + ", backward";
+  if (q.name == "torque_reserve")
+    return "what is left of " + number("share") + " of the torque limits on the " + q.side + " side";
+  if (q.name == "knee_bend") return "bend of the knees beyond " + number("least") + " rad";
+  if (q.name == "foot_above_arc")
+    return "swing foot above an arc of height " + number("clearance") + " m";
+  if (q.name == "foot_on_circle")
+    return "swing foot outside a circle of radius " + number("radius") + " m";
+  if (q.name == "parabolic_clearance")
+    return "swing foot above a parabola of height " + number("height") + " m";
+  return "orbital energy of a pendulum of " + number("height") + " m";
+}
+
+struct Condition {
+  string kind, region, side;
+  double scale = 1.0, gamma = 0.0, tolerance = 0.0, least = 0.0;
+  vector<double> alpha;
+  Quantity quantity;
+  string unknown;  // Why it cannot be checked here; empty if it can.
+};
+
+Condition condition_of(const Json& table, int joints) {
+  Condition c;
+  c.region = text_of(field(table, "a condition", "region"), "a region's name");
+  c.scale = number_of(field(table, "a condition", "scale"), "a scale");
+  if (!(c.scale > 0.0)) refuse("a scale that is not positive");
+  if (const Json* user = table.find("user")) {
+    c.unknown = "a user's kind of condition, " + text_of(*user, "a name");
+    return c;
+  }
+  c.kind = text_of(field(table, "a condition", "kind"), "a kind");
+  static const std::map<string, vector<string>> kinds = {
+      {"Pointwise", {"quantity"}},
+      {"Barrier", {"quantity", "alpha"}},
+      {"DiscreteBarrier", {"quantity", "gamma"}},
+      {"Equality", {"quantity", "tolerance", "loss"}},
+      {"Fence", {"side"}},
+      {"Inlet", {"side"}},
+      {"TubeWidth", {"least"}}};
+  const auto known = kinds.find(c.kind);
+  if (known == kinds.end()) {
+    c.unknown = "the kind of condition " + c.kind;
+    return c;
+  }
+  vector<string> names = {"kind", "region", "scale"};
+  names.insert(names.end(), known->second.begin(), known->second.end());
+  only(table, "a condition of the kind " + c.kind, names);
+  if (const Json* side = table.find("side")) c.side = side_of(*side);
+  if (const Json* gamma = table.find("gamma")) c.gamma = number_of(*gamma, "gamma");
+  if (const Json* least = table.find("least")) c.least = number_of(*least, "a least width");
+  if (const Json* t = table.find("tolerance")) c.tolerance = number_of(*t, "a tolerance");
+  if (const Json* alpha = table.find("alpha")) c.alpha = numbers_of(*alpha, "alpha");
+  // Only gains that make dh/dt >= -alpha(h) keep h >= 0 are conditions of this kind.
+  for (const double slope : c.alpha)
+    if (!(slope > 0.0)) refuse("a barrier's gain that is not positive");
+  if (c.alpha.size() > 2 || !std::is_sorted(c.alpha.begin(), c.alpha.end()))
+    refuse("a barrier's gains that are not bent upwards");
+  if (table.find("gamma") && !(c.gamma > 0.0 && c.gamma <= 1.0)) refuse("gamma outside (0, 1]");
+  try {
+    if (const Json* quantity = table.find("quantity")) c.quantity = quantity_of(*quantity, joints);
+  } catch (const Unknown& unknown) {
+    c.unknown = unknown.what;
+  }
+  return c;
+}
+
+// d zeta / d phase along the flow.
+template <class S>
+S flow_slope(Motion<S>& p) {
+  const Tube& tube = p.model.tube;
+  return (I(tube.guard) - I(tube.start)) * (p.z2 * p.dz2() / p.dz1());
+}
+
+// Fences and their slopes over the phase, by a dual in the phase.
+Fences<Dual> sloping_fences(const Tube& tube, const TM& phase) {
+  return fences(tube, Dual(phase, ONE));
+}
+
+vector<TM> margins(const Condition& c, Motion<TM>& p, const TM& phase) {
+  if (c.kind == "Pointwise") return value(c.quantity, p);
+  if (c.kind == "Barrier") {
+    vector<TM> out;
+    const vector<Dual> h = value(c.quantity, p.flow());
+    for (const double slope : c.alpha)
+      for (const Dual& one : h) out.push_back(one.d + I(slope) * one.v);
+    return out;
+  }
+  if (c.kind == "DiscreteBarrier") {
+    vector<TM> now = value(c.quantity, p), later = value(c.quantity, p.after());
+    for (size_t i = 0; i < now.size(); ++i)
+      later[i] = later[i] - (I(1.0) - I(c.gamma)) * now[i];
+    return later;
+  }
+  if (c.kind == "Equality") {
+    vector<TM> out;
+    for (const double sign : {-1.0, 1.0})
+      for (const TM& error : value(c.quantity, p))
+        out.push_back(TM(c.tolerance) + I(sign) * error);
+    return out;
+  }
+  if (c.kind == "Fence") {
+    const Fences<Dual> f = sloping_fences(p.model.tube, phase);
+    const TM along = flow_slope(p), width = f.upper.v - f.lower.v;
+    return {(c.side == "lower" ? along - f.lower.d : f.upper.d - along) / width};
+  }
+  if (c.kind == "Inlet") {
+    const TM level = level_of(p.model.tube, p.hip_after(), p.z2_after());
+    return {c.side == "lower" ? level : ONE - level};
+  }
+  if (c.kind == "TubeWidth") {
+    const Fences<TM> f = fences(p.model.tube, phase);
+    const TM low = root(I(2.0) * f.lower), high = root(I(2.0) * f.upper);
+    return {I(2.0) * (high - low) / (high + low) - TM(c.least)};
+  }
+  throw Unknown{"the kind of condition " + c.kind};
+}
+
+// "margin of what >= number unit".
+string words_for(const Condition& c, double bound) {
+  const string least = " >= " + at_least((I(bound) * I(c.scale)).low()) + " ";
+  if (c.kind == "Fence")
+    return "flow inward over the " + c.side + " fence" + least + "tube widths a step";
+  if (c.kind == "Inlet")
+    return "reset inside the " + c.side + " fence" + least + "tube widths";
+  if (c.kind == "TubeWidth")
+    return "relative width of the tube in z2 beyond " + brief(c.least) + least.substr(0, least.size() - 1);
+  const string unit = unit_of(c.quantity), what = words_for(c.quantity);
+  if (c.kind == "Barrier") {
+    string gain = brief(c.alpha[0]);
+    if (c.alpha.size() == 2) gain += " or " + brief(c.alpha[1]);
+    return "dh/dt + " + gain + "/s h" + least + unit + "/s, h: " + what;
+  }
+  if (c.kind == "DiscreteBarrier")
+    return "h after the reset - " + brief(1.0 - c.gamma) + " h" + least + unit + ", h: " + what;
+  if (c.kind == "Equality")
+    return what + " within " + brief(c.tolerance) + least + unit;
+  return what + least + unit;
+}
+
+// ------------------------------------------------------------------------------ 10 the check
+
+struct Box {
+  double low[2], high[2];
+};
+
+// Halves along every axis that has a width, the first axis fastest. Both halves end at the same
+// double, so they cover the box whatever that is.
+vector<Box> halves(const Box& box) {
+  vector<Box> parts = {box};
+  for (int axis = 0; axis < 2; ++axis) {
+    if (!(box.low[axis] < box.high[axis])) continue;
+    const double centre = box.low[axis] + (box.high[axis] - box.low[axis]) * 0.5;
+    const size_t count = parts.size();
+    for (size_t i = 0; i < count; ++i) {
+      parts.push_back(parts[i]);
+      parts[i].high[axis] = centre;
+      parts.back().low[axis] = centre;
+    }
+  }
+  if (parts.size() == 1) parts.clear();
+  return parts;
+}
+
+struct Claim {
+  string name;
+  double scale = 1.0, bound = 0.0;
+  const Condition* condition = nullptr;  // None if this program does not know it.
+  size_t elements = 0;                   // Of the Program's output of this name.
+};
+
+struct Statement {
+  vector<Claim> claims;
+  string region, tree;
+  Box root_box{};
+};
+
+// Margins of a claim on a box of the chart.
+using Evaluate = std::function<vector<TM>(const Claim&)>;
+
+enum Verdict { proved, undecided, rejected };
+
+struct Finding {
+  Verdict verdict = proved;
+  string reason;
+  long boxes = 0;
+};
+
+class Checker {
+ public:
+  Checker(const Model& model, const Statement& statement)
+      : model_(model), statement_(statement) {}
+
+  Finding run() {
+    vector<const Claim*> all;
+    for (const Claim& claim : statement_.claims)
+      if (claim.condition) all.push_back(&claim);
+    const string& tree = statement_.tree;
+    size_t at = 0;
+    struct Node { Box box; int depth; };
+    vector<Node> stack = {{statement_.root_box, 0}};
+    vector<Box> leaves;
+    while (!stack.empty()) {
+      const Node node = stack.back();
+      stack.pop_back();
+      if (at == tree.size()) throw Inconsistent{"the tree of " + statement_.region + " ends before its last leaf"};
+      if (tree[at++] == '0') {
+        leaves.push_back(node.box);
+        continue;
+      }
+      vector<Box> parts = halves(node.box);
+      if (parts.empty() || node.depth == kDeepest)
+        throw Inconsistent{"the tree of " + statement_.region + " splits what has no width"};
+      for (size_t i = parts.size(); i-- > 0;) stack.push_back({parts[i], node.depth + 1});
+    }
+    if (at != tree.size()) throw Inconsistent{"the tree of " + statement_.region + " goes on after its last leaf"};
+    for (const Box& leaf : leaves) {
+      prove(leaf, all, 0);
+      if (found_.verdict != proved) break;
+    }
+    return found_;
+  }
+
+ private:
+  static constexpr int kDeepest = 48;    // Further halving would exhaust a double's digits.
+  static constexpr int kMoreSplits = 6;  // How often a leaf may be split again.
+  const Model& model_;
+  const Statement& statement_;
+  Finding found_;
+
+  vector<TM> evaluate(const Claim& claim, Motion<TM>& state, const TM& phase) {
+    vector<TM> found = margins(*claim.condition, state, phase);
+    if (found.size() != claim.elements)
+      throw Inconsistent{claim.name + " has " + std::to_string(found.size()) +
+                         " elements in the model, " + std::to_string(claim.elements) +
+                         " in the Program"};
+    return found;
+  }
+
+  static bool reached(const vector<TM>& margins, I least) {
+    for (const TM& margin : margins)
+      if (!(range(margin).low() >= least.high())) return false;
+    return !margins.empty();
+  }
+
+  // Claims that are not proved on a box.
+  vector<const Claim*> failing(const Box& box, const vector<const Claim*>& claims) {
+    vector<const Claim*> left;
+    ++found_.boxes;
+    try {
+      const TM phase = coordinate(box.low[0], box.high[0], 0);
+      const TM level = coordinate(box.low[1], box.high[1], 1);
+      Motion<TM> state = state_at(model_, phase, level);
+      for (const Claim* claim : claims) {
+        try {
+          if (!reached(evaluate(*claim, state, phase), I(claim->bound) * I(claim->scale)))
+            left.push_back(claim);
+        } catch (const NoBound&) {
+          left.push_back(claim);
+        }
+      }
+    } catch (const NoBound&) {
+      return claims;
+    }
+    return left;
+  }
+
+  void prove(const Box& box, const vector<const Claim*>& claims, int depth) {
+    const vector<const Claim*> left = failing(box, claims);
+    if (left.empty()) return;
+    for (const Claim* claim : left)
+      if (refuted(box, *claim)) return;
+    const vector<Box> parts = halves(box);
+    if (depth == kMoreSplits || parts.empty()) {
+      found_.verdict = undecided;
+      found_.reason = left[0]->name + " does not reach its bound for phase in [" +
+                      brief(box.low[0]) + ", " + brief(box.high[0]) + "] and level in [" +
+                      brief(box.low[1]) + ", " + brief(box.high[1]) + "] of region " +
+                      statement_.region + " after " + std::to_string(depth) +
+                      " more splits, and no point of it breaks it";
+      return;
+    }
+    for (const Box& part : parts) {
+      prove(part, left, depth + 1);
+      if (found_.verdict != proved) return;
+    }
+  }
+
+  // Whether the claim certainly fails at the centre or a corner of a box.
+  bool refuted(const Box& box, const Claim& claim) {
+    const double centre[2] = {box.low[0] + (box.high[0] - box.low[0]) * 0.5,
+                              box.low[1] + (box.high[1] - box.low[1]) * 0.5};
+    const double points[5][2] = {{centre[0], centre[1]}, {box.low[0], box.low[1]},
+                                 {box.high[0], box.low[1]}, {box.low[0], box.high[1]},
+                                 {box.high[0], box.high[1]}};
+    const I least = I(claim.bound) * I(claim.scale);
+    for (const auto& at : points) {
+      try {
+        const TM phase(at[0]);
+        Motion<TM> state = state_at(model_, phase, TM(at[1]));
+        for (const TM& margin : evaluate(claim, state, phase)) {
+          if (!(range(margin).high() < least.low())) continue;
+          found_.verdict = rejected;
+          found_.reason = claim.name + " is " + at_least(range(margin).low()) + " at phase " +
+                          brief(at[0]) + ", level " + brief(at[1]) + " of region " +
+                          statement_.region + ", less than " + at_least(least.low());
+          return true;
+        }
+      } catch (const NoBound&) {  // Nothing is certain at this point.
+      }
+    }
+    return false;
+  }
+};
+
+// ------------------------------------------------------------------------------- 11 the file
+
+struct ProofFile {
+  string robot, spec, weights_sha256;
+  Model model;
+  std::map<string, Condition> conditions;
+  vector<Statement> statements;
+  vector<string> unclaimed;  // Conditions without statements on all of their region.
+  vector<string> unknown;    // What is claimed and not known here.
+};
+
+struct Named { string name, sha256; };
+
+Named named(const Json& table, const string& what) {
+  only(table, what, {"name", "sha256"});
+  return {text_of(field(table, what, "name"), "a name"),
+          text_of(field(table, what, "sha256"), "a sha256")};
+}
+
+struct ProgramFacts {
+  Constants constants;                    // Those that have a name.
+  std::map<string, size_t> outputs;       // Name to number of elements.
+};
+
+ProgramFacts program_facts(const Json& table) {
+  only(table, "the Program", {"format", "version", "inputs", "constants", "operations", "outputs"});
+  if (text_of(field(table, "the Program", "format"), "a format") != "neuralgaits-program" ||
+      integer_of(field(table, "the Program", "version"), "a version") != 1)
+    refuse("a Program of another version");
+  ProgramFacts facts;
+  for (const Json& row : list_of(field(table, "the Program", "constants"), "constants")) {
+    const vector<Json>& parts = list_of(row, "a constant");
+    if (parts.size() != 3) refuse("a constant that is not name, shape and data");
+    if (parts[0].type == Json::null) continue;
+    const string name = text_of(parts[0], "a constant's name");
+    Array array;
+    array.shape = shape_of(parts[1], name);
+    const auto bytes = base64(text_of(parts[2], name), name);
+    if (bytes.size() != 8 * elements(array.shape)) refuse("the constant " + name + " of another size");
+    for (size_t i = 0; i < bytes.size(); i += 8) {
+      std::uint64_t bits = 0;
+      for (size_t b = 8; b-- > 0;) bits = bits << 8 | bytes[i + b];
+      double number;
+      memcpy(&number, &bits, 8);
+      if (!(std::abs(number) < HUGE_VAL)) refuse("a constant of " + name + " that is not finite");
+      array.values.push_back(number);
+    }
+    if (!facts.constants.emplace(name, array).second) refuse("two constants named " + name);
+  }
+  for (const Json& row : list_of(field(table, "the Program", "outputs"), "outputs")) {
+    const vector<Json>& parts = list_of(row, "an output");
+    if (parts.size() != 3) refuse("an output that is not name, shape and value");
+    const string name = text_of(parts[0], "an output's name");
+    if (!facts.outputs.emplace(name, elements(shape_of(parts[1], name))).second)
+      refuse("two outputs named " + name);
+  }
+  return facts;
+}
+
+Box box_of(const Json& table, const string& what) {
+  only(table, what, {"low", "high"});
+  Box box{};
+  for (const char* end : {"low", "high"}) {
+    const vector<Json>& corner = list_of(field(table, what, end), "a corner");
+    if (corner.size() != 2) refuse("a corner that is not two numbers");
+    for (size_t axis = 0; axis < 2; ++axis)
+      (end[0] == 'l' ? box.low : box.high)[axis] = hexadecimal(corner[axis], "a corner");
+  }
+  const double first[2] = {-0.05, 0.0}, last[2] = {1.05, 1.0};
+  for (int axis = 0; axis < 2; ++axis)
+    if (!(first[axis] <= box.low[axis] && box.low[axis] <= box.high[axis] &&
+          box.high[axis] <= last[axis]))
+      refuse(what + " that is no box of the chart");
+  return box;
+}
+
+bool same(const Box& a, const Box& b) {
+  return std::equal(a.low, a.low + 2, b.low) && std::equal(a.high, a.high + 2, b.high);
+}
+
+using Regions = std::map<string, vector<Box>>;
+
+Statement statement_of(const Json& table, const ProgramFacts& program) {
+  only(table, "a statement", {"conditions", "region", "scales", "bounds", "degree", "root", "tree"});
+  Statement s;
+  s.region = text_of(field(table, "a statement", "region"), "a region's name");
+  s.tree = text_of(field(table, "a statement", "tree"), "a tree");
+  if (s.tree.empty() || s.tree.find_first_not_of("01") != string::npos)
+    refuse("a tree that is no string of 0 and 1");
+  s.root_box = box_of(field(table, "a statement", "root"), "a root box");
+  const int degree = integer_of(field(table, "a statement", "degree"), "a degree");
+  if (degree != 1 && degree != 2) refuse("a degree other than 1 and 2");
+  vector<string> names;
+  for (const Json& name : list_of(field(table, "a statement", "conditions"), "the conditions"))
+    names.push_back(text_of(name, "a condition's name"));
+  if (names.empty()) refuse("a statement about nothing");
+  const Json& scales = field(table, "a statement", "scales");
+  const Json& bounds = field(table, "a statement", "bounds");
+  only(scales, "the scales", names);
+  only(bounds, "the bounds", names);
+  for (const string& name : names) {
+    Claim claim;
+    claim.name = name;
+    claim.scale = number_of(field(scales, "the scales", name), "a scale");
+    claim.bound = number_of(field(bounds, "the bounds", name), "a bound");
+    const bool higher = name.find('/') != string::npos;  // LEVEL/NAME: an output of a theorem.
+    if (!(claim.scale > 0.0)) refuse("a scale that is not positive, for " + name);
+    if (!higher && !(claim.bound >= 0.0)) refuse("a negative bound, for " + name);
+    const auto output = program.outputs.find(name);
+    if (output == program.outputs.end()) refuse(name + ", which is no output of the Program");
+    claim.elements = output->second;
+    for (const Claim& other : s.claims)
+      if (other.name == name) refuse(name + " twice in one statement");
+    s.claims.push_back(claim);
+  }
+  return s;
+}
+
+// What statements about conditions of the spec must agree with.
+void match(ProofFile& file, const Regions& regions) {
+  std::map<string, vector<Box>> claimed;
+  for (Statement& s : file.statements)
+    for (Claim& claim : s.claims) {
+      const auto found = file.conditions.find(claim.name);
+      if (found == file.conditions.end()) {
+        file.unknown.push_back(claim.name + " (no condition of the spec)");
+        continue;
+      }
+      const Condition& c = found->second;
+      if (c.region != s.region || c.scale != claim.scale)
+        throw Inconsistent{claim.name + " has the region " + c.region + " and scale " +
+                           brief(c.scale) + " in the spec, " + s.region + " and " +
+                           brief(claim.scale) + " in a statement"};
+      const vector<Box>& boxes = regions.at(c.region);
+      if (std::none_of(boxes.begin(), boxes.end(), [&](const Box& b) { return same(b, s.root_box); }))
+        throw Inconsistent{"a statement about " + claim.name + " whose root is no box of the region " +
+                           s.region};
+      claimed[claim.name].push_back(s.root_box);
+      if (c.unknown.empty()) claim.condition = &c;
+      else file.unknown.push_back(claim.name + " (" + c.unknown + ")");
+    }
+  for (const auto& [name, c] : file.conditions)
+    for (const Box& box : regions.at(c.region)) {
+      const vector<Box>& some = claimed[name];
+      if (std::none_of(some.begin(), some.end(), [&](const Box& b) { return same(b, box); })) {
+        file.unclaimed.push_back(name);
+        break;
+      }
+    }
+}
+
+ProofFile proof_of(const Json& table) {
+  if (table.type == Json::object && table.find("format") &&
+      integer_of(*table.find("format"), "a format") != 2)
+    refuse("the format " + table.find("format")->string_value);
+  only(table, "the file", {"format", "kind", "robot", "weights_sha256", "spec", "program",
+                           "program_hash", "chart", "statements", "theorems", "model"});
+  const auto text = [&](const char* name) { return text_of(*table.find(name), name); };
+  if (text("kind") != "neuralgaits certificate") refuse("the kind '" + text("kind") + "'");
+  if (text("chart") != "u = (phase, level)") refuse("the chart '" + text("chart") + "'");
+  ProofFile file;
+  file.robot = named(*table.find("robot"), "robot").name;
+  file.spec = named(*table.find("spec"), "spec").name;
+  file.weights_sha256 = text("weights_sha256");
+  const ProgramFacts program = program_facts(*table.find("program"));
+  for (const Json& row : list_of(*table.find("statements"), "the statements"))
+    file.statements.push_back(statement_of(row, program));
+  if (file.statements.empty()) refuse("no statements");
+  for (const Json& theorem : list_of(*table.find("theorems"), "the theorems"))
+    file.unknown.push_back("a theorem of level " +
+                           std::to_string(integer_of(field(theorem, "a theorem", "level"), "a level")));
+
+  string written;
+  canonical(*table.find("program"), written);
+  const string hash = sha256(written);
+  if (hash != text("program_hash"))
+    throw Inconsistent{"the Program's hash is " + hash + ", not " + text("program_hash")};
+
+  const Json& model = *table.find("model");
+  if (model.type == Json::null) throw Unknown{"the file describes no model: the policy is a user's own"};
+  only(model, "the model", {"robot", "policy", "tube", "regions", "conditions"});
+  file.model.robot = robot_of(*model.find("robot"));
+  const int joints = file.model.robot.joints();
+  file.model.policy = policy_of(*model.find("policy"), joints, program.constants);
+  file.model.tube = tube_of(*model.find("tube"), file.model.policy, program.constants);
+  for (const auto& [name, constant] : program.constants) {
+    const size_t dot = name.find('.');
+    const string owner = name.substr(0, dot);
+    const Json* arrays = owner == "policy" ? model.find("policy")->find("arrays")
+                                           : owner == "tube" ? model.find("tube") : nullptr;
+    if (dot == string::npos || !arrays || !arrays->find(name.substr(dot + 1)))
+      throw Inconsistent{"the Program has the parameter " + name + ", which the model has not"};
+  }
+  Regions regions;
+  const Json& boxes = *model.find("regions");
+  if (boxes.type != Json::object) refuse("regions that are no JSON object");
+  for (size_t i = 0; i < boxes.names.size(); ++i)
+    for (const Json& box : list_of(boxes.items[i], "a region"))
+      regions[boxes.names[i]].push_back(box_of(box, "a box of a region"));
+  const Json& conditions = *model.find("conditions");
+  if (conditions.type != Json::object) refuse("conditions that are no JSON object");
+  for (size_t i = 0; i < conditions.names.size(); ++i) {
+    const string& name = conditions.names[i];
+    const Condition condition = condition_of(conditions.items[i], joints);
+    if (!program.outputs.count(name))
+      throw Inconsistent{"the spec's condition " + name + " is no output of the Program"};
+    if (!regions.count(condition.region))
+      throw Inconsistent{name + " is about the region " + condition.region + ", which is none"};
+    file.conditions[name] = condition;
+  }
+  for (const auto& [name, size] : program.outputs)
+    if (name.find('/') == string::npos && !file.conditions.count(name))
+      throw Inconsistent{"the Program's output " + name + " is no condition of the spec"};
+  match(file, regions);
+  return file;
+}
+
+// ---------------------------------------------------------------------------- 12 the command
+
+string read_file(const string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) refuse("nothing to read");
+  string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  if (stream.bad()) refuse("nothing to read");
+  return text;
+}
+
+string interval_words(double low, double high) {
+  return low == high ? brief(low) : "[" + brief(low) + ", " + brief(high) + "]";
+}
+
+int check(const ProofFile& file) {
+  const Robot& robot = file.model.robot;
+  std::cout << "robot " << file.robot << ", " << robot.links << " links, "
+            << at_least(robot.weight_mass.low()) << " kg; spec " << file.spec << "; policy 2";
+  for (const Layer& layer : file.model.policy.layers) std::cout << "-" << layer.rows;
+  std::cout << ", weights sha256 " << file.weights_sha256 << "\n";
+  Verdict worst = proved;
+  string reason;
+  long boxes = 0, count = 0;
+  const auto began = std::chrono::steady_clock::now();
+  const auto seconds = [](std::chrono::steady_clock::time_point since) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
+  };
+  for (const Statement& s : file.statements) {
+    const auto start = std::chrono::steady_clock::now();
+    const Finding found = Checker(file.model, s).run();
+    boxes += found.boxes;
+    static const char* const words[] = {"proved", "undecided", "rejected"};
+    printf("%s: phase in %s, level in %s; %ld boxes, %.2f s: %s\n", s.region.c_str(),
+           interval_words(s.root_box.low[0], s.root_box.high[0]).c_str(),
+           interval_words(s.root_box.low[1], s.root_box.high[1]).c_str(), found.boxes,
+           seconds(start), words[found.verdict]);
+    for (const Claim& claim : s.claims) {
+      count += claim.condition != nullptr;
+      printf("  %s: %s\n", claim.name.c_str(),
+             claim.condition ? words_for(*claim.condition, claim.bound).c_str() : "not known here");
+    }
+    fflush(stdout);
+    if (found.verdict > worst) {
+      worst = found.verdict;
+      reason = found.reason;
+    }
+    if (worst == rejected) break;
+  }
+  if (!file.unclaimed.empty()) {
+    printf("no statement about:");
+    for (const string& name : file.unclaimed) printf(" %s", name.c_str());
+    printf("\n");
+  }
+  for (const string& name : file.unknown) printf("not known here: %s\n", name.c_str());
+  if (worst == proved && !file.unknown.empty()) {
+    worst = undecided;
+    reason = file.unknown[0] + " cannot be checked here";
+  }
+  const double taken = seconds(began);
+  if (worst == proved) {
+    printf("proved: %ld claims of %zu conditions, %ld boxes, %.2f s\n", count,
+           file.conditions.size(), boxes, taken);
+    return 0;
+  }
+  printf("%s: %s (%ld boxes, %.2f s)\n", worst == rejected ? "rejected" : "undecided",
+         reason.c_str(), boxes, taken);
+  return worst == rejected ? 1 : 3;
+}
+
+// One double of the tests' questions, written in hexadecimal.
+double asked(std::istream& in) {
+  Json word;
+  word.type = Json::text;
+  in >> word.string_value;
+  return hexadecimal(word, "a number");
+}
+
+// For tests: enclosures of all margins over boxes "low low high high" of (phase, level).
+int answer_bounds(const ProofFile& file, std::istream& in) {
+  while (in >> std::ws, in.good()) {
+    Box box{};
+    for (double& x : box.low) x = asked(in);
+    for (double& x : box.high) x = asked(in);
+    const TM phase = coordinate(box.low[0], box.high[0], 0);
+    Motion<TM> state = state_at(file.model, phase, coordinate(box.low[1], box.high[1], 1));
+    for (const auto& [name, condition] : file.conditions) {
+      if (!condition.unknown.empty()) continue;
+      try {
+        size_t element = 0;
+        for (const TM& margin : margins(condition, state, phase)) {
+          const I r = range(margin);
+          printf("%s\t%zu\t%a\t%a\n", name.c_str(), element++, r.low(), r.high());
+        }
+      } catch (const NoBound&) {
+        printf("%s\tno bound\n", name.c_str());
+      }
+    }
+    printf("\n");
+  }
+  return 0;
+}
+
+// For tests: enclosures of elementary functions at doubles, "name number" a line.
+int answer_functions(std::istream& in) {
+  string name;
+  while (in >> name) {
+    const double x = asked(in);
+    I r;
+    if (name == "exp") r = exp_at(x);
+    else if (name == "tanh") r = tanh_at(x);
+    else if (name == "logistic") r = logistic_at(x);
+    else if (name == "softplus") r = softplus_at(x);
+    else if (name == "log1p") r = log1p_of(I(x));
+    else if (name == "sin") r = sincos_at(x).sine;
+    else if (name == "cos") r = sincos_at(x).cosine;
+    else if (name == "sqrt") r = root(I(x));
+    else if (name == "inverse") r = inverse(I(x));
+    else refuse("the function " + name);
+    printf("%a %a\n", r.low(), r.high());
+  }
+  return 0;
+}
+
+int run(const vector<string>& arguments) {
+  const bool functions = arguments.size() == 1 && arguments[0] == "--functions";
+  const bool bounds = arguments.size() == 2 && arguments[0] == "--bounds";
+  if (!functions && !bounds && arguments.size() != 1) {
+    fprintf(stderr, "expected one proof file: proofcheck FILE\n");
+    return 2;
+  }
+  const string path = arguments.back();
+  try {
+    // Decimals are read in the default rounding mode; everything after that rounds upward.
+    Json table;
+    if (!functions) {
+      const string text = read_file(path);
+      table = JsonReader(text).document();
+    }
+    if (!rounding_works()) {
+      fprintf(stderr, "this processor or compiler does not round as proofcheck needs it\n");
+      return 70;
+    }
+    if (functions) return answer_functions(std::cin);
+    const ProofFile file = proof_of(table);
+    return bounds ? answer_bounds(file, std::cin) : check(file);
+  } catch (const NotAProof& problem) {
+    fprintf(stderr, "expected a proof file of format 2, found in %s: %s; write it again with "
+                    "`neuralgaits certify`\n", path.c_str(), problem.why.c_str());
+    return 2;
+  } catch (const Inconsistent& problem) {
+    printf("rejected: %s\n", problem.why.c_str());
+    return 1;
+  } catch (const Unknown& problem) {
+    printf("undecided: %s is not known here\n", problem.what.c_str());
+    return 3;
+  } catch (const NoBound&) {
+    printf("undecided: a number of the model is too large or a denominator zero\n");
+    return 3;
+  }
+}
+
+}  // namespace
+
+int main(int count, char** values) { return run(vector<string>(values + 1, values + count)); }
