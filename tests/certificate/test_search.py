@@ -10,7 +10,7 @@ from neuralgaits.certificate import schedule
 from neuralgaits.certificate.cells import Cells
 from neuralgaits.certificate.judge import judge
 from neuralgaits.certificate.problem import Problem
-from neuralgaits.certificate.proof import CLAIMED, prove
+from neuralgaits.certificate.proof import prove
 from neuralgaits.certificate.saved import load, save
 from neuralgaits.certificate.schedule import SearchInterrupted, explore
 from neuralgaits.certificate.search import open_on, search, start
@@ -300,6 +300,6 @@ def test_easy_and_hard_conditions_are_stated_apart():
     state = _run(problem)
     easy, hard = prove(problem, state)
     assert (easy.conditions, hard.conditions) == (("easy",), ("hard",))
-    assert easy.boxes == 64
-    assert hard.boxes > 4 * easy.boxes
-    assert easy.bounds["easy"] == CLAIMED * state.cells.lower[state.cells.is_leaf, 0].min()
+    assert easy.boxes == 1
+    assert hard.boxes > 64 * easy.boxes
+    assert easy.bounds["easy"] == problem.claimed * state.cells.lower[state.cells.is_leaf, 0].min()

@@ -37,7 +37,7 @@ def gait(trained, tmp_path_factory):
 @pytest.fixture(scope="module")
 def certificate(gait):
     """The default gait's proof."""
-    return certify(gait)
+    return certify(gait, level=1)
 
 
 @pytest.fixture(scope="module")
@@ -94,13 +94,13 @@ def test_the_proof_file_is_about_the_run(gait, certificate):
 def test_the_same_run_gives_the_same_proof(gait, certificate):
     path = gait.path / "certificate" / "proof.json"
     before = path.read_bytes()
-    assert certify(gait, resume=True).verdict == "proved"
+    assert certify(gait, level=1, resume=True).verdict == "proved"
     assert path.read_bytes() == before
 
 
 def test_a_gait_that_breaks_conditions_is_refuted_at_a_state(poor):
     told = []
-    done = certify(poor, progress=lambda share, boxes: told.append((share, boxes)))
+    done = certify(poor, level=1, progress=lambda share, boxes: told.append((share, boxes)))
     assert done.verdict == "refuted"
     assert told
     assert all(0.0 <= share <= 1.0 for share, _ in told)
@@ -129,7 +129,7 @@ def test_a_gait_that_breaks_conditions_is_refuted_at_a_state(poor):
 def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
     began = time.monotonic()
-    short = certify(run, budget=1e-9)
+    short = certify(run, level=1, budget=1e-9)
     assert time.monotonic() - began < 0.8 * certificate.summary["wall_s"] + 1.0
     assert short.verdict == "undecided"
     assert "budget" in short.summary["reason"]
@@ -139,7 +139,7 @@ def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     assert entry["verdict"] == "undecided"
     assert entry["undecided_boxes"] > 0
     assert entry["margin"] is None
-    done = certify(run, resume=True)
+    done = certify(run, level=1, resume=True)
     assert done.verdict == "proved"
     whole = certificate.summary["conditions"]["torque-lower"]
     assert done.summary["conditions"]["torque-lower"]["boxes"] == whole["boxes"]
@@ -156,14 +156,14 @@ def test_an_interrupted_search_keeps_what_it_has(gait, certificate, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(SearchInterrupted):
-        certify(run, progress=ctrl_c)
+        certify(run, level=1, progress=ctrl_c)
     kept = json.loads((run.path / "certificate" / "summary.json").read_text())
     assert kept["verdict"] == "undecided"
     assert "interrupted" in kept["reason"]
     fractions = [entry["proved_fraction"] for entry in kept["conditions"].values()]
     assert 0.0 < np.mean(fractions) < 1.0
     proof = run.path / "certificate" / "proof.json"
-    done = certify(run, resume=True)
+    done = certify(run, level=1, resume=True)
     assert done.verdict == "proved"
     assert "reason" not in done.summary
     stated = {s.region: s for s in read_claims(proof).statements}
@@ -182,8 +182,8 @@ def test_a_proof_of_what_cannot_be_traced_any_more_is_removed(gait, tmp_path, mo
     def untraceable(*parts):
         raise SpecError("a kink in mine.py:7")
 
-    monkeypatch.setattr(certify_module, "trace_spec", untraceable)
-    done = certify(run)
+    monkeypatch.setattr(certify_module, "trace_certificate", untraceable)
+    done = certify(run, level=1)
     assert (done.verdict, done.summary["proof"]) == ("undecided", None)
     assert "mine.py:7" in done.summary["reason"]
     assert not proof.exists()
@@ -201,7 +201,10 @@ def test_relu_is_undecided_and_says_why(amber, tmp_path):
 @pytest.mark.parametrize(
     ("options", "found"),
     [
-        ({"level": 2}, "level 1"),
+        ({"level": 5}, "level 1"),
+        ({"level": 0}, "level 1"),
+        ({"disturbance": (-0.1, 0.0)}, "disturbance"),
+        ({"disturbance": (0.1, 0.0), "level": 1}, "--level"),
         ({"budget": 0.0}, "budget"),
         ({"budget": float("nan")}, "budget"),
     ],
@@ -214,4 +217,4 @@ def test_bad_settings(gait, options, found):
 def test_resume_without_boxes(amber, tmp_path):
     run = train(amber, f"{SMALL}:small", hidden=(3,), steps=1, out=tmp_path / "run", root=tmp_path)
     with pytest.raises(RunError, match="boxes"):
-        certify(run, resume=True)
+        certify(run, level=1, resume=True)

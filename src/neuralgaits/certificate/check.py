@@ -29,6 +29,7 @@ from neuralgaits.certificate.conclusions import (
     level_one_boxes,
     proved_bounds,
 )
+from neuralgaits.certificate.theorems import series
 from neuralgaits.interpreters.ball import BallAlgebra, BallModel
 from neuralgaits.interpreters.program import Program
 from neuralgaits.interpreters.prune import prune
@@ -97,6 +98,9 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
     if claims.program.hash != claims.program_hash:
         reason = f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"
         return replace(report, verdict="rejected", reason=reason)
+    wrong = _parameters_that_differ(claims)
+    if wrong is not None:
+        return replace(report, verdict="rejected", reason=wrong)
     try:
         trees = [statement.leaves() for statement in claims.statements]
     except InconsistentError as error:
@@ -114,6 +118,22 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
         if checker.verdict == "rejected":
             break
     return _concluded(claims, report) if report.verdict == "proved" else report
+
+
+def _parameters_that_differ(claims: Claims) -> str | None:
+    """The first parameter of a claimed theorem that is not the Program's constant of that name."""
+    known = {constant.name: constant.array for constant in claims.program.constants}
+    parts = {2: ("walking", claims.theorems.walking), 3: ("orbit", claims.theorems.orbit)}
+    for level in claims.theorems.claimed:
+        part, parameters = parts[level]
+        assert parameters is not None  # A level that is claimed has parameters.
+        for name, values in series(parameters):
+            if not any(values):
+                continue  # No disturbance: the Program has nothing to add.
+            array = known.get(f"{part}.{name}")
+            if array is None or array.tolist() != list(values):
+                return f"{name} of level {level} is not the Program's {part}.{name}"
+    return None
 
 
 def _concluded(claims: Claims, report: Report) -> Report:

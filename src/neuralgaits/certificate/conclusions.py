@@ -118,7 +118,7 @@ def walking(
         boxes: (condition, low, high) of every box of every condition of the spec.
         bounds: what is proved.
     """
-    needed = [Premise(*box, strict=False) for box in (*boxes, *strips(shape, boxes))]
+    needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
     missing = _missing([*walking_premises(shape), *needed], bounds)
     uncarried = {name for name, *_ in boxes} - set(shape.carried)
     first, last = shape.ends
@@ -127,6 +127,9 @@ def walking(
         missing = "strips outside (0, 0.1)"
     if missing is None and not 0.0 < shape.risen <= shape.falling < 1.0 - shape.guard_strip:
         missing = "phases of rise and fall that are not in order"
+    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    if missing is None and not bounds["set/reset-phase", *strip] > -shape.start_strip:
+        missing = "a reset may land outside the strip around the start of a step"
     if missing is not None:
         return Conclusion(2, "undecided", missing, (), {})
     pace = bounds["set/forward", *whole]
@@ -169,10 +172,15 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     missing = _missing(orbit_premises(shape), bounds)
     if missing is not None:
         return Conclusion(3, "undecided", missing, (), {})
+    first, last = shape.ends
+    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    gain = -bounds["orbit/gain", *strip]
+    gains = bounds["orbit/reset-gain-low", *strip], -bounds["orbit/reset-gain-high", *strip]
+    width = -bounds["orbit/width", (first, 0.0), (last, 0.0)]
     over = arb(shape.start_strip) + arb(shape.guard_strip)
-    contraction = arb(orbit.gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
-    low = arb(orbit.reset_gain[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
-    high = arb(orbit.reset_gain[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
+    contraction = arb(gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
+    low = arb(gains[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
+    high = arb(gains[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
     middle = [(2 * arb(orbit.unit) * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
     figures = {
         "contraction_at_most": _above(contraction),
@@ -180,7 +188,7 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         "multiplier_at_most": _above(high),
         "z2_at_mid_step_at_least": _below(middle[0]),
         "z2_at_mid_step_at_most": _above(middle[1]),
-        "z2_width_at_most": orbit.z2_width,
+        "z2_width_at_most": width,
     }
     if not contraction < 1:
         reason = f"the return map is not shown to contract: |P'| <= {_above(contraction):.4g}"
@@ -193,7 +201,7 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         f"{figures['contraction_at_most']:.4f} or more on all of T: one periodic orbit, and every "
         "trajectory of the undisturbed system in T converges to it",
         f"at mid-step the orbit has z2 in [{figures['z2_at_mid_step_at_least']:.6f}, "
-        f"{figures['z2_at_mid_step_at_most']:.6f}] kg m^2/s, and is known to {orbit.z2_width!r} "
+        f"{figures['z2_at_mid_step_at_most']:.6f}] kg m^2/s, and is known to {width:.3g} "
         "everywhere",
         f"its multiplier is in [{figures['multiplier_at_least']:.4f}, "
         f"{figures['multiplier_at_most']:.4f}]",
@@ -203,10 +211,10 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
 
 def _missing(premises: Sequence[Premise], bounds: Bounds) -> str | None:
     """The first premise without a sufficient bound, in words."""
-    for output, low, high, strict in premises:
-        bound = bounds.get((output, low, high))
-        enough = bound is not None and (bound > 0.0 if strict else bound >= 0.0)
-        if not enough:
+    for output, low, high, sign in premises:
+        bound = bounds.get((output, low, high), np.nan)
+        enough = {"positive": bound > 0.0, "not negative": bound >= 0.0, "any": bound > -np.inf}
+        if not enough[sign]:
             return f"{output} from {low} to {high} is not proved"
     return None
 

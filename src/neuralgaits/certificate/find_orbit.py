@@ -6,6 +6,7 @@ is trusted: a bad series makes a premise fail, not a false one hold.
 """
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -34,7 +35,19 @@ THIN_ROOM = 0.02
 """The same over the thin tube."""
 
 
-def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Orbit | str:
+class Found(NamedTuple):
+    """An orbit to be proved.
+
+    Attributes:
+        orbit: thin tube and series.
+        least: what the outputs that enclose constants must reach.
+    """
+
+    orbit: Orbit
+    least: Mapping[str, float]
+
+
+def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Found | str:
     """Thin tube and bounds, or one sentence that says why there are none.
 
     Args:
@@ -74,17 +87,21 @@ def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Or
     error = THIN_ROOM + np.max(np.abs(parting - _at(middle, nodes)))
     shift = np.eye(1, BOUND_DEGREE + 1)[0] * error
     room = 0.5 * THIN_ROOM * abs(gain)
-    return Orbit(
+    orbit = Orbit(
         unit=unit,
         lower=_numbers(series - width),
         upper=_numbers(series + width),
-        z2_width=Z2_WIDTH,
         expansion=_numbers(bound),
-        gain=float(np.abs(look(strip)["gain"]).max() * (1.0 + THIN_ROOM)),
         slowest=_numbers(middle - shift),
         fastest=_numbers(middle + shift),
-        reset_gain=(gain - room, gain + room),
     )
+    least = {
+        "orbit/gain": -float(np.abs(look(strip)["gain"]).max() * (1.0 + THIN_ROOM)),
+        "orbit/width": -Z2_WIDTH,
+        "orbit/reset-gain-low": gain - room,
+        "orbit/reset-gain-high": -gain - room,
+    }
+    return Found(orbit, least)
 
 
 def _periodic(

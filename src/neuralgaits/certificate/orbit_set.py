@@ -49,17 +49,16 @@ def margins(
     level = thin.level(point.z_after)
     return {
         "orbit/expansion": _series(orbit.expansion, u[0]) - expansion(gait, zd, u),
-        "orbit/gain": jnp.stack([orbit.gain - wide_gain, orbit.gain + wide_gain]),
+        "orbit/gain": jnp.stack([wide_gain, -wide_gain]),
         "orbit/fence-lower": (along - low_slope) / (high - low),
         "orbit/fence-upper": (high_slope - along) / (high - low),
         "orbit/reset-level": jnp.stack([level, 1.0 - level]),
         "orbit/inside": jnp.concatenate([ends, 1.0 - ends]),
-        "orbit/width": (orbit.z2_width - (z_high - z_low)) / orbit.z2_width,
+        "orbit/width": z_low - z_high,
         "orbit/slowest": parting - _series(orbit.slowest, u[0]),
         "orbit/fastest": _series(orbit.fastest, u[0]) - parting,
-        "orbit/reset-gain": jnp.stack(
-            [reset.gain - orbit.reset_gain[0], orbit.reset_gain[1] - reset.gain]
-        ),
+        "orbit/reset-gain-low": reset.gain,
+        "orbit/reset-gain-high": -reset.gain,
     }
 
 

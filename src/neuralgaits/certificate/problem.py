@@ -1,7 +1,7 @@
 """Conditions on one box of the chart, and their bounds over boxes and values at points."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +10,7 @@ from neuralgaits._types import Float
 from neuralgaits.certificate.tree import Corners
 from neuralgaits.interpreters import POINT, Program, evaluate, fold
 from neuralgaits.interpreters.taylor import TERMS, TaylorAlgebra
+from neuralgaits.interpreters.taylor_fibre import FibreAlgebra
 
 LEAST_BATCH, MOST_BATCH = 64, 512
 """Boxes bounded at once: fewer waste time in calls, more exhaust the processor's cache."""
@@ -27,9 +28,11 @@ class Problem:
         low, high: corners in (phase, level).
         names: of the conditions, outputs of the Program.
         scales: of the conditions. [C]
-        program: margins by condition name as a function of u; more outputs cost time only.
+        program: margins by condition name as a function of u; more outputs cost time only. A
+            second input is anywhere in the unit ball.
         degree: of the Taylor models.
-        intervals: lower and upper corners of the Program's inputs beside u. [size] each
+        least: what each condition must reach, in scales; 0 for all if empty. Margins are counted
+            from there. [C]
         claimed: share of the margin found that is claimed. A reader needs fewer boxes for less,
             and bounds them in another arithmetic, perhaps less tightly.
         tighten: whether the margins are worth raising once they are known not to be negative.
@@ -42,7 +45,7 @@ class Problem:
     scales: tuple[float, ...]
     program: Program
     degree: int = 2
-    intervals: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    least: tuple[float, ...] = ()
     claimed: float = 0.99
     tighten: bool = True
 
@@ -56,24 +59,24 @@ class Problem:
     def bounds(
         self, low: Corners, high: Corners
     ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
-        """Bounds on each condition's smallest element over boxes, in scales; NaN if unbounded."""
-        inputs = {INPUT: _centred(low, high)}
-        inputs |= {name: _centred(*corners) for name, corners in self.intervals.items()}
+        """Bounds on each condition's smallest margin over boxes, in scales; NaN if unbounded."""
+        centre = low + (high - low) * 0.5
+        # Up by two last places: the corners lie inside whatever the centre was rounded to.
+        half = np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)
         with np.errstate(all="ignore"):
-            models = evaluate(self.program, inputs, self._algebra, self._folded)
+            models = evaluate(self.program, {INPUT: (centre, half)}, self._algebra, self._folded)
             ranges = [models[name].range() for name in self.names]
         return self._smallest([r[0] for r in ranges], low), self._smallest(
             [r[1] for r in ranges], low
         )
 
     def values(self, u: Corners) -> Float[np.ndarray, "B C"]:
-        """Each condition's smallest element at points, in scales, in plain float64.
+        """Each condition's smallest margin at points, in scales, in plain float64.
 
-        Inputs beside u are at the middle of their intervals.
+        A second input is zero.
         """
-        inputs = {INPUT: u}
-        for name, corners in self.intervals.items():
-            inputs[name] = np.broadcast_to(_centred(*corners)[0], (len(u), len(corners[0])))
+        inputs = {item.name: np.zeros((len(u), *item.shape)) for item in self.program.inputs}
+        inputs[INPUT] = u
         with np.errstate(all="ignore"):
             values = evaluate(self.program, inputs, POINT)
         return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
@@ -87,22 +90,17 @@ class Problem:
         return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
 
     def _smallest(self, elements: Sequence[np.ndarray], boxes: np.ndarray) -> np.ndarray:
-        """Smallest of each condition's elements [n, B], in scales; NaN wins."""
+        """Smallest of each condition's elements [n, B] from its least, in scales; NaN wins."""
         rows = [np.broadcast_to(e.min(axis=0), len(boxes)) for e in elements]
-        return np.stack(rows, axis=1) / np.array(self.scales)
+        least = np.array(self.least or (0.0,))
+        return np.stack(rows, axis=1) / np.array(self.scales) - least
 
     @cached_property
-    def _algebra(self) -> TaylorAlgebra:
-        return TaylorAlgebra(self.degree)
+    def _algebra(self) -> TaylorAlgebra | FibreAlgebra:
+        one = len(self.program.inputs) == 1
+        return TaylorAlgebra(self.degree) if one else FibreAlgebra(self.degree)
 
     @cached_property
     def _folded(self):
         with np.errstate(all="ignore"):
             return fold(self.program, self._algebra)
-
-
-def _centred(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Centre and half width of boxes; their corners lie inside whatever the centre rounds to."""
-    centre = low + (high - low) * 0.5
-    # Up by two last places.
-    return centre, np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)

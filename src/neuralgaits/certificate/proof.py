@@ -116,8 +116,9 @@ def prove(problem: Problem, state: Search) -> list[Statement]:
 
 def _statement(problem: Problem, cells: Cells, columns: list[int]) -> Statement:
     """The statement about some columns, all proved on every leaf."""
-    bounds = problem.claimed * cells.lower[cells.is_leaf][:, columns].min(axis=0)
-    enough = np.all(cells.lower[:, columns] >= bounds, axis=1)
+    margins = problem.claimed * cells.lower[cells.is_leaf][:, columns].min(axis=0)
+    enough = np.all(cells.lower[:, columns] >= margins, axis=1)
+    bounds = margins + np.array(problem.least or [0.0] * len(problem.names))[columns]
     names = tuple(problem.names[column] for column in columns)
     return Statement(
         names,

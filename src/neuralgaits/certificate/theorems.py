@@ -8,7 +8,7 @@ conclusion from the proved bounds. Needs no JAX.
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 Corner = tuple[float, float]
 
@@ -50,31 +50,25 @@ class Orbit:
     Attributes:
         unit: of zeta [(kg m^2/s)^2].
         lower, upper: fences of the thin tube, zeta in that unit.
-        z2_width: bound on the thin tube's width in z2 [kg m^2/s].
         expansion: upper bound of dF/dzeta over the walking set.
-        gain: bound of |rho| over the walking set's guard.
         slowest, fastest: bounds of dF/dzeta over the thin tube.
-        reset_gain: bounds of rho over the thin tube's guard.
     """
 
     unit: float
     lower: tuple[float, ...]
     upper: tuple[float, ...]
-    z2_width: float
     expansion: tuple[float, ...]
-    gain: float
     slowest: tuple[float, ...]
     fastest: tuple[float, ...]
-    reset_gain: tuple[float, float]
 
 
 class Premise(NamedTuple):
-    """An output that must not be negative, or must be positive, on a root box."""
+    """An output that has a bound on a root box: positive, not negative, or any (a constant)."""
 
     output: str
     low: Corner
     high: Corner
-    strict: bool = True
+    sign: Literal["positive", "not negative", "any"] = "positive"
 
 
 def walking_premises(shape: WalkingSet) -> list[Premise]:
@@ -95,13 +89,13 @@ def walking_premises(shape: WalkingSet) -> list[Premise]:
         Premise("set/foot-falls", (shape.falling, 0.0), (last, 1.0)),
         Premise("set/foot-above", (before, 0.0), (before, 1.0)),
         Premise("set/foot-below", (last, 0.0), (last, 1.0)),
-        Premise("set/reset-phase", *strip),
+        Premise("set/reset-phase", *strip, sign="any"),
         Premise("set/reset-level", *strip),
     ]
     for name in shape.barriers:
-        found.append(Premise(f"set/after {name}", *strip, strict=False))
+        found.append(Premise(f"set/after {name}", *strip, sign="not negative"))
         if any(shape.disturbance):
-            found.append(Premise(f"set/rate {name}", *whole, strict=False))
+            found.append(Premise(f"set/rate {name}", *whole, sign="not negative"))
     return found
 
 
@@ -109,7 +103,7 @@ def safe_premises(shape: WalkingSet) -> list[Premise]:
     """What makes all of T safe from the start; without them, its safe part is what is kept."""
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
-    return [Premise(f"set/value {name}", *whole, strict=False) for name in shape.barriers]
+    return [Premise(f"set/value {name}", *whole, sign="not negative") for name in shape.barriers]
 
 
 def orbit_premises(shape: WalkingSet) -> list[Premise]:
@@ -119,17 +113,18 @@ def orbit_premises(shape: WalkingSet) -> list[Premise]:
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
     strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
     return [
-        Premise("orbit/expansion", *whole, strict=False),
-        Premise("orbit/gain", *strip, strict=False),
+        Premise("orbit/expansion", *whole, sign="not negative"),
+        Premise("orbit/gain", *strip, sign="any"),
         Premise("orbit/fence-lower", *lower),
         Premise("orbit/fence-upper", *upper),
         Premise("orbit/inside", *lower),
         Premise("orbit/inside", *upper),
         Premise("orbit/reset-level", *strip),
-        Premise("orbit/width", *lower, strict=False),
-        Premise("orbit/slowest", *whole, strict=False),
-        Premise("orbit/fastest", *whole, strict=False),
-        Premise("orbit/reset-gain", *strip, strict=False),
+        Premise("orbit/width", *lower, sign="any"),
+        Premise("orbit/slowest", *whole, sign="not negative"),
+        Premise("orbit/fastest", *whole, sign="not negative"),
+        Premise("orbit/reset-gain-low", *strip),
+        Premise("orbit/reset-gain-high", *strip, sign="any"),
     ]
 
 
@@ -156,6 +151,14 @@ def strips(
 
 
 T = TypeVar("T", WalkingSet, Orbit)
+
+
+def series(parameters: WalkingSet | Orbit) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Parameters that are lists of numbers, by name: the Program has them as constants."""
+    for field in fields(parameters):
+        value = getattr(parameters, field.name)
+        if isinstance(value, tuple) and value and isinstance(value[0], float):
+            yield field.name, value
 
 
 def to_table(parameters: WalkingSet | Orbit) -> dict[str, Any]:

@@ -46,8 +46,7 @@ def margins(
         "set/foot-below": -point.foot[1],
         "set/foot-rises": falls,
         "set/foot-falls": -falls,
-        "set/reset-phase": jnp.stack([shape.start_strip + phase, shape.start_strip - phase])
-        / shape.start_strip,
+        "set/reset-phase": jnp.stack([phase, -phase]),
         "set/reset-level": jnp.stack([level, 1.0 - level]),
     }
     for barrier in barriers(spec):
@@ -70,19 +69,22 @@ def disturbed(zd: ZeroDynamics, bound: tuple[float, float]) -> list[ZeroDynamics
     """The zero dynamics under each corner of |d| <= bound in dz; itself if the bound is zero."""
     if not any(bound):
         return [zd]
-    corners = [(a * bound[0], b * bound[1]) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]
-    return [ZeroDynamics(zd.robot, zd.policy, _Pushed(zd.residual, d)) for d in corners]
+    corners = [(a, b) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]
+    return [
+        ZeroDynamics(zd.robot, zd.policy, _Pushed(zd.residual, bound, corner)) for corner in corners
+    ]
 
 
 @dataclass(frozen=True)
 class _Pushed:
-    """A residual with a constant added."""
+    """A residual with a corner of the disturbance's box added."""
 
     residual: object
-    by: tuple[float, float]
+    bound: tuple[float, float]
+    corner: tuple[float, float]
 
     def __call__(self, z: ZeroState) -> ZeroState:
-        constant = jnp.stack([jnp.full_like(z[0], part) for part in self.by])
+        constant = jnp.array(self.bound) * jnp.array(self.corner)
         return constant if self.residual is None else constant + self.residual(z)  # pyright: ignore[reportCallIssue]
 
 

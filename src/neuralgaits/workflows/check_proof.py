@@ -91,8 +91,15 @@ def _against_spec(claims: Claims, opened: Any) -> list[str]:
     if program.hash != claims.program_hash:
         return [f"the run's conditions have the hash {program.hash}, not {claims.program_hash}"]
     scales = {condition.name: condition.scale for condition in spec.conditions}
+    regions = {condition.name: condition.region for condition in spec.conditions}
     wrong = []
     for statement in claims.statements:
+        for name, *_ in level_one_boxes([statement]):
+            if statement.region != regions[name]:
+                wrong.append(
+                    f"{name} has the region {regions[name]} in the run's spec, "
+                    f"{statement.region} in the file"
+                )
         for name in statement.conditions:
             expected = scales.get(name, 1.0)
             if statement.scales[name] != expected:

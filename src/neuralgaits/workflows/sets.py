@@ -1,7 +1,7 @@
 """The sets of levels 2 and 3 for a run: found at points, traced, and laid out for the search."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.polynomial.chebyshev import chebval
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate import orbit_set, return_map, walking_set
-from neuralgaits.certificate.find_orbit import find_orbit
+from neuralgaits.certificate.find_orbit import Fences, Look, find_orbit
 from neuralgaits.certificate.find_set import find_set
 from neuralgaits.certificate.problem import Problem
 from neuralgaits.certificate.theorems import (
@@ -19,6 +19,7 @@ from neuralgaits.certificate.theorems import (
     WalkingSet,
     orbit_premises,
     safe_premises,
+    series,
     strips,
     walking_premises,
 )
@@ -30,7 +31,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.workflows.run import Run
 
 CLAIMED = 0.4
-"""Share of a premise's margin that is claimed: its size matters little, its boxes are checked."""
+"""Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
 SET = "walking set"
 
 
@@ -42,11 +43,13 @@ class Sets:
         walking: the walking set; None if none was looked for or found.
         orbit: thin tube and bounds; likewise.
         reason: why one that was looked for was not found.
+        least: what outputs that enclose constants must reach, to be proved; 0 for the others.
     """
 
     walking: WalkingSet | None = None
     orbit: Orbit | None = None
     reason: str | None = None
+    least: Mapping[str, float] = field(default_factory=dict)
 
 
 def find_sets(run: Run, level: int, disturbance: tuple[float, float]) -> Sets:
@@ -54,29 +57,43 @@ def find_sets(run: Run, level: int, disturbance: tuple[float, float]) -> Sets:
     if level < 2:
         return Sets()
     gait = run.gait
-    program = trace(lambda u: _quantities(gait, run.zero_dynamics, u), {"u": (2,)}, parameters=gait)
+    look = look_at(gait, run.zero_dynamics)
+    walking = find_set(run.spec, look, disturbance)
+    if isinstance(walking, str):
+        return Sets(reason=walking)
+    least = {"set/reset-phase": -walking.start_strip}
+    if level < 3:
+        return Sets(walking, least=least)
+    found = find_orbit(look, fences_of(gait), float(gait.tube.unit), walking)
+    if isinstance(found, str):
+        return Sets(walking, reason=found, least=least)
+    return Sets(walking, found.orbit, least=least | dict(found.least))
+
+
+def look_at(gait: Gait, zd: ZeroDynamics) -> Look:
+    """What the finders look at, as a function of chart points. Raises: SpecError."""
+    program = trace(lambda u: _quantities(gait, zd, u), {"u": (2,)}, parameters=gait)
     folded = fold(program, POINT)
 
     def look(u: np.ndarray) -> dict[str, np.ndarray]:
         with np.errstate(all="ignore"):
             return evaluate(program, {"u": u}, POINT, folded)
 
-    walking = find_set(run.spec, look, disturbance)
-    if isinstance(walking, str):
-        return Sets(reason=walking)
-    if level < 3:
-        return Sets(walking)
+    return look
+
+
+def fences_of(gait: Gait) -> Fences:
+    """The fences of a gait's tube as a function of phases."""
     series = [np.asarray(side) for side in (gait.tube.lower, gait.tube.upper)]
 
     def fences(phases: np.ndarray) -> np.ndarray:
         return np.stack([chebval(2.0 * phases - 1.0, side) for side in series], axis=1)
 
-    orbit = find_orbit(look, fences, float(gait.tube.unit), walking)
-    return Sets(walking, reason=orbit) if isinstance(orbit, str) else Sets(walking, orbit)
+    return fences
 
 
 def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str, Array]:
-    """What the finders look at."""
+    """Flow, swing foot, reset and how trajectories part, at one chart point."""
     point, landed = zd.point(gait.z(u)), return_map.landing(gait, zd, u)
     start, guard = gait.span
     return {
@@ -100,7 +117,18 @@ def trace_certificate(spec: GaitSpec, robot: PlanarBiped, gait: Gait, sets: Sets
     def margins(u):
         return spec.margins(gait, zd, u) | set_margins(spec, gait, zd, sets, u)
 
-    return trace(margins, {"u": (2,)}, parameters=gait)
+    parameters = {"policy": gait.policy, "tube": gait.tube}
+    return trace(margins, {"u": (2,)}, parameters=parameters | _named(sets))
+
+
+def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
+    """Parameters of the sets under the names that constants of the Program get."""
+    parts = {"walking": sets.walking, "orbit": sets.orbit}
+    return {
+        part: {name: np.array(value) for name, value in series(chosen)}
+        for part, chosen in parts.items()
+        if chosen is not None
+    }
 
 
 def set_margins(
@@ -140,7 +168,8 @@ def premise_problems(spec: GaitSpec, sets: Sets, program: Program) -> list[Probl
             tuple(names),
             tuple(scales.get(name, 1.0) for name in names),
             prune(program, names),
-            claimed=CLAIMED,
+            least=tuple(sets.least.get(name, 0.0) for name in names),
+            claimed=Problem.claimed if region == SET else CLAIMED,
             tighten=region == SET,
         )
         for (region, low, high), names in roots.items()

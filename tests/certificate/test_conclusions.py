@@ -1,0 +1,161 @@
+"""The closing arithmetic of levels 2 and 3, and what happens without a premise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.polynomial.chebyshev import chebval
+from scipy.integrate import quad
+
+from neuralgaits.certificate.conclusions import attraction, conclude, walking
+from neuralgaits.certificate.theorems import (
+    Orbit,
+    Theorems,
+    WalkingSet,
+    orbit_premises,
+    safe_premises,
+    strips,
+    walking_premises,
+)
+
+SHAPE = WalkingSet(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), ("torso",), ("torso", "force", "foot"))
+ORBIT = Orbit(
+    unit=100.0,
+    lower=(0.9, 0.1),
+    upper=(0.91, 0.1),
+    expansion=(0.05, -0.3, 0.02),
+    slowest=(-0.1, -0.3, 0.01),
+    fastest=(0.0, -0.3, 0.03),
+)
+BOXES = [
+    ("torso", (0.0, 0.0), (1.0, 1.0)),
+    ("force", (0.2, 0.0), (1.0, 1.0)),
+    ("foot", (1.0, 0.0), (1.0, 1.0)),
+    ("width", (0.0, 0.0), (1.0, 0.0)),
+]
+SETS = [*walking_premises(SHAPE), *safe_premises(SHAPE), *orbit_premises(SHAPE)]
+CONSTANTS = {
+    "set/reset-phase": -5e-4,
+    "orbit/gain": -0.8,
+    "orbit/width": -0.2,
+    "orbit/reset-gain-low": 0.7,
+    "orbit/reset-gain-high": -0.75,
+}
+BOUNDS = (
+    {(output, low, high): CONSTANTS.get(output, 0.25) for output, low, high, _ in SETS}
+    | {box: 0.0 for box in BOXES}
+    | {box: 0.0 for box in strips(SHAPE, BOXES)}
+)
+
+
+def test_strips_of_the_carried_conditions():
+    assert sorted(strips(SHAPE, BOXES)) == [
+        ("foot", (1.0 - 2e-3, 0.0), (1.0 + 2e-3, 1.0)),
+        ("force", (1.0, 0.0), (1.0 + 2e-3, 1.0)),
+        ("torso", (-1e-3, 0.0), (0.0, 1.0)),
+        ("torso", (1.0, 0.0), (1.0 + 2e-3, 1.0)),
+    ]
+
+
+def test_with_all_premises_both_levels_follow():
+    second, third = conclude(SHAPE, ORBIT, BOXES, BOUNDS)
+    assert (second.verdict, third.verdict) == ("proved", "proved")
+    assert second.figures["step_time_at_most_s"] == pytest.approx(1.003 / 0.25)
+    assert any("width" in line for line in second.words if "regions only" in line)
+
+
+@pytest.mark.parametrize("key", sorted(BOUNDS), ids=str)
+def test_no_premise_is_idle(key):
+    for worse in (None, -5.0, float("nan")):
+        bounds = {k: v for k, v in BOUNDS.items() if k != key}
+        if worse is not None:
+            bounds[key] = worse
+        answers = conclude(SHAPE, ORBIT, BOXES, bounds)
+        if key[0].startswith("set/value"):
+            # Without it T is only as large as where the barrier functions are not negative.
+            assert all(answer.verdict == "proved" for answer in answers)
+            assert "not negative" in answers[0].words[0]
+        elif key[0] == "orbit/width" and worse == -5.0:
+            assert answers[1].figures["z2_width_at_most"] == 5.0  # It is a figure, no more.
+        else:
+            assert "undecided" in {answer.verdict for answer in answers}
+
+
+@pytest.mark.parametrize("output", ["set/forward", "set/fence-lower", "set/reset-level"])
+def test_a_margin_of_zero_is_not_inside(output):
+    bounds = {k: 0.0 if k[0] == output else v for k, v in BOUNDS.items()}
+    assert walking(SHAPE, BOXES, bounds).verdict == "undecided"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"start_strip": 0.2},
+        {"start_strip": -1e-3},
+        {"guard_strip": 0.0},
+        {"risen": 0.85},
+        {"falling": 0.9985},
+    ],
+)
+def test_sets_of_another_shape_are_not_accepted(change):
+    shape = replace(SHAPE, **change)
+    premises = [*walking_premises(shape), *safe_premises(shape)]
+    bounds = {(output, low, high): CONSTANTS.get(output, 0.25) for output, low, high, _ in premises}
+    bounds |= {box: 0.0 for box in BOXES} | {box: 0.0 for box in strips(shape, BOXES)}
+    assert walking(shape, BOXES, bounds).verdict == "undecided"
+
+
+def test_figures_of_the_orbit_against_quadrature():
+    found = attraction(SHAPE, ORBIT, BOUNDS).figures
+
+    def integral(series):
+        return quad(lambda phase: chebval(2.0 * phase - 1.0, series), 0.0, 1.0)[0]
+
+    exact = 0.8 * np.exp(integral(ORBIT.expansion))
+    assert exact * (1.0 - 1e-12) <= found["contraction_at_most"] <= exact * np.exp(3e-3 * 2.0)
+    low, high = (
+        g * np.exp(integral(s))
+        for g, s in zip((0.7, 0.75), (ORBIT.slowest, ORBIT.fastest), strict=True)
+    )
+    assert low * np.exp(-3e-3 * 2.0) <= found["multiplier_at_least"] <= low * (1.0 + 1e-12)
+    assert high * (1.0 - 1e-12) <= found["multiplier_at_most"] <= high * np.exp(3e-3 * 2.0)
+    assert found["z2_at_mid_step_at_least"] == pytest.approx(np.sqrt(2 * 100 * 0.9))
+    assert found["z2_at_mid_step_at_least"] <= np.sqrt(2 * 100 * 0.9)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"gain": -1.05}, {"fastest": (0.4,)}, {"reset-gain-low": -0.1}, {"expansion": (0.3,)}],
+)
+def test_without_contraction_nothing_is_concluded(change):
+    ((name, value),) = change.items()
+    if isinstance(value, tuple):
+        orbit, bounds = replace(ORBIT, **change), BOUNDS
+    else:
+        changed = {k: value for k in BOUNDS if k[0] == f"orbit/{name}"}
+        orbit, bounds = ORBIT, {**BOUNDS, **changed}
+    answer = attraction(SHAPE, orbit, bounds)
+    assert answer.verdict == "undecided"
+    assert answer.reason
+
+
+def test_theorems_survive_the_file_and_nothing_else_is_read():
+    theorems = Theorems(SHAPE, ORBIT, (2, 3))
+    assert Theorems.read(theorems.tables()) == theorems
+    assert Theorems.read(Theorems(SHAPE, None, ()).tables()) == Theorems(SHAPE, None, ())
+    second, third = theorems.tables()
+    broken = [
+        [third],
+        [second, second],
+        [second | {"level": True}],
+        [second | {"claimed": 1}],
+        [{**second, "parameters": {}}],
+        [{**second, "parameters": second["parameters"] | {"more": "0x1p0"}}],
+        [{**second, "parameters": second["parameters"] | {"risen": "inf"}}],
+        [{**second, "parameters": second["parameters"] | {"risen": 0.1}}],
+        [{**second, "parameters": second["parameters"] | {"disturbance": ["0x1p0"]}}],
+        ["level 2"],
+    ]
+    for tables in broken:
+        with pytest.raises(ValueError, match=r"."):
+            Theorems.read(tables)

@@ -1,0 +1,120 @@
+"""Derivative of the return map and the orbit, against integration and finite differences."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import neuralgaits as ng
+from neuralgaits.barriers import Gait, Tube
+from neuralgaits.certificate import return_map
+from neuralgaits.certificate.find_orbit import find_orbit
+from neuralgaits.certificate.find_set import find_set
+from neuralgaits.workflows.sets import fences_of, look_at
+
+STEPS = 200
+
+
+@pytest.fixture(scope="module")
+def look(trained):
+    return look_at(trained.gait, trained.zero_dynamics)
+
+
+@pytest.fixture(scope="module")
+def flow(trained):
+    """(from phase, to phase, zeta) to zeta there and the integral of dF/dzeta on the way."""
+    gait, zd = trained.gait, trained.zero_dynamics
+
+    def rates(phase, pair):
+        state = return_map.state(gait, phase, pair[0])
+        u = jnp.stack([phase, gait.level(state)])
+        f = return_map.slope(gait, zd.point(state))
+        return jnp.stack([f, return_map.expansion(gait, zd, u)])
+
+    @jax.jit
+    def integrate(begin, end, zeta):
+        h = (end - begin) / STEPS
+
+        def step(k, pair):
+            phase = begin + k * h
+            k1 = rates(phase, pair)
+            k2 = rates(phase + 0.5 * h, pair + 0.5 * h * k1)
+            k3 = rates(phase + 0.5 * h, pair + 0.5 * h * k2)
+            k4 = rates(phase + h, pair + h * k3)
+            return pair + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
+
+        return jax.lax.fori_loop(0, STEPS, step, jnp.stack([zeta, jnp.zeros_like(zeta)]))
+
+    return integrate
+
+
+def test_the_derivative_is_that_of_the_integrated_return_map(trained, flow):
+    gait, zd = trained.gait, trained.zero_dynamics
+    low, high = gait.tube.fences(jnp.array(0.5))
+
+    def stride(zeta):
+        """From mid-step to the next: the robot's own reset, where the foot meets the ground."""
+        after = zd.reset(return_map.state(gait, 1.0, flow(0.5, 1.0, zeta)[0]))
+        return float(flow(gait.phase(after[0]), 0.5, 0.5 * after[1] ** 2)[0])
+
+    for level in (0.2, 0.8):
+        zeta, step = low + level * (high - low), 1e-3 * (high - low)
+        difference = (stride(zeta + step) - stride(zeta - step)) / (2.0 * float(step))
+        before = flow(0.5, 1.0, zeta)
+        u = jnp.stack([jnp.array(1.0), gait.level(return_map.state(gait, 1.0, before[0]))])
+        landed = return_map.landing(gait, zd, u)
+        parting = before[1] + flow(landed.phase, 0.5, landed.zeta)[1]
+        assert float(landed.gain * jnp.exp(parting)) == pytest.approx(difference, rel=1e-5)
+
+
+def test_the_gain_does_not_depend_on_where_the_guard_lies_in_phase(trained):
+    """A free policy meets the ground at a phase that depends on z2: rho has terms of its own."""
+    robot = trained.robot
+    policy = ng.MLPPolicy.init(robot, key=jax.random.key(3), hidden=(8,))
+    gait = Gait(policy, Tube.between_energies(robot, (0.3, 0.6), height=0.9, span=(-0.17, 0.17)))
+    zd = ng.ZeroDynamics(robot, policy)
+    u = jnp.array([0.97, 0.4])
+    point = zd.point(gait.z(u))
+    target = point.foot[1]  # A guard {foot height = target} through this very point.
+    start = jnp.stack([u[0], 0.5 * gait.z(u)[1] ** 2])
+
+    def after_crossing(zeta):
+        """Reset of where the trajectory through (u[0], zeta) meets that guard, at one phase."""
+        pair = jnp.stack([start[0], zeta])
+        for _ in range(4):  # Newton along the flow, to second order.
+            here = zd.point(return_map.state(gait, *pair))
+            f = return_map.slope(gait, here)
+            pace = here.dz[0] / (gait.span[1] - gait.span[0])
+            by = (target - here.foot[1]) / (here.foot_velocity[1] / pace)
+            half = zd.point(return_map.state(gait, pair[0] + by / 2, pair[1] + f * by / 2))
+            pair = pair + by * jnp.stack([jnp.ones_like(f), return_map.slope(gait, half)])
+        z = zd.reset(return_map.state(gait, *pair))
+        return gait.phase(z[0]), 0.5 * z[1] ** 2
+
+    phase, zeta = after_crossing(start[1])
+    behind = return_map.slope(gait, zd.point(return_map.state(gait, phase, zeta)))
+    step = 1e-4 * start[1]
+    up, down = after_crossing(start[1] + step), after_crossing(start[1] - step)
+    moved = [(a - b) / (2 * step) for a, b in zip(up, down, strict=True)]
+    gain = return_map.landing(gait, zd, u).gain
+    assert float(gain) == pytest.approx(float(moved[1] - behind * moved[0]), rel=1e-5)
+
+
+def test_the_orbit_is_the_one_that_integration_finds(trained, look):
+    gait, zd = trained.gait, trained.zero_dynamics
+    shape = find_set(trained.spec, look)
+    result = find_orbit(look, fences_of(gait), float(gait.tube.unit), shape)
+    assert not isinstance(result, str)
+    orbit, least = result
+    found = ng.poincare(zd, gait.z(jnp.array([0.5, 0.5])))
+    z1 = float(found.fixed_point[0])
+    x = 2.0 * float(gait.phase(z1)) - 1.0
+    lower, upper = (
+        np.sqrt(2.0 * orbit.unit * np.polynomial.chebyshev.chebval(x, side))
+        for side in (orbit.lower, orbit.upper)
+    )
+    assert lower < found.fixed_point[1] < upper
+    assert upper - lower < -least["orbit/width"]
+    mean = np.polynomial.chebyshev.chebint(orbit.slowest, lbnd=-1.0)
+    low = least["orbit/reset-gain-low"] * np.exp(0.5 * np.polynomial.chebyshev.chebval(1.0, mean))
+    assert 0.9 * found.multiplier < low < found.multiplier
