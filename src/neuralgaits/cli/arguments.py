@@ -89,6 +89,8 @@ class Certify:
     level: Annotated[int, arg(metavar="N")] = 3
     """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
     3: and that one orbit attracts all of it."""
+    disturbance: Annotated[str | None, arg(metavar="A,B")] = None
+    """Bounds on what may be added to dz at level 2 (m/s, N m); none if not given."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""
     resume: bool = False

@@ -136,12 +136,26 @@ def _certify(verb: Certify) -> Outcome:
         done = certify(
             verb.run,
             level=verb.level,
+            disturbance=_bounds(verb.disturbance),
             budget=verb.budget,
             resume=verb.resume,
             progress=progress,
         )
     verdict = done.verdict
     return Outcome(done.summary, verdict == "proved", screen.show_proof, verdict == "undecided")
+
+
+def _bounds(text: str | None) -> tuple[float, float]:
+    """Read `A,B`. Raises: InputError unless they are two numbers."""
+    if text is None:
+        return 0.0, 0.0
+    try:
+        first, second = (float(word) for word in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"expected --disturbance as two numbers A,B (m/s, N m), found {text!r}: write 0.01,0.3"
+        ) from None
+    return first, second
 
 
 def _check_proof(verb: CheckProof) -> Outcome:
