@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_series
 
+from neuralgaits.errors import InputError
 from neuralgaits.gait.activations import logistic, softplus, tanh
 from neuralgaits.interpreters import POINT, evaluate, fold
 from neuralgaits.interpreters import ball_functions as functions
@@ -226,6 +227,12 @@ def test_enclosures_contain_the_folded_constants(program):
         assert np.all(radius <= 1e-14 * (1.0 + np.abs(middle)))
         for ball, m, r in zip(folded[number].constant[:, 0], middle, radius, strict=True):
             assert arb(m, r).contains(ball)
+
+
+def test_more_inputs_than_u_are_refused():
+    program = trace(lambda u, v: {"g": u[0] * v[0]}, {"u": (2,), "v": (2,)})
+    with pytest.raises(InputError, match="one input"):
+        evaluate(program, {"u": _boxes(0.1), "v": _boxes(0.1)}, BallAlgebra(1))
 
 
 def test_no_jax_is_imported():

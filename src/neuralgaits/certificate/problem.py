@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.certificate.tree import Corners
-from neuralgaits.interpreters import POINT, Program, evaluate, fold
+from neuralgaits.interpreters import POINT, Algebra, Program, evaluate, fold
 from neuralgaits.interpreters.taylor import TERMS, TaylorAlgebra
 from neuralgaits.interpreters.taylor_fibre import FibreAlgebra
 
@@ -96,7 +97,7 @@ class Problem:
         return np.stack(rows, axis=1) / np.array(self.scales) - least
 
     @cached_property
-    def _algebra(self) -> TaylorAlgebra | FibreAlgebra:
+    def _algebra(self) -> Algebra[Any]:
         one = len(self.program.inputs) == 1
         return TaylorAlgebra(self.degree) if one else FibreAlgebra(self.degree)
 

@@ -18,8 +18,9 @@ from functools import cached_property
 import numpy as np
 from flint import arb, arb_mat
 
+from neuralgaits.errors import InputError
 from neuralgaits.interpreters import ball_functions as functions
-from neuralgaits.interpreters.program import Program, moving_input
+from neuralgaits.interpreters.program import Program
 from neuralgaits.interpreters.walk import fold
 
 # Powers of (e1, e2), in the order of `taylor`.
@@ -71,8 +72,7 @@ class BallModel:
 class BallAlgebra:
     """Rules for `walk.evaluate`. Inputs are boxes by their corners: (low [B, 2], high [B, 2]).
 
-    The elements of the moving input, see `program.moving_input`, move with the two symbols. Other
-    inputs are balls that contain their intervals.
+    The Program has one input of shape (2,); its elements move with the two symbols.
 
     Attributes:
         degree: 1, or 2 for conditions with second derivatives.
@@ -84,23 +84,20 @@ class BallAlgebra:
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
     ) -> dict[str, BallModel]:
         """Boxes to models. Raises: InputError on names or shapes."""
-        moving = moving_input(program, inputs)
-        entered = {}
-        for item in program.inputs:
-            corners = (np.atleast_2d(np.asarray(c, dtype=np.float64)) for c in inputs[item.name])
-            low, high = (_balls(corner.T) for corner in corners)
-            middle, half = (low + high) / 2, (high - low) / 2
-            if item.name != moving:
-                entered[item.name] = self._model(_plus(middle, _times(half, _UNIT)))
-                continue
-            terms: list[Term] = [middle, half.copy(), half.copy()]
-            for axis in (0, 1):
-                term = terms[axis + 1]
-                assert term is not None
-                term[1 - axis, :] = arb(0)
-            terms += [None] * (_TERMS[self.degree] - 3)
-            entered[item.name] = BallModel(tuple(_none_if_zero(term) for term in terms))
-        return entered
+        names = [item.name for item in program.inputs]
+        if sorted(inputs) != names or len(names) != 1 or program.inputs[0].shape != (2,):
+            raise InputError(
+                f"Taylor models take one input of shape (2,), found {names}: trace a function of u"
+            )
+        low, high = (_balls(np.asarray(corner, dtype=np.float64).T) for corner in inputs[names[0]])
+        half = (high - low) / 2
+        terms: list[Term] = [(low + high) / 2, half.copy(), half.copy()]
+        for axis in (0, 1):
+            term = terms[axis + 1]
+            assert term is not None
+            term[1 - axis, :] = arb(0)
+        terms += [None] * (_TERMS[self.degree] - 3)
+        return {names[0]: BallModel(tuple(_none_if_zero(term) for term in terms))}
 
     def leave(
         self, program: Program, outputs: dict[str, BallModel], inputs: Mapping[str, object]
@@ -128,8 +125,8 @@ class BallAlgebra:
                 np.broadcast_to(_ZERO if term is None else term, shape)
                 for term, shape in zip(column, shapes, strict=True)
             ]
-            terms.append(_none_if_zero(np.concatenate(rows)[index]))
-        return self._model(*terms)
+            terms.append(np.concatenate(rows)[index])
+        return self._model(terms[0], *map(_none_if_zero, terms[1:]))
 
     def affine(
         self, matrix: BallModel, right: BallModel, offset: BallModel | None, columns: int
@@ -189,7 +186,7 @@ class BallAlgebra:
 
     def div(self, a: BallModel, b: BallModel) -> BallModel:
         """Quotient, by the reciprocal."""
-        return self.mul(a, self._unary(b, functions.reciprocal))
+        return self.mul(a, self.unary(b, functions.reciprocal))
 
     def neg(self, a: BallModel) -> BallModel:
         """Negative: exact."""
@@ -201,33 +198,33 @@ class BallAlgebra:
 
     def sqrt(self, a: BallModel) -> BallModel:
         """Square root."""
-        return self._unary(a, functions.sqrt)
+        return self.unary(a, functions.sqrt)
 
     def exp(self, a: BallModel) -> BallModel:
         """Exponential."""
-        return self._unary(a, functions.exp)
+        return self.unary(a, functions.exp)
 
     def log1p(self, a: BallModel) -> BallModel:
         """Logarithm of 1 + a."""
-        return self._unary(a, functions.log1p)
+        return self.unary(a, functions.log1p)
 
     def sin(self, a: BallModel) -> BallModel:
         """Sine."""
-        return self._unary(a, functions.sin)
+        return self.unary(a, functions.sin)
 
     def cos(self, a: BallModel) -> BallModel:
         """Cosine."""
-        return self._unary(a, functions.cos)
+        return self.unary(a, functions.cos)
 
     def tanh(self, a: BallModel) -> BallModel:
         """Hyperbolic tangent."""
-        return self._unary(a, functions.tanh)
+        return self.unary(a, functions.tanh)
 
     def logistic(self, a: BallModel) -> BallModel:
         """Logistic function."""
-        return self._unary(a, functions.logistic)
+        return self.unary(a, functions.logistic)
 
-    def _unary(self, a: BallModel, function: functions.Derivatives) -> BallModel:
+    def unary(self, a: BallModel, function: functions.Derivatives) -> BallModel:
         """f(m) + f'(m) d + f''(m) d^2 / 2 + f'''(range) d^3 / 6, with d = a - m.
 
         m is the midpoint of the constant term, exactly; degree 1 stops one term earlier.

@@ -165,25 +165,19 @@ class Program:
         )
 
 
-MOVING = "u"
-"""Name of the input whose box is cut, where a Program has several."""
+def fibre_input(program: Program, given: Collection[str]) -> Input:
+    """The input of a Program of the chart point u that is in the unit ball over every box of u.
 
-
-def moving_input(program: Program, given: Collection[str]) -> str:
-    """Name of the input of shape (2,) whose elements move with the symbols of a Taylor model.
-
-    It is the only input, or the one named "u"; further ones stand for fixed intervals.
-
-    Raises: InputError if there is none, or if other inputs were given.
+    Raises: InputError if there is not one, or if more than u is given.
     """
     shapes = {item.name: item.shape for item in program.inputs}
-    moving = MOVING if len(shapes) > 1 else next(iter(shapes), MOVING)
-    if sorted(given) != sorted(shapes) or shapes.get(moving) != (2,):
+    beside = [item for item in program.inputs if item.name != "u"]
+    if list(given) != ["u"] or shapes.get("u") != (2,) or len(beside) != 1:
         raise InputError(
-            f"Taylor models take an input of shape (2,), named u if there are others, found "
-            f"{shapes} and values for {sorted(given)}: trace a function of u"
+            f"expected u of shape (2,) and one more input, u given, found {shapes} and values for "
+            f"{sorted(given)}: trace a function of u and xi"
         )
-    return moving
+    return beside[0]
 
 
 def _row(operation: Operation) -> list:

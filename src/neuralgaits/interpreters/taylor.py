@@ -17,9 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.errors import InputError
 from neuralgaits.interpreters import expansions
 from neuralgaits.interpreters.expansions import SLACK, Expansion
-from neuralgaits.interpreters.program import Program, moving_input
+from neuralgaits.interpreters.program import Program
 
 TINY = 1e-250
 """Absolute growth, for results that underflow."""
@@ -67,8 +68,7 @@ class Taylor:
 class TaylorAlgebra:
     """Rules for `walk.evaluate`. Inputs are boxes: (centre [B, size], half width [B, size]).
 
-    The elements of the moving input, see `program.moving_input`, move with the two symbols. Other
-    inputs stand for intervals: all their values are in the remainder.
+    The Program has one input of shape (2,); its elements move with the two symbols.
 
     Attributes:
         degree: 1, or 2 for conditions with second derivatives.
@@ -80,20 +80,16 @@ class TaylorAlgebra:
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
     ) -> dict[str, Taylor]:
         """Boxes to models. Raises: InputError on names or shapes."""
-        moving = moving_input(program, inputs)
-        entered = {}
-        for item in program.inputs:
-            centre, half = (
-                np.atleast_2d(np.asarray(p, dtype=np.float64)) for p in inputs[item.name]
+        names = [item.name for item in program.inputs]
+        if sorted(inputs) != names or len(names) != 1 or program.inputs[0].shape != (2,):
+            raise InputError(
+                f"Taylor models take one input of shape (2,), found {names}: trace a function of u"
             )
-            poly = np.zeros((TERMS[self.degree], *centre.T.shape))
-            poly[0] = centre.T
-            radius = half.T
-            if item.name == moving:
-                poly[1, 0], poly[2, 1] = half.T
-                radius = np.zeros_like(half.T)
-            entered[item.name] = Taylor(poly, radius)
-        return entered
+        centre, half = (np.asarray(part, dtype=np.float64) for part in inputs[names[0]])
+        poly = np.zeros((TERMS[self.degree], 2, len(centre)))
+        poly[0] = centre.T
+        poly[1, 0], poly[2, 1] = half.T
+        return {names[0]: Taylor(poly, np.zeros((2, len(centre))))}
 
     def leave(
         self, program: Program, outputs: dict[str, Taylor], inputs: Mapping[str, object]
@@ -176,7 +172,7 @@ class TaylorAlgebra:
 
     def div(self, a: Taylor, b: Taylor) -> Taylor:
         """Quotient, by the reciprocal."""
-        return self.mul(a, self._unary(b, expansions.reciprocal))
+        return self.mul(a, self.unary(b, expansions.reciprocal))
 
     def neg(self, a: Taylor) -> Taylor:
         """Negative: exact."""
@@ -188,27 +184,27 @@ class TaylorAlgebra:
 
     def sqrt(self, a: Taylor) -> Taylor:
         """Square root."""
-        return self._unary(a, expansions.sqrt)
+        return self.unary(a, expansions.sqrt)
 
     def exp(self, a: Taylor) -> Taylor:
         """Exponential."""
-        return self._unary(a, expansions.exp)
+        return self.unary(a, expansions.exp)
 
     def log1p(self, a: Taylor) -> Taylor:
         """Logarithm of 1 + a."""
-        return self._unary(a, expansions.log1p)
+        return self.unary(a, expansions.log1p)
 
     def sin(self, a: Taylor) -> Taylor:
         """Sine."""
-        return self._unary(a, expansions.sin)
+        return self.unary(a, expansions.sin)
 
     def cos(self, a: Taylor) -> Taylor:
         """Cosine."""
-        return self._unary(a, expansions.cos)
+        return self.unary(a, expansions.cos)
 
     def tanh(self, a: Taylor) -> Taylor:
         """Hyperbolic tangent."""
-        return self._unary(a, expansions.tanh)
+        return self.unary(a, expansions.tanh)
 
     def logistic(self, a: Taylor) -> Taylor:
         """1/2 + tanh(a/2)/2: halving is exact."""
@@ -217,7 +213,7 @@ class TaylorAlgebra:
         poly[0] = poly[0] + 0.5
         return _rounded(Taylor(poly, 0.5 * half.radius))
 
-    def _unary(self, a: Taylor, function: Expansion) -> Taylor:
+    def unary(self, a: Taylor, function: Expansion) -> Taylor:
         """f(c) + f'(c) d + f''(c) d^2 / 2 + remainder, d the model without its constant."""
         # Rounded up: a singularity may lie just outside. No function of infinity is bounded.
         spread = np.where(np.isfinite(a.centre), a.spread() * (1.0 + SLACK), np.nan)
