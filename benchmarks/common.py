@@ -18,13 +18,19 @@ jax.config.update("jax_compilation_cache_dir", os.environ["JAX_COMPILATION_CACHE
 ROOT = Path("runs") / "bench"
 
 
-def trained(robot: str | PlanarBiped, seed: int, spec: str = "walking") -> Run:
+def trained(
+    robot: str | PlanarBiped,
+    seed: int,
+    spec: str = "walking",
+    hidden: tuple[int, ...] | None = None,
+) -> Run:
     """The gait of a seed, trained now or by an earlier benchmark."""
     model = load_robot(robot) if isinstance(robot, str) else robot
-    folder = ROOT / f"{model.name}-{spec}-{seed}"
+    widths = "".join(f"-{width}" for width in hidden or ())
+    folder = ROOT / f"{model.name}-{spec}{widths}-{seed}"
     if (folder / "summary.json").is_file():
         return open_run(folder)
-    return train(model, spec, seed=seed, out=folder, root=ROOT)
+    return train(model, spec, seed=seed, hidden=hidden, out=folder, root=ROOT)
 
 
 def seeds(default: int = 20) -> range:
