@@ -36,16 +36,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <functional>
 #include <iostream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -297,6 +294,8 @@ inline TM operator*(const TM& a, const TM& b) {
   return r;
 }
 
+double distance_from_zero(I a) { return a.n < 0.0 ? -a.n : a.h < 0.0 ? -a.h : 0.0; }
+
 // Lower end of b x + a x^2 over x in [-1, 1], over all a and b of the intervals, as minus it.
 double minus_parabola(I b, I a) {
   const double steep = magnitude(b);
@@ -304,19 +303,27 @@ double minus_parabola(I b, I a) {
   if (a.n < 0.0) {                          // Convex: also >= -b^2/(4a), its least value anywhere.
     const double vertex = steep * steep / (4.0 * a.low());
     if (vertex < found) found = vertex;
-    const double least = b.n < 0.0 ? -b.n : (b.h < 0.0 ? -b.h : 0.0);
     // The vertex lies outside [-1, 1]: the least value is at an end.
-    if (least >= 2.0 * a.h && steep + a.n < found) found = steep + a.n;
+    if (distance_from_zero(b) >= 2.0 * a.h && steep + a.n < found) found = steep + a.n;
   }
   return found;
 }
 
-I range(const TM& a) {
-  const double mixed = magnitude(a.c[4]);
-  const double n = a.c[0].n + minus_parabola(a.c[1], a.c[3]) + minus_parabola(a.c[2], a.c[5]);
-  const double h = a.c[0].h + minus_parabola(-a.c[1], -a.c[3]) + minus_parabola(-a.c[2], -a.c[5]);
-  return finite(n + mixed, h + mixed);
+// Minus the least value over the box. A polynomial that is monotone in x is least on an edge.
+double minus_least(const TM& a) {
+  const auto& c = a.c;
+  if (distance_from_zero(c[1]) >= 2.0 * magnitude(c[3]) + magnitude(c[4])) {
+    const I x = c[1].n < 0.0 ? I(-1.0) : I(1.0);
+    return (c[0] + x * c[1] + c[3]).n + minus_parabola(c[2] + x * c[4], c[5]);
+  }
+  if (distance_from_zero(c[2]) >= 2.0 * magnitude(c[5]) + magnitude(c[4])) {
+    const I y = c[2].n < 0.0 ? I(-1.0) : I(1.0);
+    return (c[0] + y * c[2] + c[5]).n + minus_parabola(c[1] + y * c[4], c[3]);
+  }
+  return c[0].n + minus_parabola(c[1], c[3]) + minus_parabola(c[2], c[5]) + magnitude(c[4]);
 }
+
+I range(const TM& a) { return finite(minus_least(a), minus_least(-a)); }
 
 // f(a) from f, f' and f''/2 at the middle m of c0; `third(R)` bounds |f'''| within R of m.
 template <class Third>
@@ -1389,14 +1396,18 @@ struct Outputs {
   vector<S> y, d1, d2;
 };
 
-Outputs<TM> outputs_at(const Policy& policy, const TM& z1, const TM& z2) {
+Outputs<TM> first_order(const vector<Jet>& jets) {
   Outputs<TM> out;
-  for (const Jet& jet : desired_outputs(policy, z1, z2, 1)) {
+  for (const Jet& jet : jets) {
     out.y.push_back(jet.c[0]);
     out.d1.push_back(jet.c[1]);
     out.d2.push_back(jet.c[2]);
   }
   return out;
+}
+
+Outputs<TM> outputs_at(const Policy& policy, const TM& z1, const TM& z2) {
+  return first_order(desired_outputs(policy, z1, z2, 1));
 }
 
 Outputs<Dual> along(const vector<Jet>& jets, const TM& dz1, const TM& dz2) {
@@ -1413,6 +1424,8 @@ Outputs<Dual> outputs_at(const Policy& policy, const Dual& z1, const Dual& z2) {
   return along(desired_outputs(policy, z1.v, z2.v, 2), z1.d, z2.d);
 }
 
+// Everything is computed when first asked for, and kept only once it is complete: an operation
+// without a bound leaves nothing behind.
 template <class S>
 class Motion {
  public:
@@ -1476,9 +1489,10 @@ class Motion {
   // Rates of the links, and of the coordinates.
   const vector<S>& w() {
     if (!w_) {
-      w_.emplace();
+      vector<S> rates;
       for (size_t k = 0; k < per_dz1().size(); ++k)
-        w_->push_back(per_dz1()[k] * dz1() + per_dz2()[k] * dz2());
+        rates.push_back(per_dz1()[k] * dz1() + per_dz2()[k] * dz2());
+      w_ = rates;
     }
     return *w_;
   }
@@ -1598,12 +1612,7 @@ Motion<Dual>& Motion<TM>::flow() {
   if (!flow_) {
     if (!jets_) {
       jets_ = desired_outputs(model.policy, z1, z2, 2);
-      outputs_.emplace();
-      for (const Jet& jet : *jets_) {
-        outputs_->y.push_back(jet.c[0]);
-        outputs_->d1.push_back(jet.c[1]);
-        outputs_->d2.push_back(jet.c[2]);
-      }
+      outputs_ = first_order(*jets_);
     }
     flow_ = std::make_unique<Motion<Dual>>(moving(dz1(), dz2()));
   }
@@ -2512,10 +2521,15 @@ ProofFile proof_of(const Json& table) {
 // ---------------------------------------------------------------------------- 12 the command
 
 string read_file(const string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) refuse("nothing to read");
-  string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-  if (stream.bad()) refuse("nothing to read");
+  string text;
+  FILE* file = std::fopen(path.c_str(), "rb");
+  if (!file) refuse("nothing to read");
+  char block[65536];
+  size_t count = 0;
+  while ((count = std::fread(block, 1, sizeof block, file)) > 0) text.append(block, count);
+  const bool failed = std::ferror(file) != 0;  // A folder, for one.
+  std::fclose(file);
+  if (failed) refuse("nothing to read");
   return text;
 }
 
@@ -2593,12 +2607,17 @@ int answer_bounds(const ProofFile& file, std::istream& in) {
     for (double& x : box.low) x = asked(in);
     for (double& x : box.high) x = asked(in);
     const TM phase = coordinate(box.low[0], box.high[0], 0);
-    Motion<TM> state = state_at(file.model, phase, coordinate(box.low[1], box.high[1], 1));
+    std::optional<Motion<TM>> state;
+    try {
+      state.emplace(state_at(file.model, phase, coordinate(box.low[1], box.high[1], 1)));
+    } catch (const NoBound&) {  // The box is too wide for any margin.
+    }
     for (const auto& [name, condition] : file.conditions) {
       if (!condition.unknown.empty()) continue;
       try {
+        if (!state) throw NoBound();
         size_t element = 0;
-        for (const TM& margin : margins(condition, state, phase)) {
+        for (const TM& margin : margins(condition, *state, phase)) {
           const I r = range(margin);
           printf("%s\t%zu\t%a\t%a\n", name.c_str(), element++, r.low(), r.high());
         }
@@ -2666,6 +2685,10 @@ int run(const vector<string>& arguments) {
     return 3;
   } catch (const NoBound&) {
     printf("undecided: a number of the model is too large or a denominator zero\n");
+    return 3;
+  } catch (const std::exception& problem) {  // Out of memory.
+    fprintf(stderr, "expected to read %s, found the machine at its end: %s\n", path.c_str(),
+            problem.what());
     return 3;
   }
 }

@@ -1,0 +1,82 @@
+"""What the checker derives from link data is what the conditions' Python functions compute.
+
+The two share no formula: positions, momenta and forces there are sums over links, derivatives
+are forward duals over the box's polynomials.
+"""
+
+import numpy as np
+import pytest
+from checker_case import Case, bounds
+
+CASES = {
+    case.name: case
+    for case in (
+        Case("amber3m"),
+        Case("rabbit"),
+        Case("torso-2", "softplus"),
+        Case("legs-2"),
+        Case("torso-3"),
+    )
+}
+TIGHT = dict.fromkeys(CASES, 1e-9) | {"torso-3": 1e-6}
+"""Width of an enclosure at a point. Elimination in seven unknowns costs digits."""
+POINTS, BOXES, SAMPLES = 12, 12, 40
+
+
+@pytest.fixture(scope="module", params=CASES)
+def case(request):
+    return CASES[request.param]
+
+
+@pytest.fixture(scope="module")
+def file(case, tmp_path_factory):
+    return case.write(tmp_path_factory.mktemp("case") / "proof.json")
+
+
+def test_values_at_points(proofcheck, case, file):
+    u = np.random.default_rng(1).uniform(size=(POINTS, 2))
+    found = bounds(proofcheck, file, u, u)
+    expected = case.values(u)
+    assert set(found[0]) == set(expected) == {c.name for c in case.spec.conditions}
+    for name, values in expected.items():
+        enclosed = np.stack([one[name] for one in found])
+        scale = np.maximum(1.0, np.abs(values))
+        assert np.all(enclosed[..., 1] - enclosed[..., 0] <= TIGHT[case.name] * scale), name
+        middle = 0.5 * (enclosed[..., 0] + enclosed[..., 1])
+        np.testing.assert_allclose(middle / scale, values / scale, atol=1e-9, rtol=0, err_msg=name)
+
+
+def test_boxes_contain_their_points(proofcheck, case, file):
+    draw = np.random.default_rng(2)
+    size = 0.5 ** draw.uniform(2.0, 9.0, size=(BOXES, 1)) * np.ones(2)
+    low = draw.uniform(size=(BOXES, 2)) * (1.0 - size)
+    found = bounds(proofcheck, file, low, low + size)
+    bounded = 0
+    for box, enclosed in enumerate(found):
+        corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
+        inside = np.concatenate([corners, draw.uniform(size=(SAMPLES, 2))])
+        values = case.values(low[box] + size[box] * inside)
+        for name, ranges in enclosed.items():
+            if ranges is None:
+                continue
+            bounded += 1
+            slack = 1e-9 * np.maximum(1.0, np.max(np.abs(values[name])))
+            assert np.all(values[name] >= ranges[:, 0] - slack), name
+            assert np.all(values[name] <= ranges[:, 1] + slack), name
+    assert bounded > 0.7 * BOXES * len(found[0])
+
+
+def test_bounds_are_of_second_order(proofcheck, case, file):
+    """What bounds exceed the values by shrinks with the square of the box's size or faster."""
+    centre, sizes, excess = np.array([[0.45, 0.55]]), (0.01, 0.0025), []
+    lines = np.linspace(-0.5, 0.5, 15)
+    grid = np.stack(np.meshgrid(lines, lines), axis=-1).reshape(-1, 2)
+    for size in sizes:
+        (found,) = bounds(proofcheck, file, centre - size / 2, centre + size / 2)
+        values = case.values(centre + size * grid)
+        excess.append(
+            {name: np.max(values[name].min(axis=0) - found[name][:, 0]) for name in values}
+        )
+    for name, wide in excess[0].items():
+        # A quarter of the size: 16 times less or, where a margin is monotone, 64.
+        assert excess[1][name] <= wide / 15.0 + TIGHT[case.name], name

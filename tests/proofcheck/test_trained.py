@@ -1,0 +1,244 @@
+"""The default gait's proof: confirmed, and rejected once anything in it is not so."""
+
+import base64
+import copy
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from neuralgaits.interpreters import Program
+from neuralgaits.workflows.certify import certify
+from neuralgaits.workflows.check_proof import check_proof
+
+
+@pytest.fixture(scope="module")
+def proof_file(trained, tmp_path_factory) -> Path:
+    run = tmp_path_factory.mktemp("run") / "trained"
+    shutil.copytree(trained.path, run)
+    certify(run, level=1)
+    return run / "certificate" / "proof.json"
+
+
+@pytest.fixture(scope="module")
+def proof(proof_file) -> dict[str, Any]:
+    return json.loads(proof_file.read_text())
+
+
+@pytest.fixture
+def spoilt(proof) -> dict[str, Any]:
+    return copy.deepcopy(proof)
+
+
+@pytest.fixture
+def asked(proofcheck, tmp_path):
+    def ask(table: Any):
+        path = tmp_path / "proof.json"
+        path.write_text(table if isinstance(table, str) else json.dumps(table))
+        return proofcheck(path)
+
+    return ask
+
+
+def claims(table):
+    return {name: s for s in table["statements"] for name in s["conditions"]}
+
+
+def hashed(table):
+    """With the hash that the Program now has, and no other trace of the change."""
+    table["program_hash"] = Program.from_json(json.dumps(table["program"])).hash
+    return table
+
+
+def constant(table, name: str, change) -> None:
+    """Change a named array of the Program."""
+    (row,) = [row for row in table["program"]["constants"] if row[0] == name]
+    array = np.frombuffer(base64.b64decode(row[2])).reshape(row[1]).copy()
+    row[2] = base64.b64encode(change(array).tobytes()).decode()
+
+
+def test_the_default_proof_is_confirmed(proofcheck, proof_file, proof, trained):
+    """By both checkers, statement by statement, with the meaning in words."""
+    answer = proofcheck(proof_file)
+    assert answer.returncode == 0, answer.stdout
+    lines = [line.strip() for line in answer.stdout.splitlines()]
+    assert lines[-1].startswith(f"proved: {len(trained.spec.conditions)} claims")
+    for name in claims(proof):
+        assert sum(line.startswith(f"{name}: ") and ">=" in line for line in lines) == 1
+    (torso,) = [line for line in lines if line.startswith("torso-lower: ")]
+    assert "dh/dt + 10/s h >= 0." in torso and "torso angle" in torso and "rad/s" in torso
+
+
+def test_both_checkers_agree(asked, spoilt, tmp_path):
+    """On the smaller statements: the other one takes seconds for the rest."""
+    spoilt["statements"] = [s for s in spoilt["statements"] if len(s["tree"]) < 60]
+    assert asked(spoilt).returncode == 0
+    assert check_proof(tmp_path / "proof.json")["verdict"] == "proved"
+    more(spoilt)
+    assert asked(spoilt).returncode == 1
+    assert check_proof(tmp_path / "proof.json")["verdict"] == "rejected"
+
+
+def test_leaves_are_split_further(asked, spoilt):
+    claims(spoilt)["foot-clears"]["tree"] = "0"
+    assert asked(spoilt).returncode == 0
+
+
+def leaner(table):
+    constant(table, "policy.network.biases[2]", lambda bias: bias + 1.0)
+
+
+def lower_fence(table):
+    constant(table, "tube.lower", lambda series: series * 1.01)
+
+
+def heavier(table):
+    torso = table["model"]["robot"]["torso"]
+    torso["mass"] = (2.0 * float.fromhex(torso["mass"])).hex()
+
+
+def stricter(table):
+    table["model"]["conditions"]["torso-lower"]["quantity"]["bound"] = -0.1
+
+
+def weaker_torque(table):
+    for link in table["model"]["robot"]["leg"]:
+        link["torque_limit"] = (20.0).hex()
+
+
+def more(table):
+    for statement in table["statements"]:
+        statement["bounds"] = {name: 1.3 * b + 0.01 for name, b in statement["bounds"].items()}
+
+
+FALSE = [leaner, lower_fence, heavier, stricter, weaker_torque, more]
+
+
+@pytest.mark.parametrize("change", FALSE, ids=lambda change: change.__name__)
+def test_false_statements_are_refuted_with_a_point(asked, spoilt, change):
+    change(spoilt)
+    answer = asked(hashed(spoilt))
+    assert answer.returncode == 1
+    assert "rejected" in answer.stdout and " at phase " in answer.stdout
+
+
+def no_width(table):
+    table["statements"][0]["tree"] = "1" * 60 + "0" * 181
+
+
+INCONSISTENT = {
+    "weights": lambda t: constant(t, "policy.cubic", lambda c: np.nextafter(c, 9.0)),
+    "hash": lambda t: t.__setitem__("program_hash", t["program_hash"][::-1]),
+    "operation": lambda t: t["program"]["operations"][3].__setitem__(0, "neg"),
+    "tree cut": lambda t: t["statements"][0].__setitem__("tree", t["statements"][0]["tree"][:-1]),
+    "tree grown": lambda t: t["statements"][1].__setitem__(
+        "tree", t["statements"][1]["tree"] + "0"
+    ),
+    "tree too deep": no_width,
+    "scale": lambda t: claims(t)["torso-lower"]["scales"].__setitem__("torso-lower", 1.0),
+    "region": lambda t: claims(t)["foot-rises"].__setitem__("region", "tube"),
+    "root": lambda t: claims(t)["foot-rises"]["root"].__setitem__("low", ["0x1p-4", "0x0p0"]),
+    "spec": lambda t: t["model"]["conditions"].__setitem__(
+        "lean", dict(t["model"]["conditions"]["knee"])
+    ),
+    "condition that is gone": lambda t: t["model"]["conditions"].pop("knee"),
+    "no such constant": lambda t: t["model"]["policy"]["arrays"].__setitem__(
+        "cubic", {"constant": "policy.lower"}
+    ),
+    "other numbers": lambda t: t["model"]["tube"].__setitem__(
+        "lower", {"shape": [7], "values": [x.hex() for x in np.linspace(1.0, 0.1, 7).tolist()]}
+    ),
+}
+
+
+@pytest.mark.parametrize("name", INCONSISTENT)
+def test_inconsistent_files_are_rejected(asked, spoilt, name):
+    INCONSISTENT[name](spoilt)
+    answer = asked(spoilt)
+    assert answer.returncode == 1, answer.stdout
+    assert answer.stdout.splitlines()[-1].startswith("rejected: ")
+
+
+def quantity(table, change):
+    table["model"]["conditions"]["knee"] |= change
+
+
+NOT_KNOWN = {
+    "function": lambda t: quantity(t, {"quantity": {"user": "mine.bend"}}),
+    "inner function": lambda t: quantity(
+        t, {"quantity": {"function": "at_least", "of": {"user": "bend"}, "bound": 0.1}}
+    ),
+    "kind": lambda t: t["model"]["conditions"].__setitem__(
+        "knee", {"user": "Mine", "region": "tube", "scale": 0.5, "strength": 3}
+    ),
+    "policy": lambda t: t.__setitem__("model", None),
+    "theorem": lambda t: t.__setitem__("theorems", [{"level": 99}]),
+}
+
+
+@pytest.mark.parametrize("name", NOT_KNOWN)
+def test_what_is_not_known_is_undecided(asked, spoilt, name):
+    NOT_KNOWN[name](spoilt)
+    answer = asked(spoilt)
+    assert answer.returncode == 3, answer.stdout
+    assert answer.stdout.splitlines()[-1].startswith("undecided: ")
+
+
+def test_conditions_without_a_statement_are_named(asked, spoilt):
+    spoilt["statements"] = [claims(spoilt)["foot-rises"]]
+    answer = asked(spoilt)
+    assert answer.returncode == 0
+    (line,) = [line for line in answer.stdout.splitlines() if line.startswith("no statement about")]
+    assert "torso-lower" in line and "foot-rises" not in line
+
+
+UNREADABLE = {
+    "empty": lambda t: "",
+    "list": lambda t: "[]",
+    "deep": lambda t: "[" * 100_000,
+    "cut": lambda t: json.dumps(t)[:-2],
+    "more": lambda t: json.dumps(t) + "{}",
+    "twice": lambda t: '{"format": 2, ' + json.dumps(t)[1:],
+    "NaN": lambda t: json.dumps(t).replace('"degree": 2', '"degree": NaN', 1),
+    "infinity": lambda t: json.dumps(t).replace('"degree": 2', '"degree": 1e999', 1),
+    "format": lambda t: t | {"format": 1},
+    "fraction": lambda t: t | {"format": 2.0},
+    "kind": lambda t: t | {"kind": "other"},
+    "chart": lambda t: t | {"chart": "z"},
+    "field": lambda t: t | {"note": "trust me"},
+    "no spec": lambda t: {name: value for name, value in t.items() if name != "spec"},
+    "no statements": lambda t: t | {"statements": []},
+    "model": lambda t: t | {"model": {}},
+    "robot": lambda t: t | {"model": t["model"] | {"robot": {"leg": []}}},
+    "root": lambda t: (
+        t
+        | {
+            "statements": [
+                t["statements"][0]
+                | {"root": {"low": ["0x0p0", "0x0p0"], "high": ["0x1p1", "0x1p0"]}}
+            ]
+        }
+    ),
+    "decimals": lambda t: (
+        t | {"statements": [t["statements"][0] | {"root": {"low": [0.0, 0.0], "high": [1.0, 1.0]}}]}
+    ),
+    "54 bits": lambda t: json.dumps(t).replace('"0x1.0000000000000p+0"', '"0x1.00000000000001p+0"'),
+}
+
+
+@pytest.mark.parametrize("name", UNREADABLE)
+def test_other_files_are_refused_in_one_line(asked, spoilt, name):
+    answer = asked(UNREADABLE[name](spoilt))
+    assert answer.returncode == 2, answer.stdout
+    assert answer.stdout == "" and answer.stderr.count("\n") == 1
+    assert "expected a proof file of format 2, found in" in answer.stderr
+
+
+def test_no_file_at_all(proofcheck, tmp_path):
+    for arguments in ([tmp_path / "none.json"], [tmp_path], [], ["a", "b"]):
+        answer = proofcheck(*arguments)
+        assert answer.returncode == 2
+        assert answer.stderr.startswith("expected ") and answer.stderr.count("\n") == 1
