@@ -1,0 +1,228 @@
+"""What the full-order theorem asks of a gait (level 4): margins that must not be negative.
+
+The second argument of a margin is xi: outputs and rates in units in which sqrt(V) is |xi| times
+the set's radius at that phase. So the set's states are xi of the unit ball, over every box of u.
+Which margin belongs to which root box stands in `full_order_theorem`.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Float, Scalar, ZeroState
+from neuralgaits.barriers import Barrier, Gait, GaitSpec
+from neuralgaits.certificate.full_order_theorem import LOWER, STIFF, UPPER, FullOrder
+from neuralgaits.gait import Point
+from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.robots import PlanarBiped
+
+Vector = Float[Array, " k"]
+Quantities = dict[str, Vector]
+
+
+def output_coordinates(xi: Vector, bandwidth: float) -> Vector:
+    """eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
+    rate, mixed = jnp.split(xi, 2)
+    return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
+
+
+def scaled_coordinates(eta: Vector, bandwidth: float) -> Vector:
+    """The inverse of `output_coordinates`. Returns: [2m] (rad)."""
+    y, dy = jnp.split(eta, 2)
+    rate = dy / bandwidth
+    return jnp.concatenate([rate, float(STIFF) * (y + rate)])
+
+
+@dataclass(frozen=True)
+class FullOrderModel:
+    """Robot, gait and spec whose full order is looked at.
+
+    Attributes:
+        robot, gait, spec: of a run.
+        bandwidth: w, the double pole of the outputs [rad/s].
+    """
+
+    robot: PlanarBiped
+    gait: Gait
+    spec: GaitSpec
+    bandwidth: float
+
+    @property
+    def size(self) -> int:
+        """Number of elements of eta, 2m."""
+        return 2 * (self.robot.n - 1)
+
+    @property
+    def tightened(self) -> list[Barrier]:
+        """The spec's barrier conditions on the tube: they read outputs, so they are tightened."""
+        return [c for c in self.spec.conditions if isinstance(c, Barrier)]
+
+    @property
+    def names(self) -> list[str]:
+        """All barriers of the theorem."""
+        return [LOWER, UPPER, *(condition.name for condition in self.tightened)]
+
+    def point(self, u: Float[Array, "2"], xi: Vector) -> FullPoint:
+        """The robot at a chart point with scaled outputs."""
+        eta = output_coordinates(xi, self.bandwidth)
+        return FullPoint(self.robot, self.gait.policy, self.gait.z(u), eta, self.bandwidth)
+
+    def barriers(self, z: ZeroState) -> Vector:
+        """h_Z of every barrier. [I]."""
+        level = self.gait.level(z)
+        point = Point(self.robot, self.gait.policy, None, z)
+        own = [condition.function(point) for condition in self.tightened]
+        return jnp.stack([level, 1.0 - level, *own])
+
+    def rates(self, point: FullPoint) -> Vector:
+        """dh_Z/dt of every barrier in a full state [h/s]. [I]."""
+        return jax.jvp(self.barriers, (point.z,), (point.dz,))[1]
+
+    def readings(self, point: FullPoint) -> Vector:
+        """What every barrier reads on the robot [h]: a fence reads z alone. [I]."""
+        own = [condition.function(point) for condition in self.tightened]
+        return jnp.stack([jnp.zeros(()), jnp.zeros(()), *own])
+
+    def in_step(self, point: FullPoint) -> Quantities:
+        """Quantities between impacts, each as a vector.
+
+        pace [1/s], inertia [kg m], foot [m], foot-rate [m/s], contact [body weights]: normal
+        force and both slacks of the friction cone, torque: slack of both limits [limits].
+        """
+        robot = self.robot
+        start, guard = self.gait.span
+        tangential, normal = point.force / (robot.mass * robot.gravity)
+        cone = float(robot.friction) * normal
+        share = point.torque / robot.torque_limit
+        found = {
+            "pace": point.dz[0] / (guard - start),
+            "inertia": -point.transversal_inertia,
+            "foot": point.foot[1],
+            "foot-rate": point.foot_velocity[1],
+            "contact": jnp.stack([normal, cone - tangential, cone + tangential]),
+            "torque": jnp.concatenate([1.0 - share, 1.0 + share]),
+        }
+        return {name: jnp.atleast_1d(value) for name, value in found.items()}
+
+    def at_impact(self, point: FullPoint) -> Quantities:
+        """Quantities of an impact in this state, each as a vector.
+
+        foot [m], impulse [N s]: normal and both slacks of the friction cone, after: xi after it
+        [rad], landing: phase after it, reset: all barriers after it [h].
+        """
+        tangential, normal = point.impact.impulse
+        cone = float(self.robot.friction) * normal
+        found = {
+            "foot": point.foot[1],
+            "impulse": jnp.stack([normal, cone - tangential, cone + tangential]),
+            "after": scaled_coordinates(point.eta_after, self.bandwidth),
+            "landing": self.gait.phase(point.z_after[0]),
+            "reset": self.barriers(point.z_after),
+        }
+        return {name: jnp.atleast_1d(value) for name, value in found.items()}
+
+    def guard_slopes(self, u: Float[Array, "2"], xi: Vector) -> "GuardSlopes":
+        """d/d xi of `at_impact` along the guard: the phase gives way so that the foot stays."""
+        phase, level = u
+
+        def moved(at: Vector) -> Quantities:
+            return self.at_impact(self.point(jnp.stack([at[0], level]), at[1:]))
+
+        slopes = jax.jacfwd(moved)(jnp.concatenate([phase[None], xi]))
+        foot = slopes.pop("foot")[0]
+        gives = -foot[1:] / foot[0]
+        along = {name: d[:, 1:] + d[:, :1] * gives[None, :] for name, d in slopes.items()}
+        return GuardSlopes(foot[0], foot[1:], along)
+
+
+class GuardSlopes(NamedTuple):
+    """First derivatives at an impact."""
+
+    fall: Scalar
+    """Of the foot height in the phase [m]."""
+    foot: Vector
+    """Of the foot height in xi at a fixed phase [m/rad]. [2m]"""
+    along: Quantities
+    """Of every other quantity in xi along the guard. [k, 2m] each"""
+
+
+def margins(
+    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
+) -> Quantities:
+    """All margins of the theorem at one chart point and one xi of the unit ball."""
+    radius = shape.radius * jnp.exp(-shape.shrink * u[0] * u[0])
+    return (
+        _step_margins(model, shape, model.point(u, radius * xi))
+        | _decay_margins(model, shape, u, radius * xi)
+        | _guard_margins(model, shape, u, shape.guard_radius * xi)
+        | _crossing_margins(model, shape, u)
+    )
+
+
+def _step_margins(model: FullOrderModel, shape: FullOrder, point: FullPoint) -> Quantities:
+    """Between impacts: the robot walks on, its contact and torques are possible."""
+    found = model.in_step(point)
+    least, most = shape.pace
+    return {
+        "full/pace": jnp.concatenate([found["pace"] - least, most - found["pace"]]),
+        "full/inertia": found["inertia"] - shape.inertia,
+        "full/contact": found["contact"],
+        "full/torque": found["torque"],
+        "full/foot-rises": found["foot-rate"],
+        "full/foot-above": found["foot"],
+    }
+
+
+def _decay_margins(
+    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
+) -> Quantities:
+    """Between impacts: what keeps h - sigma V from becoming negative."""
+    centre = model.point(u, jnp.zeros_like(xi))
+    rate, h = model.rates(centre), model.barriers(centre.z)
+    coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
+    reading = jax.jacfwd(lambda moved: model.readings(model.point(u, moved)))(xi)
+    found = {}
+    for k, barrier in enumerate(shape.barriers):
+        name, slope = barrier.name, reading[k]
+        found[f"full/rate {name}"] = rate[k] + barrier.alpha * h[k] - barrier.epsilon
+        found[f"full/coupling {name}"] = barrier.coupling**2 - coupling[k] @ coupling[k]
+        if barrier.reading:
+            found[f"full/reading {name}"] = barrier.reading**2 - slope @ slope
+    return found
+
+
+def _guard_margins(
+    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
+) -> Quantities:
+    """In the guard's strip: the guard is met once, and how far an impact moves the state."""
+    point = model.point(u, xi)
+    slopes = model.guard_slopes(u, xi)
+    along = {name: jnp.sum(d * d, axis=1) for name, d in slopes.along.items()}
+    found = {
+        "full/foot-below": -point.foot[1],
+        "full/foot-falls": -point.foot_velocity[1],
+        "full/impulse": model.at_impact(point)["impulse"],
+        "full/guard-slope": -slopes.fall,
+        "full/gain": shape.gain**2 - jnp.sum(along["after"]),
+        "full/landing-slope": shape.landing_slope**2 - along["landing"],
+    }
+    for k, barrier in enumerate(shape.barriers):
+        found[f"full/reset-slope {barrier.name}"] = barrier.reset_slope**2 - along["reset"][k]
+    return found
+
+
+def _crossing_margins(model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"]) -> Quantities:
+    """What an impact from eta = 0 leaves."""
+    impact = model.at_impact(model.point(u, jnp.zeros(model.size)))
+    landing, after = impact["landing"], impact["after"]
+    found = {
+        "full/mismatch": jnp.concatenate([shape.mismatch - after, shape.mismatch + after]),
+        "full/landing": jnp.concatenate([shape.landing - landing, shape.landing + landing]),
+        "full/crossing-before": impact["foot"],
+        "full/crossing-behind": -impact["foot"],
+    }
+    for k, barrier in enumerate(shape.barriers):
+        found[f"full/reset {barrier.name}"] = impact["reset"][k] - barrier.reset
+    return found

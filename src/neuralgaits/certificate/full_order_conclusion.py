@@ -1,0 +1,236 @@
+"""From the constants of the full-order theorem to its verdict, in balls (level 4).
+
+Every inequality is between numbers of `FullOrder`, whose meaning the premises prove. It holds
+only if it is certain; where one does not, it is the obstacle, and by how much is said. The
+argument is in docs/full_order.md. Needs no JAX.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from flint import arb, fmpq
+
+from neuralgaits.certificate.conclusions import Bounds, Conclusion
+from neuralgaits.certificate.full_order_theorem import (
+    DECAY,
+    STIFF,
+    BarrierConstants,
+    FullOrder,
+    decays,
+    lyapunov_rate,
+    premises,
+)
+
+LEVEL = 4
+
+
+class Inequality(NamedTuple):
+    """left < right is needed."""
+
+    claim: str
+    left: arb
+    right: arb
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is certain."""
+        return bool(self.left < self.right)
+
+
+class Constant(NamedTuple):
+    """One number of the theorem, for a report."""
+
+    name: str
+    value: float
+    unit: str
+    meaning: str
+
+
+def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
+    """Level 4: D is forward invariant, between impacts and across them.
+
+    Args:
+        shape: the set and its constants.
+        bounds: what is proved, see `conclusions.proved_bounds`.
+    """
+    figures = {constant.name: constant.value for constant in constants(shape)}
+    broken = [step for step in inequalities(shape) if not step.holds]
+    missing = _missing(shape, bounds)
+    reasons = [_obstacle(step) for step in broken] + missing
+    if not decays(shape.bandwidth):
+        reasons.insert(0, "A^T P + P A <= -gamma P does not hold")
+    if reasons:
+        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures)
+    return Conclusion(LEVEL, "proved", None, _words(shape), figures)
+
+
+def inequalities(shape: FullOrder) -> list[Inequality]:
+    """Everything that the constants must satisfy."""
+    gamma, zero = _gamma(shape), arb(0)
+    least, most = map(arb, shape.pace)
+    ends = 1 + arb(shape.guard_strip), 1 - arb(shape.guard_strip)
+    shrink, radius = arb(shape.shrink), arb(shape.radius)
+    kept = radius * (-shrink * arb(shape.start_strip) ** 2).exp()
+    at_guard = radius * (-shrink * ends[1] ** 2).exp()
+    landing = arb(shape.landing) + arb(shape.landing_slope) * arb(shape.guard_radius)
+    found = [
+        Inequality("the phase moves on: 0 < its least rate", zero, least),
+        Inequality("the dynamics have a denominator: 0 < inertia", zero, arb(shape.inertia)),
+        Inequality("0 < radius", zero, radius),
+        Inequality("0 < start_strip", zero, arb(shape.start_strip)),
+        Inequality("start_strip < 0.05", arb(shape.start_strip), arb("0.05")),
+        Inequality("guard_strip < 0.05", arb(shape.guard_strip), arb("0.05")),
+        Inequality("0 < crossing", zero, arb(shape.crossing)),
+        Inequality("crossing < guard_strip", arb(shape.crossing), arb(shape.guard_strip)),
+        Inequality("0 < risen", zero, arb(shape.risen)),
+        Inequality("risen < 1 - guard_strip", arb(shape.risen), ends[1]),
+        Inequality("no radius shrinks outwards: -1 < shrink", arb(-1), shrink),
+        Inequality(
+            "V decays faster than its bound shrinks: 4 shrink (1 + guard_strip) most pace < gamma",
+            4 * abs(shrink) * ends[0] * most,
+            gamma,
+        ),
+        Inequality("the bound at the guard < guard_radius", at_guard, arb(shape.guard_radius)),
+        Inequality(
+            "an impact lands in the tube: |phase+| < start_strip", landing, arb(shape.start_strip)
+        ),
+        Inequality(
+            "outputs after an impact are in the set: sqrt(V+) < radius", _after(shape), kept
+        ),
+    ]
+    for barrier in shape.barriers:
+        found += _of_barrier(shape, barrier, gamma)
+    return found
+
+
+def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list[Inequality]:
+    name, zero = barrier.name, arb(0)
+    alpha, sigma = arb(barrier.alpha), arb(barrier.sigma)
+    if not sigma > 0:
+        return [
+            Inequality(f"{name}: 0 < sigma, which needs 0 < epsilon", zero, arb(barrier.epsilon))
+        ]
+    tightened = tightening(barrier)
+    lost = arb(barrier.coupling) ** 2 / (4 * sigma * (gamma - alpha))
+    inlet = arb(barrier.reset) - arb(barrier.reset_slope) * arb(shape.guard_radius) - tightened
+    return [
+        Inequality(f"{name}: 0 < alpha", zero, alpha),
+        Inequality(f"{name}: alpha < gamma", alpha, gamma),
+        Inequality(
+            f"{name}: between impacts, c_P^2/(4 sigma (gamma - alpha)) + alpha t < epsilon",
+            lost + alpha * tightened,
+            arb(barrier.epsilon),
+        ),
+        Inequality(
+            f"{name}: across impacts, sigma V+ < h(z+) - t", sigma * _after(shape) ** 2, inlet
+        ),
+    ]
+
+
+def tightening(barrier: BarrierConstants) -> arb:
+    """t = l_P^2 / (4 sigma): h >= t + sigma V keeps what the robot reads above zero."""
+    return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
+
+
+def constants(shape: FullOrder) -> list[Constant]:
+    """Every constant of the theorem."""
+    w, rate = shape.bandwidth, float(lyapunov_rate(shape.bandwidth))
+    after = _above(_after(shape))
+    found = [
+        Constant("w", w, "rad/s", "double pole of the outputs, critically damped"),
+        Constant("P stiffness", float(STIFF) ** 2, "1", "V = sum (dy/w)^2 + this (y + dy/w)^2"),
+        Constant("gamma", rate, "1/s", "V' <= -gamma V"),
+        Constant("radius", shape.radius, "rad", "sqrt(V) in the set, at the start of a step"),
+        Constant("shrink", shape.shrink, "1", "at later phases: radius exp(-shrink phase^2)"),
+        Constant("guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"),
+        Constant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
+        Constant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
+        Constant("T_min", 1.0 / shape.pace[1], "s", "time of a step, at least"),
+        Constant("inertia", shape.inertia, "kg m", "-J.s, at least"),
+        Constant("sqrt v_sym", _above(_mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"),
+        Constant("L_D", shape.gain, "1", "growth of sqrt(V) across an impact, at most"),
+        Constant("r_bar", after, "rad", "sqrt(V+) after any impact of the set, at most"),
+        Constant("L_z", shape.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
+        Constant("start strip", shape.start_strip, "phase", "the set begins so far before phase 0"),
+        Constant("guard strip", shape.guard_strip, "phase", "the guard is met so near to phase 1"),
+        Constant("foot rises", shape.risen, "phase", "until here it rises; then it is up"),
+    ]
+    for barrier in shape.barriers:
+        found += _constants_of(barrier, after)
+    return found
+
+
+def _constants_of(barrier: BarrierConstants, after: float) -> list[Constant]:
+    name, unit = barrier.name, "1" if barrier.reading == 0.0 else "rad"
+    least = _above(arb(barrier.epsilon)) if barrier.sigma <= 0.0 else barrier.epsilon
+    found = [
+        Constant(f"{name}: alpha", barrier.alpha, "1/s", "h' + alpha h >= epsilon at eta = 0"),
+        Constant(f"{name}: epsilon", least, f"{unit}/s", "h' + alpha h >= epsilon at eta = 0"),
+        Constant(f"{name}: c_P", barrier.coupling, f"{unit}/(s rad)", "|d h'/d sqrt(V)|, at most"),
+        Constant(f"{name}: sigma", barrier.sigma, f"{unit}/rad^2", "the set has h - t >= sigma V"),
+        Constant(f"{name}: l_P", barrier.reading, f"{unit}/rad", "|d h/d sqrt(V)| on the robot"),
+        Constant(f"{name}: h(z+)", barrier.reset, unit, "after an impact from eta = 0, at least"),
+        Constant(f"{name}: L_h", barrier.reset_slope, f"{unit}/rad", "d h(z+)/d sqrt(V), at most"),
+    ]
+    if barrier.sigma > 0.0:
+        room = (barrier.reset - _above(tightening(barrier))) / after**2
+        found += [
+            Constant(
+                f"{name}: t", _above(tightening(barrier)), unit, "tightening, l_P^2/(4 sigma)"
+            ),
+            Constant(
+                f"{name}: most sigma", room, f"{unit}/rad^2", "what the inlet leaves room for"
+            ),
+        ]
+    return found
+
+
+def _gamma(shape: FullOrder) -> arb:
+    rate = lyapunov_rate(shape.bandwidth)
+    return arb(fmpq(rate.numerator, rate.denominator))
+
+
+def _mismatch(shape: FullOrder) -> arb:
+    return arb(shape.size).sqrt() * arb(shape.mismatch)
+
+
+def _after(shape: FullOrder) -> arb:
+    """Bound on sqrt(V) after any impact of the set."""
+    return _mismatch(shape) + arb(shape.gain) * arb(shape.guard_radius)
+
+
+def _obstacle(step: Inequality) -> str:
+    left, right = (value.str(4, radius=False) for value in (step.left, step.right))
+    return f"{step.claim}: {left} against {right}"
+
+
+def _missing(shape: FullOrder, bounds: Bounds) -> list[str]:
+    """Premises without a sufficient bound, in words."""
+    found = []
+    for output, low, high, strict in premises(shape):
+        bound = bounds.get((output, low, high))
+        if bound is None or not (bound > 0.0 if strict else bound >= 0.0):
+            found.append(f"{output} from {low} to {high} is not proved")
+    return found
+
+
+def _words(shape: FullOrder) -> tuple[str, ...]:
+    first, last = shape.ends
+    names = [barrier.name for barrier in shape.barriers]
+    steps = "; ".join(
+        f"{b.name} - {_above(tightening(b)):.4g} >= {b.sigma:.5g} V" for b in shape.barriers
+    )
+    return (
+        f"D is every full state with phase from {first:.5g} to {last:.5g}, swing foot on or above "
+        f"the ground, sqrt(V) <= {shape.radius:.4g} exp(-{shape.shrink:.4g} phase^2) rad, and {steps}",
+        f"under exact input-output linearisation with a double pole at {shape.bandwidth:g} rad/s, in "
+        "continuous time, every trajectory that starts in D stays in D between impacts, meets the "
+        "ground once and transversally in each step, and is in D after the impact: it walks for ever",
+        f"all along, {', '.join(names)} are not negative on the robot itself, outputs included; the "
+        "contact force stays in the friction cone, so does every impulse, and torques stay within "
+        "the robot's limits",
+    )
+
+
+def _above(x: arb) -> float:
+    return float(x.upper()) * (1.0 + 2.0**-50)

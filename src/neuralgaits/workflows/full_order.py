@@ -1,0 +1,214 @@
+"""The full-order theorem for a run (level 4): constants found at points, premises proved."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import jax
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from neuralgaits.certificate.conclusions import Conclusion, proved_bounds
+from neuralgaits.certificate.full_order import FullOrderModel, margins
+from neuralgaits.certificate.full_order_conclusion import LEVEL, conclude_full_order
+from neuralgaits.certificate.full_order_find import Look, Looks, find_full_order
+from neuralgaits.certificate.full_order_theorem import FullOrder, premises
+from neuralgaits.certificate.problem import Problem
+from neuralgaits.certificate.proof import Statement, prove
+from neuralgaits.certificate.schedule import Progress, box_count, explore
+from neuralgaits.certificate.search import Confirm
+from neuralgaits.certificate.verdicts import Counterexample
+from neuralgaits.interpreters import POINT, Program, evaluate, fold
+from neuralgaits.interpreters.prune import prune
+from neuralgaits.interpreters.tracer import trace
+from neuralgaits.workflows.run import Run, open_run
+
+BANDWIDTH = 30.0
+"""Double pole of the outputs [rad/s]: that of `control.fblin`."""
+BUDGET_S = 120.0
+"""Seconds that all attempts together may take."""
+SHARES = (0.8, 0.5, 0.25)
+"""Shares of the largest radius seen at points that are tried, one after the other."""
+CLAIMED = 0.4
+"""Share of a premise's margin that is claimed: its size matters little, its boxes are checked."""
+REGION = "full order"
+
+_TOGETHER = {
+    "full/contact": "forces",
+    "full/torque": "forces",
+    "full/gain": "impact",
+    "full/landing-slope": "impact",
+    "full/reset-slope": "impact",
+    "full/coupling": "coupling",
+}
+"""Outputs that share most of their operations, and many of those: they are bounded apart."""
+
+
+@dataclass(frozen=True)
+class FullOrderResult:
+    """What was proved at full order.
+
+    Attributes:
+        conclusion: verdict, statement in words, all constants by name; if it is undecided, the
+            obstacles and their size.
+        shape: the set with its constants; None if none was found.
+        program: whose outputs the statements are about; a function of u and xi.
+        statements: the premises.
+        boxes: how many boxes were bounded.
+        wall_s: seconds taken.
+    """
+
+    conclusion: Conclusion
+    shape: FullOrder | None
+    program: Program | None
+    statements: tuple[Statement, ...]
+    boxes: int
+    wall_s: float
+
+
+def full_order(
+    run: Run | str | Path,
+    *,
+    bandwidth: float = BANDWIDTH,
+    budget: float = BUDGET_S,
+    progress: Progress | None = None,
+) -> FullOrderResult:
+    """Prove the paper's Theorem 5 for a run, with computed constants and across impacts.
+
+    Args:
+        run: a run, its folder, or `latest`.
+        bandwidth: w of the exact input-output linearisation [rad/s].
+        budget: seconds for all attempts.
+        progress: called with (proved share, boxes) now and then.
+
+    Raises: SpecError if a barrier of the spec or the policy cannot be traced.
+    """
+    began = time.perf_counter()
+    model = model_of(open_run(run), bandwidth)
+    looks, best = looks_of(model), None
+    for number, share in enumerate(SHARES):
+        shape = find_full_order(looks, model.names, bandwidth, share)
+        if isinstance(shape, str):
+            nothing = Conclusion(LEVEL, "undecided", shape, (), {})
+            found = FullOrderResult(nothing, None, None, (), 0, 0.0)
+        else:
+            spent = time.perf_counter() - began
+            turn = max(budget - spent, 0.0) / (len(SHARES) - number)
+            found = prove_full_order(model, shape, time.monotonic() + turn, progress)
+        best = found if best is None or found.conclusion.verdict == "proved" else best
+        if best.conclusion.verdict == "proved" or found.shape is None:
+            break
+    assert best is not None
+    seconds = time.perf_counter() - began
+    return FullOrderResult(
+        best.conclusion, best.shape, best.program, best.statements, best.boxes, seconds
+    )
+
+
+def model_of(run: Run, bandwidth: float = BANDWIDTH) -> FullOrderModel:
+    """Robot, gait and spec of a run at full order."""
+    return FullOrderModel(run.robot, run.gait, run.spec, bandwidth)
+
+
+def prove_full_order(
+    model: FullOrderModel,
+    shape: FullOrder,
+    deadline: float,
+    progress: Progress | None = None,
+) -> FullOrderResult:
+    """Prove the premises of a set with given constants, and draw the conclusion."""
+    began = time.perf_counter()
+    program = trace_full_order(model, shape)
+    problems = premise_problems(shape, program)
+    with threadpool_limits(1):
+        states = explore(
+            problems,
+            [None] * len(problems),
+            _confirmer(program, model),
+            deadline=deadline,
+            progress=progress,
+        )
+    pairs = zip(problems, states, strict=True)
+    statements = tuple(statement for pair in pairs for statement in prove(*pair))
+    conclusion = conclude_full_order(shape, proved_bounds(statements))
+    seconds = time.perf_counter() - began
+    return FullOrderResult(conclusion, shape, program, statements, box_count(states), seconds)
+
+
+def trace_full_order(model: FullOrderModel, shape: FullOrder) -> Program:
+    """All margins of the theorem as a Program of u and xi."""
+    return trace(
+        lambda u, xi: margins(model, shape, u, xi),
+        {"u": (2,), "xi": (model.size,)},
+        parameters=model.gait,
+    )
+
+
+def premise_problems(shape: FullOrder, program: Program) -> list[Problem]:
+    """Root boxes with what must hold on each."""
+    roots: dict[tuple, list[str]] = {}
+    for output, low, high, _ in premises(shape):
+        kind = _TOGETHER.get(output.split(" ")[0], "")
+        roots.setdefault((kind, low, high), []).append(output)
+    return [
+        Problem(
+            REGION,
+            low,
+            high,
+            tuple(names),
+            (1.0,) * len(names),
+            prune(program, names),
+            claimed=CLAIMED,
+            tighten=False,
+        )
+        for (_, low, high), names in roots.items()
+    ]
+
+
+def looks_of(model: FullOrderModel) -> Looks:
+    """What the finder looks at. Raises: SpecError if it cannot be traced."""
+
+    def step(u, xi):
+        def moving(at):
+            point = model.point(u, at)
+            rest = {"rate": model.rates(point), "reading": model.readings(point)}
+            return model.in_step(point) | rest
+
+        found, slopes = moving(xi), jax.jacfwd(moving)(xi)
+        found |= {f"{name}/slope": d for name, d in slopes.items()}
+        return found | {"h": model.barriers(model.gait.z(u))}
+
+    def guard(u, xi):
+        slopes = model.guard_slopes(u, xi)
+        found = model.at_impact(model.point(u, xi))
+        found |= {f"{name}/slope": d for name, d in slopes.along.items()}
+        return found | {"fall": slopes.fall, "foot/slope": slopes.foot}
+
+    return Looks(_look(step, model), _look(guard, model), model.size)
+
+
+def _look(function: Callable, model: FullOrderModel) -> Look:
+    program = trace(function, {"u": (2,), "xi": (model.size,)})
+    folded = fold(program, POINT)
+
+    def look(u: np.ndarray, xi: np.ndarray) -> Mapping[str, np.ndarray]:
+        with np.errstate(all="ignore"):
+            return evaluate(program, {"u": u, "xi": xi}, POINT, folded)
+
+    return look
+
+
+def _confirmer(program: Program, model: FullOrderModel) -> Confirm:
+    """Asks the Program at eta = 0: a premise that fails there fails."""
+
+    def confirm(name: str, u: np.ndarray) -> Counterexample | None:
+        inputs = {"u": u[None], "xi": np.zeros((1, model.size))}
+        with np.errstate(all="ignore"):
+            margin = float(np.min(evaluate(prune(program, [name]), inputs, POINT)[name]))
+        if not margin < 0.0:
+            return None
+        z1, z2 = np.asarray(model.gait.z(u))
+        return Counterexample((float(u[0]), float(u[1])), (float(z1), float(z2)), margin)
+
+    return confirm
