@@ -35,7 +35,7 @@ def test_the_exit_code_is_the_verdict(run, capfd: Captured) -> None:
     assert ("proved" in err) == (name == "small")
     assert main(["certify", str(path), "--budget", "5"]) == code
     out, _ = capfd.readouterr()
-    assert f"{verdict} at level 1" in out
+    assert f"{verdict} at level 3" in out
 
 
 @pytest.mark.parametrize("run", ["small"], indirect=True)
@@ -58,7 +58,13 @@ def test_ctrl_c_is_130_and_says_how_to_go_on(run, capfd: Captured, monkeypatch) 
 
 @pytest.mark.parametrize(
     ("words", "found"),
-    [(["--level", "2"], "level 1"), (["--budget", "-1"], "budget"), ([], "run folder")],
+    [
+        (["--level", "7"], "level 1"),
+        (["--budget", "-1"], "budget"),
+        (["--disturbance", "1"], "A,B"),
+        (["--disturbance", "1,-2"], ">= 0"),
+        ([], "run folder"),
+    ],
 )
 def test_bad_input_is_one_line_and_2(words: list[str], found: str, capfd: Captured) -> None:
     assert main(["certify", "no-such-run", *words]) == 2
@@ -73,7 +79,8 @@ def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
     point = {"u": [0.5, 0.5], "z": [0.01, 17.5], "margin": -0.25}
     result = {
         "verdict": "refuted",
-        "level": 1,
+        "level": 2,
+        "levels": [{"level": 2, "verdict": "undecided", "reason": "no strip", "words": []}],
         "boxes": 9,
         "wall_s": 1.5,
         "proof": None,
@@ -87,4 +94,5 @@ def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
     assert "99.99 %" in out
     assert "100 %" not in out
     assert "3 boxes left" in out
+    assert "level 2 undecided: no strip" in out
     assert "-0.25 at z = (0.01, 17.5)" in " ".join(out.split())
