@@ -5,7 +5,7 @@
 // dynamics, and for each statement a tree of boxes. This program derives everything else from
 // those numbers: positions, momenta, the zero dynamics, accelerations, torques, ground forces, the
 // impact. It never evaluates the list of operations ("Program") that the file also contains and
-// that the finder worked with; it shares no formula file, no derivative rule and no library with it.
+// that the finder worked with, and shares no formula file, derivative rule or library with it.
 //
 // The story, in sections:
 //    1  intervals            numbers enclosed by directed rounding
@@ -20,6 +20,11 @@
 //   10  the check            trees of boxes
 //   11  the file             consistency of what it says
 //   12  the command
+//
+// proofcheck FILE prints every statement in words and answers with its exit code: 0 proved,
+// 1 rejected (false, with a point; or the file contradicts itself), 2 not a proof file, 3 undecided
+// (a user's own condition, or boxes that do not reach their bounds), 70 the rounding does not work.
+// Boxes are bounded with models of second degree whatever degree the finder used.
 //
 // Trusted: the C++ compiler, IEEE 754 + - * / sqrt in the rounding mode that is set and tested at
 // the start, and the standard library's strings and containers. Signs and symbols are those of
@@ -36,7 +41,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <functional>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -889,7 +893,7 @@ std::map<string, Array> arrays_of(const Json& table, const string& owner, const 
 const Array& array(const std::map<string, Array>& table, const string& name, vector<int> shape) {
   const auto found = table.find(name);
   if (found == table.end()) refuse("no array '" + name + "' in the model");
-  if (found->second.shape != shape) refuse("the array '" + name + "' of the model in another shape");
+  if (found->second.shape != shape) refuse("the model's array '" + name + "' in another shape");
   return found->second;
 }
 
@@ -1162,15 +1166,23 @@ Jet softplus(const Jet& a, int order) {
 }
 
 // sum += w x for one double w, the inner loop of every network.
-inline void add_scaled(Jet& sum, double w, const Jet& x, int count) {
+inline void add_scaled(Jet& __restrict sum, double w, const Jet& __restrict x, int count) {
   const double size = w < 0.0 ? -w : w;
-  for (int part = 0; part < count; ++part)
-    for (int i = 0; i < 6; ++i) {
-      I& s = sum.c[part].c[i];
-      const I& v = x.c[part].c[i];
-      s.n += size * (w < 0.0 ? v.h : v.n);
-      s.h += size * (w < 0.0 ? v.n : v.h);
+  for (int part = 0; part < count; ++part) {
+    I* __restrict s = sum.c[static_cast<size_t>(part)].c.data();
+    const I* __restrict v = x.c[static_cast<size_t>(part)].c.data();
+    if (w < 0.0) {
+      for (int i = 0; i < 6; ++i) {
+        s[i].n += size * v[i].h;
+        s[i].h += size * v[i].n;
+      }
+    } else {
+      for (int i = 0; i < 6; ++i) {
+        s[i].n += size * v[i].n;
+        s[i].h += size * v[i].h;
+      }
     }
+  }
 }
 
 vector<Jet> applied(const Layer& layer, const vector<Jet>& inputs, int order) {
@@ -1652,7 +1664,7 @@ const Motion<TM>::Forces& Motion<TM>::forces() {
 
 template <>
 const Motion<Dual>::Forces& Motion<Dual>::forces() {
-  throw Unknown{"a rate of torques or ground forces, which needs third derivatives of the policy"};
+  throw Unknown{"a rate of forces"};
 }
 
 // ---- the tube's chart: phase and level of a state.
@@ -1781,7 +1793,8 @@ string side_of(const Json& value) {
 }
 
 Quantity quantity_of(const Json& table, int joints) {
-  if (table.find("user")) throw Unknown{"a user's function " + text_of(*table.find("user"), "a name")};
+  if (const Json* user = table.find("user"))
+    throw Unknown{"a user's function " + text_of(*user, "a name")};
   Quantity q;
   q.name = text_of(field(table, "a quantity", "function"), "the name of a quantity");
   vector<string> names = {"function"};
@@ -1985,11 +1998,11 @@ string words_for(const Quantity& q) {
   if (q.name == "friction_backward")
     return "slack of the friction cone, coefficient " + number("coefficient") + ", backward";
   if (q.name == "impulse_cone_forward")
-    return "slack of the impulse's friction cone, coefficient " + number("coefficient") + ", forward";
+    return "slack of the impulse's cone, coefficient " + number("coefficient") + ", forward";
   if (q.name == "impulse_cone_backward")
-    return "slack of the impulse's friction cone, coefficient " + number("coefficient") + ", backward";
+    return "slack of the impulse's cone, coefficient " + number("coefficient") + ", backward";
   if (q.name == "torque_reserve")
-    return "what is left of " + number("share") + " of the torque limits on the " + q.side + " side";
+    return "what is left of " + number("share") + " of the torque limits, " + q.side + " side";
   if (q.name == "knee_bend") return "bend of the knees beyond " + number("least") + " rad";
   if (q.name == "foot_above_arc")
     return "swing foot above an arc of height " + number("clearance") + " m";
@@ -1998,6 +2011,13 @@ string words_for(const Quantity& q) {
   if (q.name == "parabolic_clearance")
     return "swing foot above a parabola of height " + number("height") + " m";
   return "orbital energy of a pendulum of " + number("height") + " m";
+}
+
+// Whether accelerations are needed.
+bool of_forces(const Quantity& q) {
+  static const std::set<string> names = {"torques", "normal_force", "friction_forward",
+                                         "friction_backward", "torque_reserve"};
+  return q.of ? of_forces(*q.of) : names.count(q.name) > 0;
 }
 
 struct Condition {
@@ -2047,6 +2067,8 @@ Condition condition_of(const Json& table, int joints) {
   if (table.find("gamma") && !(c.gamma > 0.0 && c.gamma <= 1.0)) refuse("gamma outside (0, 1]");
   try {
     if (const Json* quantity = table.find("quantity")) c.quantity = quantity_of(*quantity, joints);
+    if (c.kind == "Barrier" && of_forces(c.quantity))
+      c.unknown = "a rate of forces, which needs third derivatives of the policy";
   } catch (const Unknown& unknown) {
     c.unknown = unknown.what;
   }
@@ -2106,13 +2128,13 @@ vector<TM> margins(const Condition& c, Motion<TM>& p, const TM& phase) {
 
 // "margin of what >= number unit".
 string words_for(const Condition& c, double bound) {
-  const string least = " >= " + at_least((I(bound) * I(c.scale)).low()) + " ";
+  const string number = at_least((I(bound) * I(c.scale)).low()), least = " >= " + number + " ";
   if (c.kind == "Fence")
     return "flow inward over the " + c.side + " fence" + least + "tube widths a step";
   if (c.kind == "Inlet")
     return "reset inside the " + c.side + " fence" + least + "tube widths";
   if (c.kind == "TubeWidth")
-    return "relative width of the tube in z2 beyond " + brief(c.least) + least.substr(0, least.size() - 1);
+    return "relative width of the tube in z2 beyond " + brief(c.least) + " >= " + number;
   const string unit = unit_of(c.quantity), what = words_for(c.quantity);
   if (c.kind == "Barrier") {
     string gain = brief(c.alpha[0]);
@@ -2163,9 +2185,6 @@ struct Statement {
   Box root_box{};
 };
 
-// Margins of a claim on a box of the chart.
-using Evaluate = std::function<vector<TM>(const Claim&)>;
-
 enum Verdict { proved, undecided, rejected };
 
 struct Finding {
@@ -2183,7 +2202,7 @@ class Checker {
     vector<const Claim*> all;
     for (const Claim& claim : statement_.claims)
       if (claim.condition) all.push_back(&claim);
-    const string& tree = statement_.tree;
+    const string &tree = statement_.tree, name = "the tree of " + statement_.region;
     size_t at = 0;
     struct Node { Box box; int depth; };
     vector<Node> stack = {{statement_.root_box, 0}};
@@ -2191,17 +2210,17 @@ class Checker {
     while (!stack.empty()) {
       const Node node = stack.back();
       stack.pop_back();
-      if (at == tree.size()) throw Inconsistent{"the tree of " + statement_.region + " ends before its last leaf"};
+      if (at == tree.size()) throw Inconsistent{name + " ends before its last leaf"};
       if (tree[at++] == '0') {
         leaves.push_back(node.box);
         continue;
       }
       vector<Box> parts = halves(node.box);
       if (parts.empty() || node.depth == kDeepest)
-        throw Inconsistent{"the tree of " + statement_.region + " splits what has no width"};
+        throw Inconsistent{name + " splits what has no width"};
       for (size_t i = parts.size(); i-- > 0;) stack.push_back({parts[i], node.depth + 1});
     }
-    if (at != tree.size()) throw Inconsistent{"the tree of " + statement_.region + " goes on after its last leaf"};
+    if (at != tree.size()) throw Inconsistent{name + " goes on after its last leaf"};
     for (const Box& leaf : leaves) {
       prove(leaf, all, 0);
       if (found_.verdict != proved) break;
@@ -2339,7 +2358,7 @@ ProgramFacts program_facts(const Json& table) {
     Array array;
     array.shape = shape_of(parts[1], name);
     const auto bytes = base64(text_of(parts[2], name), name);
-    if (bytes.size() != 8 * elements(array.shape)) refuse("the constant " + name + " of another size");
+    if (bytes.size() != 8 * elements(array.shape)) refuse(name + " of another size");
     for (size_t i = 0; i < bytes.size(); i += 8) {
       std::uint64_t bits = 0;
       for (size_t b = 8; b-- > 0;) bits = bits << 8 | bytes[i + b];
@@ -2377,14 +2396,18 @@ Box box_of(const Json& table, const string& what) {
   return box;
 }
 
-bool same(const Box& a, const Box& b) {
-  return std::equal(a.low, a.low + 2, b.low) && std::equal(a.high, a.high + 2, b.high);
+bool among(const Box& box, const vector<Box>& boxes) {
+  return std::any_of(boxes.begin(), boxes.end(), [&](const Box& other) {
+    return std::equal(box.low, box.low + 2, other.low) &&
+           std::equal(box.high, box.high + 2, other.high);
+  });
 }
 
 using Regions = std::map<string, vector<Box>>;
 
 Statement statement_of(const Json& table, const ProgramFacts& program) {
-  only(table, "a statement", {"conditions", "region", "scales", "bounds", "degree", "root", "tree"});
+  only(table, "a statement",
+       {"conditions", "region", "scales", "bounds", "degree", "root", "tree"});
   Statement s;
   s.region = text_of(field(table, "a statement", "region"), "a region's name");
   s.tree = text_of(field(table, "a statement", "tree"), "a tree");
@@ -2434,22 +2457,19 @@ void match(ProofFile& file, const Regions& regions) {
         throw Inconsistent{claim.name + " has the region " + c.region + " and scale " +
                            brief(c.scale) + " in the spec, " + s.region + " and " +
                            brief(claim.scale) + " in a statement"};
-      const vector<Box>& boxes = regions.at(c.region);
-      if (std::none_of(boxes.begin(), boxes.end(), [&](const Box& b) { return same(b, s.root_box); }))
-        throw Inconsistent{"a statement about " + claim.name + " whose root is no box of the region " +
-                           s.region};
+      if (!among(s.root_box, regions.at(c.region)))
+        throw Inconsistent{"a statement about " + claim.name +
+                           " whose root is no box of the region " + s.region};
       claimed[claim.name].push_back(s.root_box);
       if (c.unknown.empty()) claim.condition = &c;
       else file.unknown.push_back(claim.name + " (" + c.unknown + ")");
     }
   for (const auto& [name, c] : file.conditions)
-    for (const Box& box : regions.at(c.region)) {
-      const vector<Box>& some = claimed[name];
-      if (std::none_of(some.begin(), some.end(), [&](const Box& b) { return same(b, box); })) {
+    for (const Box& box : regions.at(c.region))
+      if (!among(box, claimed[name])) {
         file.unclaimed.push_back(name);
         break;
       }
-    }
 }
 
 ProofFile proof_of(const Json& table) {
@@ -2469,9 +2489,10 @@ ProofFile proof_of(const Json& table) {
   for (const Json& row : list_of(*table.find("statements"), "the statements"))
     file.statements.push_back(statement_of(row, program));
   if (file.statements.empty()) refuse("no statements");
-  for (const Json& theorem : list_of(*table.find("theorems"), "the theorems"))
-    file.unknown.push_back("a theorem of level " +
-                           std::to_string(integer_of(field(theorem, "a theorem", "level"), "a level")));
+  for (const Json& theorem : list_of(*table.find("theorems"), "the theorems")) {
+    const int level = integer_of(field(theorem, "a theorem", "level"), "a level");
+    file.unknown.push_back("a theorem of level " + std::to_string(level));
+  }
 
   string written;
   canonical(*table.find("program"), written);
@@ -2480,7 +2501,7 @@ ProofFile proof_of(const Json& table) {
     throw Inconsistent{"the Program's hash is " + hash + ", not " + text("program_hash")};
 
   const Json& model = *table.find("model");
-  if (model.type == Json::null) throw Unknown{"the file describes no model: the policy is a user's own"};
+  if (model.type == Json::null) throw Unknown{"the policy, which the file does not describe,"};
   only(model, "the model", {"robot", "policy", "tube", "regions", "conditions"});
   file.model.robot = robot_of(*model.find("robot"));
   const int joints = file.model.robot.joints();
