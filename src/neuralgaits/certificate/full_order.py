@@ -134,7 +134,7 @@ class FullOrderModel:
         foot = slopes.pop("foot")[0]
         gives = -foot[1:] / foot[0]
         along = {name: d[:, 1:] + d[:, :1] * gives[None, :] for name, d in slopes.items()}
-        return GuardSlopes(foot[0], foot[1:], along)
+        return GuardSlopes(foot[0], foot[1:], slopes["after"][:, 0], along)
 
 
 class GuardSlopes(NamedTuple):
@@ -144,6 +144,8 @@ class GuardSlopes(NamedTuple):
     """Of the foot height in the phase [m]."""
     foot: Vector
     """Of the foot height in xi at a fixed phase [m/rad]. [2m]"""
+    drift: Vector
+    """Of xi after the impact in the phase [rad]. [2m]"""
     along: Quantities
     """Of every other quantity in xi along the guard. [k, 2m] each"""
 
@@ -205,6 +207,7 @@ def _guard_margins(
         "full/foot-falls": -point.foot_velocity[1],
         "full/impulse": model.at_impact(point)["impulse"],
         "full/guard-slope": -slopes.fall,
+        "full/drift": jnp.concatenate([shape.drift - slopes.drift, shape.drift + slopes.drift]),
         "full/gain": shape.gain**2 - jnp.sum(along["after"]),
         "full/landing-slope": shape.landing_slope**2 - along["landing"],
     }

@@ -191,7 +191,8 @@ def _gamma(shape: FullOrder) -> arb:
 
 
 def _mismatch(shape: FullOrder) -> arb:
-    return arb(shape.size).sqrt() * arb(shape.mismatch)
+    """sqrt(v_sym): bound on sqrt(V+) after an impact from eta = 0."""
+    return arb(shape.size).sqrt() * (arb(shape.mismatch) + arb(shape.drift) * arb(shape.crossing))
 
 
 def _after(shape: FullOrder) -> arb:
@@ -207,9 +208,9 @@ def _obstacle(step: Inequality) -> str:
 def _missing(shape: FullOrder, bounds: Bounds) -> list[str]:
     """Premises without a sufficient bound, in words."""
     found = []
-    for output, low, high, strict in premises(shape):
-        bound = bounds.get((output, low, high))
-        if bound is None or not (bound > 0.0 if strict else bound >= 0.0):
+    for output, low, high, sign in premises(shape):
+        bound = bounds.get((output, low, high), float("nan"))
+        if not (bound > 0.0 if sign == "positive" else bound >= 0.0):
             found.append(f"{output} from {low} to {high} is not proved")
     return found
 

@@ -29,6 +29,8 @@ LARGEST = 0.1
 """Radius that is asked for at most [rad]."""
 ABOVE, BELOW = 1.08, 0.94
 """A constant is this much more, or less, than what was seen."""
+AMPLE = 1.3
+"""The same for what an impact does: the theorem has room there, and bounds cost the most."""
 ROUNDING = 1e-6
 """What bounds in float64 may lose at an impact [rad]."""
 ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
@@ -42,7 +44,7 @@ class Looks:
     Attributes:
         step: pace, inertia, foot, foot-rate, contact, torque, rate, reading, h, with slopes.
         guard: foot, after, landing, reset, with slopes along the guard;
-            fall, foot/slope: those of the foot height in phase and xi.
+            fall, foot/slope: those of the foot height in phase and xi; drift: of after in phase.
         size: number of elements of xi.
     """
 
@@ -89,10 +91,11 @@ def find_full_order(
     hit = looks.guard(edge, ball)
     near = _grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
     clean = looks.guard(near, np.zeros((len(near), looks.size)))
-    gain = ABOVE * float(np.sqrt((hit["after/slope"] ** 2).sum(axis=(1, 2)).max()))
-    mismatch = 1.5 * float(np.abs(clean["after"]).max()) + ROUNDING
+    gain = AMPLE * float(np.sqrt((hit["after/slope"] ** 2).sum(axis=(1, 2)).max()))
+    touch = looks.guard(_grid(np.array([1.0]), levels), np.zeros((LEVELS, looks.size)))
+    mismatch = 1.5 * float(np.abs(touch["after"]).max()) + ROUNDING
     landing = 1.5 * float(np.abs(clean["landing"]).max()) + 1e-9
-    landing_slope = ABOVE * float(_norms(hit, "landing").max())
+    landing_slope = AMPLE * float(_norms(hit, "landing").max())
     slowest = _over(seen, "pace", u[:, 0], -radius, shrink).min()
     if slowest <= 0.0:
         return "outputs off zero may stop the hip: a smaller radius is needed"
@@ -109,6 +112,7 @@ def find_full_order(
         pace=(0.8 * float(slowest), most),
         inertia=0.5 * float(seen["inertia"].min()),
         mismatch=mismatch,
+        drift=2.0 * AMPLE * float(np.abs(hit["drift"]).max()) + ROUNDING,
         gain=gain,
         landing=landing,
         landing_slope=landing_slope,
@@ -218,6 +222,6 @@ def _barrier(
         coupling=coupling,
         reading=reading,
         reset=lowest - 0.02 * abs(lowest) - 1e-9,
-        reset_slope=ABOVE * float(_norms(hit, "reset")[:, k].max()),
+        reset_slope=AMPLE * float(_norms(hit, "reset")[:, k].max()),
         sigma=sigma,
     )

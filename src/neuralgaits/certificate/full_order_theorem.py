@@ -65,8 +65,8 @@ class FullOrder:
         risen: until this phase the swing foot rises; from it to the guard it is up.
         pace: least and most rate of the phase [1/s].
         inertia: least -J.s, the denominator of the dynamics [kg m].
-        mismatch: largest element of xi after an impact from eta = 0; v_sym = size mismatch^2
-            [rad].
+        mismatch: largest element of xi after an impact from eta = 0 at phase 1 [rad].
+        drift: its largest change with the phase of the impact, in the guard's strip [rad].
         gain: L_D, growth of sqrt(V) across an impact.
         landing: largest |phase| after an impact from eta = 0.
         landing_slope: its change per sqrt(V) along the guard [1/rad].
@@ -85,6 +85,7 @@ class FullOrder:
     pace: tuple[float, float]
     inertia: float
     mismatch: float
+    drift: float
     gain: float
     landing: float
     landing_slope: float
@@ -143,7 +144,8 @@ def premises(shape: FullOrder) -> list[Premise]:
         Premise("full/impulse", *strip),
         Premise("full/gain", *strip, sign="not negative"),
         Premise("full/landing-slope", *strip, sign="not negative"),
-        Premise("full/mismatch", *crossing, sign="not negative"),
+        Premise("full/drift", *strip, sign="not negative"),
+        Premise("full/mismatch", (1.0, 0.0), (1.0, 1.0), sign="not negative"),
         Premise("full/landing", *crossing, sign="not negative"),
     ]
     for barrier in shape.barriers:

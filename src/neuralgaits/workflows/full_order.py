@@ -28,7 +28,7 @@ BANDWIDTH = 30.0
 """Double pole of the outputs [rad/s]: that of `control.fblin`."""
 BUDGET_S = 120.0
 """Seconds that all attempts together may take."""
-SHARES = (0.8, 0.5, 0.25)
+SHARES = (0.6, 0.3, 0.1)
 """Shares of the largest radius seen at points that are tried, one after the other."""
 CLAIMED = 0.4
 """Share of a premise's margin that is claimed: its size matters little, its boxes are checked."""
@@ -38,6 +38,7 @@ _TOGETHER = {
     "full/contact": "forces",
     "full/torque": "forces",
     "full/gain": "impact",
+    "full/drift": "impact",
     "full/landing-slope": "impact",
     "full/reset-slope": "impact",
     "full/coupling": "coupling",
@@ -183,7 +184,7 @@ def looks_of(model: FullOrderModel) -> Looks:
         slopes = model.guard_slopes(u, xi)
         found = model.at_impact(model.point(u, xi))
         found |= {f"{name}/slope": d for name, d in slopes.along.items()}
-        return found | {"fall": slopes.fall, "foot/slope": slopes.foot}
+        return found | {"fall": slopes.fall, "drift": slopes.drift, "foot/slope": slopes.foot}
 
     return Looks(_look(step, model), _look(guard, model), model.size)
 
