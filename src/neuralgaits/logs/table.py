@@ -1,0 +1,96 @@
+"""A walk as a table: one row a control tick, coordinates of the current stance leg."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float, Int
+from neuralgaits.robots import PlanarBiped
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """One walk, in SI units. k rows, n coordinates, m = n - 1 actuated joints.
+
+    Coordinates, desired outputs and torques are those of the leg that stands, stance leg first.
+
+    Attributes:
+        t: time [s], strictly increasing. [k]
+        stance: leg that stands, 0 or 1 in the order of the robot file. [k]
+        q: measured coordinates [rad]. [k, n]
+        dq: measured rates [rad/s]. [k, n]
+        qd: desired outputs [rad]. [k, m]
+        dqd: desired output rates [rad/s]. [k, m]
+        tau: commanded joint torques [N m]. [k, m]
+        pitch: absolute angle of the root link [rad]. [k]
+        dpitch: its rate [rad/s]. [k]
+        z: zero dynamics state as the controller measured it (m, kg m^2/s); None if the robot
+            wrote none. [k, 2]
+        z2_plant: angular momentum with the plant's own masses, without noise [kg m^2/s]; only a
+            simulation knows it. [k]
+        rows: where each row stands in the source, counted from 1. [k]
+        joint_names: of the n coordinates.
+        source: file, or the episode of a simulation: for messages.
+    """
+
+    t: Float[np.ndarray, " k"]
+    stance: Int[np.ndarray, " k"]
+    q: Float[np.ndarray, "k n"]
+    dq: Float[np.ndarray, "k n"]
+    qd: Float[np.ndarray, "k m"]
+    dqd: Float[np.ndarray, "k m"]
+    tau: Float[np.ndarray, "k m"]
+    pitch: Float[np.ndarray, " k"]
+    dpitch: Float[np.ndarray, " k"]
+    z: Float[np.ndarray, "k 2"] | None
+    z2_plant: Float[np.ndarray, " k"] | None
+    rows: Int[np.ndarray, " k"]
+    joint_names: tuple[str, ...]
+    source: str
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.t)
+
+    @property
+    def period_s(self) -> float:
+        """Usual time between two rows [s]."""
+        return float(np.median(np.diff(self.t)))
+
+    def only(self, which: Bool[np.ndarray, " k"]) -> "Log":
+        """The rows where `which` is true."""
+        arrays = {
+            field.name: value[which]
+            for field in fields(self)
+            if isinstance(value := getattr(self, field.name), np.ndarray)
+        }
+        return replace(self, **arrays)
+
+
+Column = tuple[str, str]
+"""Name and unit."""
+
+
+def columns(joint_names: Sequence[str], *, plant: bool) -> tuple[Column, ...]:
+    """Columns of a log file in their order; `plant` adds what only a simulation knows."""
+    every, actuated = joint_names, joint_names[1:]
+    return (
+        ("t", "s"),
+        ("stance", "-"),
+        *((f"q_{name}", "rad") for name in every),
+        *((f"dq_{name}", "rad/s") for name in every),
+        *((f"qd_{name}", "rad") for name in actuated),
+        *((f"dqd_{name}", "rad/s") for name in actuated),
+        *((f"tau_{name}", "N m") for name in actuated),
+        ("z1", "m"),
+        ("z2", "kg m^2/s"),
+        ("pitch", "rad"),
+        ("dpitch", "rad/s"),
+        *((("z2_plant", "kg m^2/s"),) if plant else ()),
+    )
+
+
+def matches(log: Log, robot: PlanarBiped) -> bool:
+    """Whether a log has the joints of a robot, by name."""
+    return log.joint_names == robot.joint_names
