@@ -9,6 +9,7 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -56,9 +57,11 @@ class BezierPolicy(AbstractPolicy):
         # The ellipsis keeps NumPy from returning bare scalars.
         return self.start_and_guard[0, ...], self.start_and_guard[1, ...]
 
-    def matched(self, robot: "PlanarBiped") -> "BezierPolicy":
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+    ) -> "BezierPolicy":
         """Nothing follows from the robot: the policy itself."""
-        del robot
+        del robot, reset_residual
         return self
 
     def trainable(self) -> "BezierPolicy":

@@ -16,16 +16,17 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
 from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.network import Network, scaled_inputs
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.posture import Posture, hip_indices, walking_posture
+from neuralgaits.gait.reset_residual import AbstractResetResidual, rates_after
 from neuralgaits.robots.dynamics import angular_momentum, swing_foot
 
 if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+    from neuralgaits.robots import Impact, PlanarBiped
 
 # How far inside the output bounds the end points are kept, as a share of the bounds' width:
 # on the bound the logit is infinite and a warm start would turn to NaN.
@@ -135,7 +136,9 @@ class HybridInvariantPolicy(AbstractPolicy):
         """z1 after the impact and at the guard (m)."""
         return self.z_start, self.z_guard
 
-    def matched(self, robot: "PlanarBiped") -> "HybridInvariantPolicy":
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+    ) -> "HybridInvariantPolicy":
         """Recompute start of the step and cubic from the robot's impact at the guard."""
         width = self.upper - self.lower
         inner_lower = self.lower + END_POINT_MARGIN * width
@@ -144,7 +147,7 @@ class HybridInvariantPolicy(AbstractPolicy):
         guard = _foot_on_ground(robot, self.z_guard, guard)
         q = lift(robot, jnp.asarray(self.z_guard), guard)
         dq = lift(robot, jnp.ones_like(q[0]), jnp.asarray(self.guard_slopes))
-        after = robot.impact(q, dq)
+        after = _after_impact(robot, q, dq, reset_residual)
         speed = robot.hip_gradient @ after.dq
         start, start_slopes = after.q[1:], after.dq[1:] / speed
         z_start = robot.hip_gradient @ after.q
@@ -183,6 +186,21 @@ class HybridInvariantPolicy(AbstractPolicy):
 @eqx.filter_jit
 def _match(policy: HybridInvariantPolicy, robot: "PlanarBiped") -> HybridInvariantPolicy:
     return policy.matched(robot)
+
+
+def _after_impact(
+    robot: "PlanarBiped",
+    q: Coordinates,
+    dq: Coordinates,
+    reset_residual: AbstractResetResidual | None,
+) -> "Impact":
+    after = robot.impact(q, dq)
+    if reset_residual is None:
+        return after
+    # The rates are those of dz1 = 1 m/s: any z2 gives the same ratios.
+    correction = reset_residual(reset_residual.centre)
+    z2 = angular_momentum(robot, q, dq)
+    return after._replace(dq=rates_after(robot, after.q, after.dq, correction, z2))
 
 
 def _foot_on_ground(robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated) -> Actuated:

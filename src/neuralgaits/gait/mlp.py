@@ -12,6 +12,7 @@ from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.network import Network, scaled_inputs
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.posture import walking_posture
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -73,9 +74,11 @@ class MLPPolicy(AbstractPolicy):
         # The ellipsis keeps NumPy from returning bare scalars.
         return self.start_and_guard[0, ...], self.start_and_guard[1, ...]
 
-    def matched(self, robot: "PlanarBiped") -> "MLPPolicy":
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+    ) -> "MLPPolicy":
         """Nothing follows from the robot: the policy itself."""
-        del robot
+        del robot, reset_residual
         return self
 
     def trainable(self) -> "MLPPolicy":

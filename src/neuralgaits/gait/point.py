@@ -22,6 +22,7 @@ from neuralgaits.gait.policy import (
     output_jet_and_change,
     refuse_other_joints,
 )
+from neuralgaits.gait.reset_residual import AbstractResetResidual, rates_after
 from neuralgaits.robots import Impact, PlanarBiped, dynamics
 from neuralgaits.robots import impact as impacts
 
@@ -32,11 +33,19 @@ class Point:
     Not a pytree: build it inside the function that is transformed, return arrays.
     """
 
-    def __init__(self, robot: PlanarBiped, policy: AbstractPolicy, residual, z: ZeroState):
-        """Fix robot, policy, optional residual (a function z -> [2]) and state."""
+    def __init__(
+        self,
+        robot: PlanarBiped,
+        policy: AbstractPolicy,
+        residual,
+        z: ZeroState,
+        reset_residual: AbstractResetResidual | None = None,
+    ):
+        """Fix robot, policy, optional residuals (of the flow: a function z -> [2]) and state."""
         self.robot = robot
         self.policy = policy
         self.residual = residual
+        self.reset_residual = reset_residual
         self.z = jnp.asarray(z)
 
     def rate(self, function: Callable[["Point"], Any]) -> tuple[Any, Any]:
@@ -49,7 +58,7 @@ class Point:
         """
 
         def moved(z, q, dq, dz):
-            point = Point(self.robot, self.policy, self.residual, z)
+            point = Point(self.robot, self.policy, self.residual, z, self.reset_residual)
             vars(point).update(q=q, dq=dq, dz=dz)
             return function(point)
 
@@ -192,17 +201,28 @@ class Point:
 
     @cached_property
     def impact(self) -> Impact:
-        """Full state after an impact in this state, and its impulse."""
-        return impacts.impact(self.robot, self.q, self.dq)
+        """Full state after an impact in this state, and its impulse.
+
+        A residual corrects the rates; the impulse is the model's.
+        """
+        after = impacts.impact(self.robot, self.q, self.dq)
+        if self.reset_residual is None:
+            return after
+        correction = self.reset_residual(self.z)
+        dq = rates_after(self.robot, after.q, after.dq, correction, self.z[1])
+        return after._replace(dq=dq)
 
     @cached_property
     def z_after(self) -> ZeroState:
         """Reset map: zero coordinates after an impact in this state. [2]. No solve."""
         q_new = self.robot.relabel @ self.q
         momentum = impacts.momentum_after(self.robot, self.q, self.dq)
-        return jnp.stack([self.robot.hip_gradient @ q_new, -momentum[0]])
+        z1, z2 = self.robot.hip_gradient @ q_new, -momentum[0]
+        if self.reset_residual is not None:
+            z2 = z2 + self.reset_residual(self.z).momentum * self.z[1]
+        return jnp.stack([z1, z2])
 
     @cached_property
     def after(self) -> "Point":
         """The point of the zero dynamics manifold above `z_after`, outputs re-zeroed."""
-        return Point(self.robot, self.policy, self.residual, self.z_after)
+        return Point(self.robot, self.policy, self.residual, self.z_after, self.reset_residual)

@@ -10,6 +10,7 @@ import numpy as np
 
 from neuralgaits._types import Actuated, Scalar, ZeroState
 from neuralgaits.errors import InputError
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -31,11 +32,17 @@ class AbstractPolicy(eqx.Module):
         """z1 at the start of a step and at the guard (m)."""
 
     @abstractmethod
-    def matched(self, robot: "PlanarBiped") -> "AbstractPolicy":
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+    ) -> "AbstractPolicy":
         """The same policy with everything that follows from robot and parameters recomputed.
 
         Training calls it before every evaluation, and once more at the end, so that a stored
         policy evaluates without the robot.
+
+        Args:
+            robot: whose impact it is matched to.
+            reset_residual: corrects that impact.
         """
 
     @abstractmethod

@@ -13,6 +13,7 @@ from neuralgaits._types import Array, Float, FullState, Scalar, ZeroState
 from neuralgaits.gait.coordinates import lift, zero_coordinates
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_jet, refuse_other_joints
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped, dynamics
 from neuralgaits.robots.checks import vector
 
@@ -27,15 +28,18 @@ class ZeroDynamics(eqx.Module):
         robot: the biped.
         policy: desired outputs y_d(z).
         residual: optional function z -> [2] (m/s, N m), or None.
+        reset_residual: optional correction of the reset map, or None.
     """
 
     robot: PlanarBiped
     policy: AbstractPolicy
     residual: Callable[[ZeroState], ZeroState] | None = None
+    reset_residual: AbstractResetResidual | None = None
 
     def point(self, z: ZeroState) -> Point:
         """Everything on the zero dynamics manifold at z, evaluated on demand."""
-        return Point(self.robot, self.policy, self.residual, vector("z", z, 2))
+        state = vector("z", z, 2)
+        return Point(self.robot, self.policy, self.residual, state, self.reset_residual)
 
     def zdot(self, z: ZeroState) -> ZeroState:
         """Rate of the zero dynamics. Returns: [2] (m/s, N m). Source: paper Eq. 4."""

@@ -1,0 +1,65 @@
+"""What a residual of the reset map is, and how it enters the state after an impact.
+
+A residual of the flow cannot repair the impact (LESSONS 36). Rates after a plastic impact are
+linear in those before it, and on the zero dynamics manifold these are proportional to z2; so a
+correction is per unit of z2 before the impact. Positions are only relabelled: nothing to correct.
+"""
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from neuralgaits._types import Actuated, Coordinates, Scalar, ZeroState
+from neuralgaits.robots.dynamics import angular_momentum
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+
+class ImpactCorrection(NamedTuple):
+    """What is added to the state after the model's impact, per unit of z2 before it."""
+
+    momentum: Scalar
+    """To z2 after the impact [-]."""
+    rates: Actuated
+    """To the rates of the actuated joints, relabelled [rad/(kg m^2)]. [m]"""
+
+
+class AbstractResetResidual(eqx.Module):
+    """Correction of the reset map as a function of the state before the impact."""
+
+    @abstractmethod
+    def __call__(self, z: ZeroState) -> ImpactCorrection:
+        """Correction at z, just before the impact."""
+
+    @property
+    @abstractmethod
+    def centre(self) -> ZeroState:
+        """State before the impact that stands for all: where a policy is matched to it. [2]."""
+
+
+def rates_after(
+    robot: "PlanarBiped", q: Coordinates, dq: Coordinates, correction: ImpactCorrection, z2: Scalar
+) -> Coordinates:
+    """Rates after a corrected impact.
+
+    Joint rates and momentum are corrected; the rate without a motor follows from both.
+
+    Args:
+        robot: the biped.
+        q: coordinates after the impact [rad]. [n]
+        dq: rates after the model's impact [rad/s]. [n]
+        correction: per unit of z2 before the impact.
+        z2: before the impact [kg m^2/s].
+
+    Returns: [n] (rad/s).
+    """
+    joints = dq[1:] + correction.rates * z2
+    still, one = jnp.zeros_like(dq[:1]), jnp.ones_like(dq[:1])
+    others = jnp.concatenate([still, joints])
+    alone = jnp.concatenate([one, jnp.zeros_like(joints)])
+    momentum = angular_momentum(robot, q, dq) + correction.momentum * z2
+    first = (momentum - angular_momentum(robot, q, others)) / angular_momentum(robot, q, alone)
+    return jnp.concatenate([first[None], joints])
