@@ -2221,6 +2221,11 @@ class Checker {
       for (size_t i = parts.size(); i-- > 0;) stack.push_back({parts[i], node.depth + 1});
     }
     if (at != tree.size()) throw Inconsistent{name + " goes on after its last leaf"};
+    if (all.empty()) {
+      found_.verdict = undecided;
+      found_.reason = statement_.claims[0].name + " is not known here";
+      return found_;
+    }
     for (const Box& leaf : leaves) {
       prove(leaf, all, 0);
       if (found_.verdict != proved) break;
@@ -2327,6 +2332,7 @@ struct ProofFile {
   Model model;
   std::map<string, Condition> conditions;
   vector<Statement> statements;
+  bool theorems = false;     // Whether there are any.
   vector<string> unclaimed;  // Conditions without statements on all of their region.
   vector<string> unknown;    // What is claimed and not known here.
 };
@@ -2453,14 +2459,20 @@ void match(ProofFile& file, const Regions& regions) {
         continue;
       }
       const Condition& c = found->second;
-      if (c.region != s.region || c.scale != claim.scale)
-        throw Inconsistent{claim.name + " has the region " + c.region + " and scale " +
-                           brief(c.scale) + " in the spec, " + s.region + " and " +
+      if (c.scale != claim.scale)
+        throw Inconsistent{claim.name + " has the scale " + brief(c.scale) + " in the spec, " +
                            brief(claim.scale) + " in a statement"};
-      if (!among(s.root_box, regions.at(c.region)))
-        throw Inconsistent{"a statement about " + claim.name +
-                           " whose root is no box of the region " + s.region};
-      claimed[claim.name].push_back(s.root_box);
+      // A theorem may need a condition beyond its region, under a name that is no region's.
+      const bool elsewhere = file.theorems && !regions.count(s.region);
+      if (!elsewhere) {
+        if (c.region != s.region)
+          throw Inconsistent{claim.name + " has the region " + c.region + " in the spec, " +
+                             s.region + " in a statement"};
+        if (!among(s.root_box, regions.at(c.region)))
+          throw Inconsistent{"a statement about " + claim.name +
+                             " whose root is no box of the region " + s.region};
+        claimed[claim.name].push_back(s.root_box);
+      }
       if (c.unknown.empty()) claim.condition = &c;
       else file.unknown.push_back(claim.name + " (" + c.unknown + ")");
     }
@@ -2492,6 +2504,7 @@ ProofFile proof_of(const Json& table) {
   for (const Json& theorem : list_of(*table.find("theorems"), "the theorems")) {
     const int level = integer_of(field(theorem, "a theorem", "level"), "a level");
     file.unknown.push_back("a theorem of level " + std::to_string(level));
+    file.theorems = true;
   }
 
   string written;
@@ -2507,12 +2520,14 @@ ProofFile proof_of(const Json& table) {
   const int joints = file.model.robot.joints();
   file.model.policy = policy_of(*model.find("policy"), joints, program.constants);
   file.model.tube = tube_of(*model.find("tube"), file.model.policy, program.constants);
+  // Other parameters belong to theorems, and enter their outputs alone.
   for (const auto& [name, constant] : program.constants) {
     const size_t dot = name.find('.');
     const string owner = name.substr(0, dot);
-    const Json* arrays = owner == "policy" ? model.find("policy")->find("arrays")
-                                           : owner == "tube" ? model.find("tube") : nullptr;
-    if (dot == string::npos || !arrays || !arrays->find(name.substr(dot + 1)))
+    const bool tube = owner == "tube";
+    if (file.theorems && !tube && owner != "policy") continue;
+    const Json& arrays = tube ? *model.find("tube") : *model.find("policy")->find("arrays");
+    if (dot == string::npos || !arrays.find(name.substr(dot + 1)))
       throw Inconsistent{"the Program has the parameter " + name + ", which the model has not"};
   }
   Regions regions;
