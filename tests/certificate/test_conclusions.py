@@ -21,6 +21,9 @@ from neuralgaits.certificate.theorems import (
 SHAPE = WalkingSet(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), ("torso",), ("torso", "force", "foot"))
 ORBIT = Orbit(
     unit=100.0,
+    attraction="contraction",
+    guard_from=0.9985,
+    guard_to=1.001,
     lower=(0.9, 0.1),
     upper=(0.91, 0.1),
     expansion=(0.05, -0.3, 0.02),
@@ -33,7 +36,7 @@ BOXES = [
     ("foot", (1.0, 0.0), (1.0, 1.0)),
     ("width", (0.0, 0.0), (1.0, 0.0)),
 ]
-SETS = [*walking_premises(SHAPE), *safe_premises(SHAPE), *orbit_premises(SHAPE)]
+SETS = [*walking_premises(SHAPE), *safe_premises(SHAPE), *orbit_premises(SHAPE, ORBIT)]
 CONSTANTS = {
     "set/reset-phase": -5e-4,
     "orbit/gain": -0.8,

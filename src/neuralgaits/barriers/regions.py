@@ -16,6 +16,7 @@ from numpy.polynomial.chebyshev import chebder, poly2cheb
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -108,10 +109,15 @@ class Tube(eqx.Module):
 
 
 def chebyshev(x: Scalar, size: int) -> Float[Array, " k"]:
-    """Chebyshev polynomials T_0 .. T_(size - 1). Returns: [size]."""
+    """Chebyshev polynomials T_0 .. T_(size - 1). Returns: [size].
+
+    T_(m + n) = 2 T_m T_n - T_(m - n) with m and n near half: an error in a bound grows with the
+    square of the degree as the polynomials' slopes do. The recurrence lets it grow like 2.4^k.
+    """
     values = [jnp.ones_like(x), x]
     while len(values) < size:
-        values.append(2.0 * x * values[-1] - values[-2])
+        m, n = (len(values) + 1) // 2, len(values) // 2
+        values.append(2.0 * values[m] * values[n] - values[m - n])
     return jnp.stack(values[:size])
 
 
@@ -145,9 +151,11 @@ class Gait(eqx.Module):
         low, high = self.tube.fences(self.phase(z[0]))
         return (0.5 * z[1] * z[1] - low) / (high - low)
 
-    def matched(self, robot: "PlanarBiped") -> "Gait":
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+    ) -> "Gait":
         """The gait with everything that follows from robot and parameters recomputed."""
-        return Gait(self.policy.matched(robot), self.tube)
+        return Gait(self.policy.matched(robot, reset_residual), self.tube)
 
     def trainable(self) -> "Gait":
         """A tree of booleans: True where training may move a leaf."""

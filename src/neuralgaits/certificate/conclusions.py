@@ -169,13 +169,16 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         orbit: thin tube and bounds on the expansion.
         bounds: what is proved.
     """
-    missing = _missing(orbit_premises(shape), bounds)
+    missing = _missing(orbit_premises(shape, orbit), bounds)
+    first, last = shape.ends
+    if missing is None and not shape.falling < orbit.guard_from < orbit.guard_to <= last:
+        missing = "the thin tube's guard is not where the foot falls"
     if missing is not None:
         return Conclusion(3, "undecided", missing, (), {})
-    first, last = shape.ends
     strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    thin = (orbit.guard_from, 0.0), (orbit.guard_to, 1.0)
     gain = -bounds["orbit/gain", *strip]
-    gains = bounds["orbit/reset-gain-low", *strip], -bounds["orbit/reset-gain-high", *strip]
+    gains = bounds["orbit/reset-gain-low", *thin], -bounds["orbit/reset-gain-high", *thin]
     width = -bounds["orbit/width", (first, 0.0), (last, 0.0)]
     over = arb(shape.start_strip) + arb(shape.guard_strip)
     contraction = arb(gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
@@ -190,16 +193,33 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         "z2_at_mid_step_at_most": _above(middle[1]),
         "z2_width_at_most": width,
     }
-    if not contraction < 1:
-        reason = f"the return map is not shown to contract: |P'| <= {_above(contraction):.4g}"
-        return Conclusion(3, "undecided", reason, (), figures)
+    if orbit.attraction == "nested tubes":
+        shrinking = arb(gain) * (2 * over * _end(orbit, shape)).exp()
+        shrinking *= _half_width(orbit, 1.0 - shape.guard_strip)
+        shrinking /= _half_width(orbit, shape.start_strip)
+        figures["tubes_shrink_by_at_most"] = _above(shrinking)
+        why = (
+            "outside a thin tube around the orbit every trajectory gets nearer to it along the "
+            f"step, and by {_above(shrinking):.4f} or less across the impact; inside it the return "
+            f"map contracts by {_above(high):.4f} or less"
+        )
+        if not shrinking < 1:
+            reason = f"tubes around the orbit may widen by {_above(shrinking):.4g} at the impact"
+            return Conclusion(3, "undecided", reason, (), figures)
+    else:
+        why = (
+            "the return map of the section at mid-step contracts by "
+            f"{_above(contraction):.4f} or less on all of T"
+        )
+        if not contraction < 1:
+            reason = f"the return map is not shown to contract: |P'| <= {_above(contraction):.4g}"
+            return Conclusion(3, "undecided", reason, (), figures)
     if not (low > 0 and high < 1):
         reason = f"the multiplier is enclosed in [{_below(low):.4g}, {_above(high):.4g}] only"
         return Conclusion(3, "undecided", reason, (), figures)
     words = (
-        "the return map of the section at mid-step contracts by "
-        f"{figures['contraction_at_most']:.4f} or more on all of T: one periodic orbit, and every "
-        "trajectory of the undisturbed system in T converges to it",
+        f"{why}: there is one periodic orbit, and every trajectory of the undisturbed system in T "
+        "converges to it",
         f"at mid-step the orbit has z2 in [{figures['z2_at_mid_step_at_least']:.6f}, "
         f"{figures['z2_at_mid_step_at_most']:.6f}] kg m^2/s, and is known to {width:.3g} "
         "everywhere",
@@ -227,6 +247,12 @@ def _end(orbit: Orbit, shape: WalkingSet) -> arb:
             around = arb(side, 2.0 * width * (1.0 + 2.0**-50))
             worst += abs(_value(series, around))
     return worst
+
+
+def _half_width(orbit: Orbit, phase: float) -> arb:
+    """Of the thin tube [unit of zeta]; every nested tube is a multiple of it."""
+    x = 2 * arb(phase) - 1
+    return (_value(orbit.upper, x) - _value(orbit.lower, x)) / 2
 
 
 def _integral(series: Sequence[float]) -> arb:

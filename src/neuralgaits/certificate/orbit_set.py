@@ -11,7 +11,7 @@ import numpy as np
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.barriers.regions import chebyshev
-from neuralgaits.certificate.return_map import expansion, landing, slope
+from neuralgaits.certificate.return_map import expansion, landing, slope, state
 from neuralgaits.certificate.theorems import Orbit
 from neuralgaits.gait import ZeroDynamics
 
@@ -47,11 +47,19 @@ def margins(
     parting = expansion(thin, zd, u)
     reset = landing(thin, zd, u)
     level = thin.level(point.z_after)
-    return {
+    nested = {}
+    if orbit.attraction == "nested tubes":
+        nested = {
+            "orbit/nested-above": _narrowing(gait, thin, zd, u, 1),
+            "orbit/nested-below": _narrowing(gait, thin, zd, u, 0),
+        }
+    return nested | {
         "orbit/expansion": _series(orbit.expansion, u[0]) - expansion(gait, zd, u),
         "orbit/gain": jnp.stack([wide_gain, -wide_gain]),
         "orbit/fence-lower": (along - low_slope) / (high - low),
         "orbit/fence-upper": (high_slope - along) / (high - low),
+        "orbit/foot-above": point.foot[1],
+        "orbit/foot-below": -point.foot[1],
         "orbit/reset-level": jnp.stack([level, 1.0 - level]),
         "orbit/inside": jnp.concatenate([ends, 1.0 - ends]),
         "orbit/width": z_low - z_high,
@@ -60,6 +68,20 @@ def margins(
         "orbit/reset-gain-low": reset.gain,
         "orbit/reset-gain-high": -reset.gain,
     }
+
+
+def _narrowing(gait: Gait, thin: Gait, zd: ZeroDynamics, u: Float[Array, "2"], side: int) -> Scalar:
+    """Rate at which a trajectory outside the thin tube gets nearer to it, per phase.
+
+    Distance r is measured from the thin tube's middle in its half widths, so {|r| <= s} is a
+    tube for every s, each inside the next. u[1] goes from the thin tube's fence to the set's.
+    """
+    fences, slopes = thin.tube.fences(u[0]), thin.tube.fence_slopes(u[0])
+    zeta = fences[side] + u[1] * (gait.tube.fences(u[0])[side] - fences[side])
+    middle, middle_slope = 0.5 * (fences[0] + fences[1]), 0.5 * (slopes[0] + slopes[1])
+    along = slope(gait, zd.point(state(gait, u[0], zeta)))
+    widening = (slopes[1] - slopes[0]) / (fences[1] - fences[0])
+    return widening - (along - middle_slope) / (zeta - middle)
 
 
 def _series(coefficients: tuple[float, ...], phase: Scalar) -> Scalar:

@@ -8,9 +8,11 @@ conclusion from the proved bounds. Needs no JAX.
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar, get_args
 
 Corner = tuple[float, float]
+Attraction = Literal["contraction", "nested tubes"]
+"""Why the orbit attracts all of the walking set: see `conclusions.attraction`."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +51,17 @@ class Orbit:
 
     Attributes:
         unit: of zeta [(kg m^2/s)^2].
+        attraction: how it is shown to attract the walking set.
+        guard_from, guard_to: phases between which the thin tube meets the ground.
         lower, upper: fences of the thin tube, zeta in that unit.
         expansion: upper bound of dF/dzeta over the walking set.
         slowest, fastest: bounds of dF/dzeta over the thin tube.
     """
 
     unit: float
+    attraction: Attraction
+    guard_from: float
+    guard_to: float
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     expansion: tuple[float, ...]
@@ -106,25 +113,34 @@ def safe_premises(shape: WalkingSet) -> list[Premise]:
     return [Premise(f"set/value {name}", *whole, sign="not negative") for name in shape.barriers]
 
 
-def orbit_premises(shape: WalkingSet) -> list[Premise]:
+def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
     """Premises of level 3 beside those of level 2."""
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
     strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    before, behind = orbit.guard_from, orbit.guard_to
+    thin_strip = (before, 0.0), (behind, 1.0)
+    between = (shape.start_strip, 0.0), (1.0 - shape.guard_strip, 1.0)
+    nested = ["orbit/nested-above", "orbit/nested-below"]
+    if orbit.attraction == "contraction":
+        nested = []
     return [
+        *(Premise(output, *between) for output in nested),
         Premise("orbit/expansion", *whole, sign="not negative"),
         Premise("orbit/gain", *strip, sign="any"),
         Premise("orbit/fence-lower", *lower),
         Premise("orbit/fence-upper", *upper),
         Premise("orbit/inside", *lower),
         Premise("orbit/inside", *upper),
-        Premise("orbit/reset-level", *strip),
+        Premise("orbit/foot-above", (before, 0.0), (before, 1.0)),
+        Premise("orbit/foot-below", (behind, 0.0), (behind, 1.0)),
+        Premise("orbit/reset-level", *thin_strip),
         Premise("orbit/width", *lower, sign="any"),
         Premise("orbit/slowest", *whole, sign="not negative"),
         Premise("orbit/fastest", *whole, sign="not negative"),
-        Premise("orbit/reset-gain-low", *strip),
-        Premise("orbit/reset-gain-high", *strip, sign="any"),
+        Premise("orbit/reset-gain-low", *thin_strip),
+        Premise("orbit/reset-gain-high", *thin_strip, sign="any"),
     ]
 
 
@@ -228,6 +244,10 @@ def _value(given: Any, kind: str, name: str) -> Any:
     if not isinstance(given, str):
         raise ValueError(f"{given!r} for {name}")
     if kind == "str":
+        return given
+    if kind == "Attraction":
+        if given not in get_args(Attraction):
+            raise ValueError(f"{given!r} for {name}")
         return given
     number = float.fromhex(given)
     if not math.isfinite(number):

@@ -186,7 +186,7 @@ def _premises(spec: GaitSpec, sets: Sets) -> Iterator[tuple[str, str, Corner, Co
     for output, low, high, _ in found:
         yield SET, output, low, high
     if sets.orbit is not None:
-        for output, low, high, _ in orbit_premises(sets.walking):
+        for output, low, high, _ in orbit_premises(sets.walking, sets.orbit):
             yield _ORBIT_LABELS.get(output, "orbit"), output, low, high
 
 
