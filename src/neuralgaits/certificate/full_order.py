@@ -23,7 +23,7 @@ Quantities = dict[str, Vector]
 
 
 def output_coordinates(xi: Vector, bandwidth: float) -> Vector:
-    """eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
+    """Outputs eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
     rate, mixed = jnp.split(xi, 2)
     return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
 

@@ -5,14 +5,12 @@ only if it is certain; where one does not, it is the obstacle, and by how much i
 argument is in docs/full_order.md. Needs no JAX.
 """
 
-from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from flint import arb, fmpq
 
 from neuralgaits.certificate.conclusions import Bounds, Conclusion
 from neuralgaits.certificate.full_order_theorem import (
-    DECAY,
     STIFF,
     BarrierConstants,
     FullOrder,
@@ -128,7 +126,7 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
 
 
 def tightening(barrier: BarrierConstants) -> arb:
-    """t = l_P^2 / (4 sigma): h >= t + sigma V keeps what the robot reads above zero."""
+    """The t = l_P^2 / (4 sigma) for which h >= t + sigma V keeps what the robot reads positive."""
     return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
 
 
@@ -223,13 +221,15 @@ def _words(shape: FullOrder) -> tuple[str, ...]:
     )
     return (
         f"D is every full state with phase from {first:.5g} to {last:.5g}, swing foot on or above "
-        f"the ground, sqrt(V) <= {shape.radius:.4g} exp(-{shape.shrink:.4g} phase^2) rad, and {steps}",
-        f"under exact input-output linearisation with a double pole at {shape.bandwidth:g} rad/s, in "
-        "continuous time, every trajectory that starts in D stays in D between impacts, meets the "
-        "ground once and transversally in each step, and is in D after the impact: it walks for ever",
-        f"all along, {', '.join(names)} are not negative on the robot itself, outputs included; the "
-        "contact force stays in the friction cone, so does every impulse, and torques stay within "
-        "the robot's limits",
+        f"the ground, sqrt(V) <= {shape.radius:.4g} exp(-{shape.shrink:.4g} phase^2) rad, and "
+        f"{steps}",
+        "under exact input-output linearisation with a double pole at "
+        f"{shape.bandwidth:g} rad/s, in continuous time, every trajectory that starts in D stays "
+        "in D between impacts, meets the ground once and transversally in each step, and is in D "
+        "after the impact: it walks for ever",
+        f"all along, {', '.join(names)} are not negative on the robot itself, outputs included; "
+        "the contact force stays in the friction cone, so does every impulse, and torques stay "
+        "within the robot's limits",
     )
 
 

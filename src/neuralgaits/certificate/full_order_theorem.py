@@ -105,7 +105,7 @@ def lyapunov(bandwidth: float) -> tuple[tuple[Fraction, Fraction], tuple[Fractio
 
 
 def lyapunov_rate(bandwidth: float) -> Fraction:
-    """gamma [1/s]: V falls at least at this rate."""
+    """Rate gamma at which V falls at least [1/s]."""
     return DECAY * Fraction(bandwidth)
 
 

@@ -9,6 +9,7 @@ episode's course does not depend on which others run beside it.
 # MuJoCo ships no type stubs.
 
 import time as clock
+from collections.abc import Callable
 from typing import NamedTuple
 
 import mujoco
@@ -47,6 +48,10 @@ class Episodes(NamedTuple):
     """Time of the loop [s], compilation left out."""
 
 
+Watch = Callable[[Record, Int[np.ndarray, " a"]], None]
+"""(records of a tick, with a leading axis of all episodes; numbers of those still running)."""
+
+
 class Noise:
     """Standard normal draws for the sensors of each episode, by seed and episode number."""
 
@@ -74,6 +79,7 @@ def run(
     noise: Noise,
     threads: int,
     record: bool = False,
+    watch: Watch | None = None,
 ) -> Episodes:
     """Run every episode to its end.
 
@@ -86,6 +92,7 @@ def run(
         noise: of the sensors.
         threads: at most this many threads step MuJoCo.
         record: keep records and states of episode 0.
+        watch: called after each control tick.
 
     Returns: `Episodes`.
     """
@@ -101,6 +108,8 @@ def run(
         reading = pack(world.reading(terrain.levels, noise.next()))
         carry, packed, found = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
+        if watch is not None:
+            watch(batch.record_of(found), active)
         if record and endings[0] == Ending.RUNNING:
             records.append(np.asarray(found)[0])
             seen.append(world.states[0].copy())

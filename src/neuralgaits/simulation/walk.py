@@ -18,7 +18,7 @@ from neuralgaits.simulation import lockstep
 from neuralgaits.simulation.batch import compile_batch
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.falls import FallConfig
-from neuralgaits.simulation.lockstep import Episodes, Noise
+from neuralgaits.simulation.lockstep import Episodes, Noise, Watch
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.terrain import Terrain
@@ -68,6 +68,7 @@ def walk(
     seed: int = 0,
     falls: FallConfig | None = None,
     record: bool = False,
+    watch: Watch | None = None,
     threads: int | None = None,
 ) -> Walk:
     """Walk from each start.
@@ -85,6 +86,7 @@ def walk(
         seed: of everything random.
         falls: thresholds of a fall.
         record: keep records and states of episode 0.
+        watch: called after each control tick, see `lockstep`.
         threads: threads that step MuJoCo, all cores if None.
 
     Raises: InputError if something does not fit.
@@ -112,6 +114,7 @@ def walk(
         noise=_noise(field, seed, count),
         threads=_cores() if threads is None else threads,
         record=record,
+        watch=watch,
     )
     return Walk(robot, field, law, episodes)
 

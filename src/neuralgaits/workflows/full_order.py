@@ -1,7 +1,7 @@
 """The full-order theorem for a run (level 4): constants found at points, premises proved."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,0 +1,164 @@
+"""Walks of the rigid model under exact input-output linearisation, in continuous time.
+
+Outputs are known in closed form at every time, eta(t) = exp(A t) eta(0), so only z is integrated;
+the phase takes the place of time, so that a batch reaches the guard together. No sampled control,
+no compliant contact: this is the system that the full-order theorem speaks of.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Float, Scalar, ZeroState
+from neuralgaits.barriers import Gait
+from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.robots import PlanarBiped
+
+NODES = 80
+"""Fourth-order steps from the start of a step to near the guard: z2 is then right to 1e-8."""
+LAST_PHASE = 0.97
+"""Phase from which the guard is looked for."""
+SECANTS = 8
+"""Secant steps to the guard: the foot is then within rounding of the ground."""
+
+Observe = Callable[[FullPoint], Float[Array, " k"]]
+"""Numbers of which the least along a walk is kept."""
+
+
+class ExactWalk(NamedTuple):
+    """What a walk came to."""
+
+    least: Float[Array, " k"]
+    """Least of each observed number along the walk. [k]"""
+    z: ZeroState
+    """After the last impact (m, kg m^2/s). [2]"""
+    eta: Float[Array, " two_m"]
+    """After the last impact (rad, rad/s). [2m]"""
+    foot: Scalar
+    """Largest |foot height| at which an impact was found [m]."""
+    duration: Scalar
+    """Of the walk [s]."""
+
+
+class ExactOutputs(eqx.Module):
+    """A gait under exact input-output linearisation.
+
+    Attributes:
+        robot: the rigid model.
+        gait: policy, and the tube whose phase is used.
+        bandwidth: double pole of the outputs [rad/s].
+    """
+
+    robot: PlanarBiped
+    gait: Gait
+    bandwidth: float = eqx.field(static=True)
+
+    def point(self, z: ZeroState, eta: Float[Array, " two_m"]) -> FullPoint:
+        """The robot in a state."""
+        return FullPoint(self.robot, self.gait.policy, z, eta, self.bandwidth)
+
+    def outputs(self, eta: Float[Array, " two_m"], time: Scalar) -> Float[Array, " two_m"]:
+        """exp(A t) eta (rad, rad/s). [2m]."""
+        y, dy = jnp.split(eta, 2)
+        w = self.bandwidth
+        pull = dy + w * y
+        fade = jnp.exp(-w * time)
+        return jnp.concatenate([fade * (y + pull * time), fade * (dy - w * pull * time)])
+
+    def advance(self, state: "_Swing", to: Scalar) -> "_Swing":
+        """Integrate to a phase by one step of the classical fourth-order method."""
+
+        def slope(phase, moving):
+            z = jnp.stack([self._z1(phase), moving[0]])
+            point = self.point(z, self.outputs(state.eta, moving[1]))
+            start, guard = self.gait.span
+            return jnp.stack([point.dz[1], jnp.ones(())]) * (guard - start) / point.dz[0]
+
+        h = to - state.phase
+        y = jnp.stack([state.z2, state.time])
+        k1 = slope(state.phase, y)
+        k2 = slope(state.phase + 0.5 * h, y + 0.5 * h * k1)
+        k3 = slope(state.phase + 0.5 * h, y + 0.5 * h * k2)
+        k4 = slope(to, y + h * k3)
+        z2, time = y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        return _Swing(to, z2, time, state.eta)
+
+    def at(self, state: "_Swing") -> FullPoint:
+        """The robot at a moment of the swing."""
+        z = jnp.stack([self._z1(state.phase), state.z2])
+        return self.point(z, self.outputs(state.eta, state.time))
+
+    def _z1(self, phase: Scalar) -> Scalar:
+        start, guard = self.gait.span
+        return start + phase * (guard - start)
+
+
+class _Swing(NamedTuple):
+    """A moment of a swing: time and eta are those since its start and at its start."""
+
+    phase: Scalar
+    z2: Scalar
+    time: Scalar
+    eta: Float[Array, " two_m"]
+
+
+def walk_exactly(
+    system: ExactOutputs,
+    observe: Observe,
+    z: ZeroState,
+    eta: Float[Array, " two_m"],
+    steps: int,
+) -> ExactWalk:
+    """Walk from a state in mid-step through some impacts. Use `jax.vmap` for batches."""
+
+    def step(carry, _):
+        z, eta, before, foot, duration = carry
+        swing = _Swing(system.gait.phase(z[0]), z[1], jnp.zeros(()), eta)
+        swing, least = _to_last_phase(system, observe, swing)
+        swing = _to_guard(system, swing)
+        point = system.at(swing)
+        least = jnp.minimum(jnp.minimum(before, least), observe(point))
+        foot = jnp.maximum(foot, jnp.abs(point.foot[1]))
+        return (point.z_after, point.eta_after, least, foot, duration + swing.time), None
+
+    zero = jnp.zeros(())
+    count = jax.eval_shape(lambda: observe(system.point(z, eta))).shape
+    first = (z, eta, jnp.full(count, jnp.inf), zero, zero)
+    (z, eta, least, foot, duration), _ = jax.lax.scan(step, first, None, length=steps)
+    least = jnp.minimum(least, observe(system.point(z, eta)))
+    return ExactWalk(least, z, eta, foot, duration)
+
+
+def _to_last_phase(
+    system: ExactOutputs, observe: Observe, swing: _Swing
+) -> tuple[_Swing, Float[Array, " k"]]:
+    """Integrate to `LAST_PHASE`, observing at every node; stay where that is behind."""
+    h = (jnp.maximum(swing.phase, LAST_PHASE) - swing.phase) / NODES
+
+    def node(swing, _):
+        return system.advance(swing, swing.phase + h), observe(system.at(swing))
+
+    swing, seen = jax.lax.scan(node, swing, None, length=NODES)
+    return swing, jnp.min(seen, axis=0)
+
+
+def _to_guard(system: ExactOutputs, swing: _Swing) -> _Swing:
+    """Integrate to where the swing foot is on the ground: secants in the phase."""
+
+    def foot(phase):
+        return system.at(system.advance(swing, phase)).foot[1]
+
+    def secant(carry, _):
+        before, height_before, here = carry
+        height = foot(here)
+        rise = height - height_before
+        # At the root both heights are the same: stay there.
+        move = jnp.where(rise == 0.0, 0.0, height * (here - before) / jnp.where(rise == 0, 1, rise))
+        return (here, height, here - move), None
+
+    first = (swing.phase, foot(swing.phase), jnp.ones(()))
+    (_, _, guard), _ = jax.lax.scan(secant, first, None, length=SECANTS)
+    return system.advance(swing, guard)
