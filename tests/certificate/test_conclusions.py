@@ -162,3 +162,40 @@ def test_theorems_survive_the_file_and_nothing_else_is_read():
     for tables in broken:
         with pytest.raises(ValueError, match=r"."):
             Theorems.read(tables)
+
+
+def nested(**changes):
+    orbit = replace(ORBIT, attraction="nested tubes", **changes)
+    bounds = {(o, low, high): CONSTANTS.get(o, 0.25) for o, low, high, _ in SETS}
+    for output, low, high, _ in orbit_premises(SHAPE, orbit):
+        bounds[output, low, high] = CONSTANTS.get(output, 0.25)
+    return orbit, bounds
+
+
+def test_nested_tubes_attract_although_the_return_map_is_not_shown_to_contract():
+    orbit, bounds = nested(expansion=(0.5,))
+    found = attraction(SHAPE, orbit, bounds)
+    assert found.verdict == "proved"
+    # Gain of the reset times the ratio of the thin tube's widths before and after it.
+    before, after = (
+        chebval(2.0 * phase - 1.0, ORBIT.upper) - chebval(2.0 * phase - 1.0, ORBIT.lower)
+        for phase in (1.0 - SHAPE.guard_strip, SHAPE.start_strip)
+    )
+    shrink = found.figures["tubes_shrink_by_at_most"]
+    assert 0.8 * before / after <= shrink <= 0.8 * before / after * np.exp(2 * 3e-3 * 0.5 * 1.01)
+    assert attraction(SHAPE, replace(orbit, attraction="contraction"), bounds).verdict != "proved"
+
+
+@pytest.mark.parametrize("output", ["orbit/nested-above", "orbit/nested-below", "orbit/gain"])
+def test_nested_tubes_need_every_premise(output):
+    orbit, bounds = nested()
+    kept = {key: value for key, value in bounds.items() if key[0] != output}
+    assert attraction(SHAPE, orbit, kept).verdict == "undecided"
+    zero = {key: 0.0 if key[0] == output else value for key, value in bounds.items()}
+    expected = "proved" if output == "orbit/gain" else "undecided"
+    assert attraction(SHAPE, orbit, zero).verdict == expected
+
+
+def test_tubes_that_widen_at_the_impact_attract_nothing():
+    orbit, bounds = nested(upper=(0.92, 0.11), lower=(0.9, 0.1))
+    assert attraction(SHAPE, orbit, bounds).verdict == "undecided"

@@ -1,5 +1,7 @@
 """Derivative of the return map and the orbit, against integration and finite differences."""
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,6 +12,8 @@ from neuralgaits.barriers import Gait, Tube
 from neuralgaits.certificate import return_map
 from neuralgaits.certificate.find_orbit import find_orbit
 from neuralgaits.certificate.find_set import find_set
+from neuralgaits.certificate.orbit_set import margins, thin_gait
+from neuralgaits.certificate.return_map import slope
 from neuralgaits.workflows.sets import fences_of, look_at
 
 STEPS = 200
@@ -118,3 +122,26 @@ def test_the_orbit_is_the_one_that_integration_finds(trained, look):
     mean = np.polynomial.chebyshev.chebint(orbit.slowest, lbnd=-1.0)
     low = least["orbit/reset-gain-low"] * np.exp(0.5 * np.polynomial.chebyshev.chebval(1.0, mean))
     assert 0.9 * found.multiplier < low < found.multiplier
+
+
+def test_nested_tubes_narrow_as_fast_as_the_flow_says(trained, look):
+    """-d log|r| / dphase along the flow, r the distance from the orbit in half widths."""
+    gait, zd = trained.gait, trained.zero_dynamics
+    found = find_orbit(look, fences_of(gait), float(gait.tube.unit), find_set(trained.spec, look))
+    assert not isinstance(found, str)
+    orbit = replace(found.orbit, attraction="nested tubes")
+    thin = thin_gait(gait, orbit)
+
+    def distance(phase, zeta):
+        low, high = thin.tube.fences(phase)
+        return (2.0 * zeta - low - high) / (high - low)
+
+    for u, side in ((jnp.array([0.3, 0.7]), 1), (jnp.array([0.8, 0.2]), 0)):
+        fence, far = thin.tube.fences(u[0])[side], gait.tube.fences(u[0])[side]
+        zeta = fence + u[1] * (far - fence)
+        f = slope(gait, zd.point(return_map.state(gait, u[0], zeta)))
+        step = 1e-5
+        logs = [jnp.log(jnp.abs(distance(u[0] + h, zeta + h * f))) for h in (step, -step)]
+        rate = float(logs[1] - logs[0]) / (2 * step)
+        name = "orbit/nested-above" if side else "orbit/nested-below"
+        assert float(margins(gait, zd, orbit, u)[name]) == pytest.approx(rate, rel=1e-5)

@@ -240,12 +240,14 @@ def _missing(premises: Sequence[Premise], bounds: Bounds) -> str | None:
 
 
 def _end(orbit: Orbit, shape: WalkingSet) -> arb:
-    """Bound on the expansion series near phases 0 and 1, where a step begins and ends."""
+    """Bound on the expansion series anywhere in T, and so on the strips.
+
+    Where |x| <= X and X >= 1, no Chebyshev polynomial is larger than at X.
+    """
+    edge = 1 + 2 * arb(max(shape.start_strip, shape.guard_strip))
     worst = arb(0)
     for series in (orbit.expansion, orbit.slowest, orbit.fastest):
-        for side, width in ((-1, shape.start_strip), (1, shape.guard_strip)):
-            around = arb(side, 2.0 * width * (1.0 + 2.0**-50))
-            worst += abs(_value(series, around))
+        worst = worst.max(_value([abs(c) for c in series], edge))
     return worst
 
 

@@ -245,7 +245,7 @@ def _value(given: Any, kind: str, name: str) -> Any:
         raise ValueError(f"{given!r} for {name}")
     if kind == "str":
         return given
-    if kind == "Attraction":
+    if kind.startswith("typing.Literal"):
         if given not in get_args(Attraction):
             raise ValueError(f"{given!r} for {name}")
         return given
