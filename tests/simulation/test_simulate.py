@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
+from neuralgaits import logs
 from neuralgaits.barriers import Gait, Tube, specs
 from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.runs import RunFolder
-from neuralgaits.simulation import logs
 from neuralgaits.simulation import video as films
 from neuralgaits.workflows import simulate as workflow
 from neuralgaits.workflows.run import Run
@@ -102,10 +102,10 @@ def test_a_log_that_fails_late_does_not_cost_the_summary(run, walked, tmp_path, 
     assert kept["law"]["stiffness"] == 578.0
 
 
-def test_the_log_is_that_of_the_first_walk(walked):
-    columns = logs.read(walked[1]).columns
-    assert len(columns["t"]) == walked[0].walk.episodes.gauge.ticks[0]
-    assert np.count_nonzero(np.diff(columns["stance"])) == 4
+def test_the_log_is_that_of_the_first_walk(amber, walked):
+    log = logs.read(walked[1], amber).log
+    assert len(log) == walked[0].walk.episodes.gauge.ticks[0]
+    assert np.count_nonzero(np.diff(log.stance)) == 4
 
 
 @pytest.mark.parametrize(

@@ -1,29 +1,27 @@
 """Walking logs: files in and out, and the strides, windows and touchdowns that are learned from."""
 
-from neuralgaits.logs.strides import (
-    SETTLING_S,
-    Cut,
-    Split,
-    Stride,
-    Touchdowns,
-    Windows,
-    cut,
-    split,
-    touchdowns,
-    windows,
-)
+from neuralgaits.logs.reading import Reading, read, read_all
+from neuralgaits.logs.si_format import write
+from neuralgaits.logs.strides import SETTLING_S, Cut, Split, State, Stride, cut, split
 from neuralgaits.logs.table import Log
+from neuralgaits.logs.touchdowns import Touchdowns, touchdowns
+from neuralgaits.logs.windows import Windows, windows
 
 __all__ = [
     "SETTLING_S",
     "Cut",
     "Log",
+    "Reading",
     "Split",
+    "State",
     "Stride",
     "Touchdowns",
     "Windows",
     "cut",
+    "read",
+    "read_all",
     "split",
     "touchdowns",
     "windows",
+    "write",
 ]

@@ -1,7 +1,7 @@
-"""Strides of logged walks: cut at contact changes, split for learning, then cut into windows.
+"""Strides of logged walks: cut at contact changes, then split for learning.
 
-The split comes before the windows. Windows of one stride overlap, so a split of windows would
-put the same samples on both sides of it. Source: LESSONS 18.
+Strides are split, not windows: windows of one stride share samples, which a split of windows
+would put on both sides. Source: LESSONS 18.
 """
 
 from collections.abc import Sequence
@@ -12,9 +12,8 @@ import numpy as np
 
 from neuralgaits._types import Float, Int
 from neuralgaits.errors import InputError
-from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs.table import Log
-from neuralgaits.logs.zero_states import output_states, zero_states
+from neuralgaits.logs.zero_states import zero_states
 from neuralgaits.robots import PlanarBiped
 
 SETTLING_S = 0.02
@@ -23,8 +22,6 @@ LONGEST_STRIDE_S = 2.0
 """A stance phase longer than this is standing, not walking: three to four usual steps."""
 GAP = 2.5
 """Two rows further apart than this many sample periods have a gap between them."""
-LATE = 0.6
-"""A sample of a window is at most this many sample periods off its due time."""
 SHARES = (0.7, 0.15, 0.15)
 """Of all strides: to learn from, to choose by, and to report on."""
 
@@ -88,38 +85,6 @@ class Split(NamedTuple):
     heldout: list[Stride]
 
 
-class Windows(NamedTuple):
-    """N windows of K samples each; none reaches across a touchdown or a gap."""
-
-    t: Float[np.ndarray, "N K"]
-    """Time of the samples, in the clock of their log [s]."""
-    z: Float[np.ndarray, "N K 2"]
-    """Zero dynamics states (m, kg m^2/s)."""
-    stride: Int[np.ndarray, " N"]
-    """Index of each window's stride in the list the windows were cut from."""
-
-
-class Touchdowns(NamedTuple):
-    """N touchdowns: the state just before each, and once the contact has settled."""
-
-    q_before: Float[np.ndarray, "N n"]
-    """Coordinates in the last row before the touchdown, old stance leg first [rad]."""
-    dq_before: Float[np.ndarray, "N n"]
-    """Rates likewise [rad/s]."""
-    z_before: Float[np.ndarray, "N 2"]
-    """Zero dynamics states (m, kg m^2/s)."""
-    eta_before: Float[np.ndarray, "N two_m"]
-    """Outputs and their rates (rad, rad/s)."""
-    z_after: Float[np.ndarray, "N 2"]
-    """SETTLING_S after the touchdown, in the new stance."""
-    eta_after: Float[np.ndarray, "N two_m"]
-    """Likewise."""
-    after_s: Float[np.ndarray, " N"]
-    """Time from the state before to the state after [s]: z has flowed on for as long."""
-    stride: Int[np.ndarray, " N"]
-    """Index of the stride that each touchdown ends."""
-
-
 def cut(logs: Sequence[Log], robot: PlanarBiped) -> Cut:
     """Cut logs into strides.
 
@@ -168,81 +133,6 @@ def split(
     first, second = small[0], sum(small)
     parts = order[second:], order[:first], order[first:second]
     return Split(*([strides[i] for i in sorted(part)] for part in parts))
-
-
-def windows(
-    strides: Sequence[Stride], *, samples: int = 3, step: float = 0.01, every: float | None = None
-) -> Windows:
-    """Windows of evenly spaced samples.
-
-    Each sample is the row nearest to its due time; its true time is kept.
-
-    Args:
-        strides: to cut; samples of a window lie in one piece of one stride.
-        samples: of a window.
-        step: time between two samples (s).
-        every: time between the starts of two windows (s); `step` if None.
-
-    Raises: InputError if `samples` or a time makes no sense.
-    """
-    every = step if every is None else every
-    if samples < 2 or not (step > 0.0 and every > 0.0):
-        raise InputError(
-            f"windows: expected at least 2 samples and positive times, found {samples} samples, "
-            f"step {step:g} s, every {every:g} s"
-        )
-    times, states, owners = [], [], []
-    for index, stride in enumerate(strides):
-        picked = _picked(stride, samples, step, every)
-        times.append(stride.t[picked])
-        states.append(stride.z[picked])
-        owners.append(np.full(len(picked), index))
-    return Windows(
-        np.concatenate([np.zeros((0, samples)), *times]),
-        np.concatenate([np.zeros((0, samples, 2)), *states]),
-        np.concatenate([np.zeros(0, dtype=int), *owners]),
-    )
-
-
-def touchdowns(strides: Sequence[Stride], zd: ZeroDynamics) -> Touchdowns:
-    """Touchdowns that end the strides, seen before and after.
-
-    Args:
-        strides: those without a landing are passed over.
-        zd: robot and policy that walked, which say what z and eta are.
-    """
-    n = zd.robot.n
-    seen = [
-        (index, stride.landing, stride.landed)
-        for index, stride in enumerate(strides)
-        if stride.landing is not None and stride.landed is not None
-    ]
-    before = _stacked([landing for _, landing, _ in seen], n)
-    after = _stacked([landed for _, _, landed in seen], n)
-    return Touchdowns(
-        q_before=before.q,
-        dq_before=before.dq,
-        z_before=zero_states(zd.robot, before.q, before.dq),
-        eta_before=output_states(zd, before.q, before.dq),
-        z_after=zero_states(zd.robot, after.q, after.dq),
-        eta_after=output_states(zd, after.q, after.dq),
-        after_s=after.t - before.t,
-        stride=np.array([index for index, _, _ in seen], dtype=int),
-    )
-
-
-class _States(NamedTuple):
-    t: Float[np.ndarray, " N"]
-    q: Float[np.ndarray, "N n"]
-    dq: Float[np.ndarray, "N n"]
-
-
-def _stacked(states: Sequence[State], n: int) -> _States:
-    return _States(
-        np.array([state.t for state in states]),
-        np.array([state.q for state in states]).reshape(-1, n),
-        np.array([state.dq for state in states]).reshape(-1, n),
-    )
 
 
 def _phases(log: Log) -> list[Int[np.ndarray, " k"]]:
@@ -294,16 +184,3 @@ def _stride(
 
 def _state(log: Log, row: int) -> State:
     return State(float(log.t[row]), log.q[row], log.dq[row])
-
-
-def _picked(stride: Stride, samples: int, step: float, every: float) -> Int[np.ndarray, "w K"]:
-    """Rows of each window of one stride."""
-    starts = np.arange(stride.t[0], stride.t[-1], every)
-    due = starts[:, None] + step * np.arange(samples)
-    right = np.clip(np.searchsorted(stride.t, due), 1, len(stride.t) - 1)
-    nearer_left = due - stride.t[right - 1] < stride.t[right] - due
-    rows = np.where(nearer_left, right - 1, right)
-    on_time = np.all(np.abs(stride.t[rows] - due) <= LATE * stride.period_s, axis=1)
-    together = stride.piece[rows[:, 0]] == stride.piece[rows[:, -1]]
-    distinct = np.all(np.diff(rows, axis=1) > 0, axis=1)
-    return rows[on_time & together & distinct]

@@ -9,13 +9,14 @@ from typing import Any
 import jax
 import numpy as np
 
+from neuralgaits import logs
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import plain
-from neuralgaits.simulation import logs
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.disturbance import Disturbance, parse
+from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, walk
@@ -156,6 +157,6 @@ def _check_writable(path: Path) -> None:
 def _write_outputs(walked: Walk, log: str | Path | None, film: str | Path | None) -> None:
     episodes = walked.episodes
     if log is not None and episodes.record is not None:
-        logs.write(Path(log), logs.of_record(walked.robot, episodes.record))
+        logs.write(Path(log), log_of(walked.robot, episodes.record, "episode 0"))
     if film is not None:
         films.write(Path(film), walked.plant, episodes.states, episodes.floors)

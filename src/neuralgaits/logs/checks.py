@@ -1,0 +1,180 @@
+"""Whether a log can be what it says: times, ranges, units, and the robot it is from.
+
+What is wrong throughout is refused in one line; single rows that cannot be true are outliers,
+reported and left to the caller to leave out.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float, Int
+from neuralgaits.errors import InputError
+from neuralgaits.logs.labels import Labels
+from neuralgaits.logs.table import Log
+from neuralgaits.logs.zero_states import zero_states
+from neuralgaits.robots import PlanarBiped
+
+PERIODS_S = (1e-4, 5e-2)
+"""Sample periods of a walking robot's log: slower and no contact is seen in time [s]."""
+JOINT_SLACK_RAD = 0.1
+"""Joints reach this far past their range: stops give way, and encoders have offsets."""
+FASTEST_RAD_S = 40.0
+"""No joint of a walking robot turns faster, a fall included: eight times AMBER-3M's motors."""
+FASTEST_DESIRED_RAD_S = 100.0
+"""Desired rates beyond this stop the authors' own controller."""
+LARGEST_TORQUE = 10.0
+"""Commanded torques before saturation stay below this many torque limits."""
+FASTEST_FALL = 3.0
+"""|z2| stays below this many mass * leg length * sqrt(g leg length)."""
+OUTLIER_SHARE = 0.01
+"""More rows than this out of range, and the column is wrong, not the row."""
+OUTLIER_RUN = 5
+"""So many bad rows one after another, and it is no outlier any more."""
+RATE_RATIO = (0.4, 2.5)
+"""Slopes of the angles over the rates beside them: 1 but for noise."""
+SLOWEST_RMS_RAD_S = 0.05
+"""A column of rates below this says nothing about units: the joint is at rest."""
+Z1_TOLERANCE_M = 1e-3
+Z2_TOLERANCE = 0.02
+"""Of the median |z2|: contact creep leaves 0.4 %, the mass of another torso 3 %."""
+
+
+class _Range(NamedTuple):
+    name: str
+    values: Float[np.ndarray, " k"]
+    low: float
+    high: float
+    unit: str
+
+
+def check(log: Log, robot: PlanarBiped, labels: Labels) -> Bool[np.ndarray, " k"]:
+    """Refuse a log that cannot be used. Returns: which rows are within all ranges, [k].
+
+    Raises: InputError naming file, row, column and remedy.
+    """
+    if len(log) < 2:
+        raise InputError(f"log {log.source}: expected a walk, found {len(log)} rows: walk longer")
+    _check_times(log, labels)
+    good = np.ones(len(log), dtype=bool)
+    for part in _ranges(log, robot):
+        bad = ~((part.values >= part.low) & (part.values <= part.high))
+        if bad.any():
+            _refuse_many(log, labels, part, bad)
+            good &= ~bad
+    _check_rates(log, labels, good)
+    _check_model(log, robot, good)
+    return good
+
+
+def _where(log: Log, labels: Labels, row: int, name: str) -> str:
+    column = labels.get(name, (name, name))[log.stance[row]]
+    return f"log {log.source}, row {log.rows[row]}, column {column}"
+
+
+def _check_times(log: Log, labels: Labels) -> None:
+    steps = np.diff(log.t)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        row = int(back[0]) + 1
+        what = "the same time again" if steps[back[0]] == 0.0 else "a step back"
+        raise InputError(
+            f"{_where(log, labels, row, 't')}: expected a time after {log.t[row - 1]:.6g} s, found "
+            f"{log.t[row]:.6g} s, {what}: delete repeated rows, and split the file where a new "
+            "recording begins"
+        )
+    shortest, longest = PERIODS_S
+    period = log.period_s
+    if not shortest <= period <= longest:
+        off = "seconds where milliseconds belong" if period < shortest else "milliseconds"
+        raise InputError(
+            f"{_where(log, labels, 1, 't')}: expected rows {1e3 * shortest:g} to "
+            f"{1e3 * longest:g} ms apart, found {1e3 * period:g} ms: convert the times if they "
+            f"are {off}, or log faster"
+        )
+
+
+def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
+    names, actuated = log.joint_names, log.joint_names[1:]
+    turn = np.pi
+    lower = np.concatenate([[-turn], robot.joint_lower - JOINT_SLACK_RAD])
+    upper = np.concatenate([[turn], robot.joint_upper + JOINT_SLACK_RAD])
+    for i, name in enumerate(names):
+        yield _Range(f"q_{name}", log.q[:, i], float(lower[i]), float(upper[i]), "rad")
+        yield _Range(f"dq_{name}", log.dq[:, i], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+    fastest = FASTEST_DESIRED_RAD_S
+    for i, name in enumerate(actuated):
+        most = LARGEST_TORQUE * float(robot.torque_limit[i])
+        yield _Range(f"qd_{name}", log.qd[:, i], -turn, turn, "rad")
+        yield _Range(f"dqd_{name}", log.dqd[:, i], -fastest, fastest, "rad/s")
+        yield _Range(f"tau_{name}", log.tau[:, i], -most, most, "N m")
+    yield _Range("pitch", log.pitch, -turn, turn, "rad")
+    yield _Range("dpitch", log.dpitch, -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+    if log.z is not None:
+        reach = float(np.abs(robot.hip_gradient).sum()) * turn
+        length = robot.leg_length
+        fall = FASTEST_FALL * float(robot.mass) * length * np.sqrt(float(robot.gravity) * length)
+        yield _Range("z1", log.z[:, 0], -reach, reach, "m")
+        yield _Range("z2", log.z[:, 1], -fall, fall, "kg m^2/s")
+
+
+def _refuse_many(log: Log, labels: Labels, part: _Range, bad: Bool[np.ndarray, " k"]) -> None:
+    """Refuse a column with more than outliers out of range."""
+    rows = np.flatnonzero(bad)
+    run = _longest_run(rows)
+    if rows.size <= max(1, OUTLIER_SHARE * len(log)) and run <= OUTLIER_RUN:
+        return
+    first = int(rows[0])
+    raise InputError(
+        f"{_where(log, labels, first, part.name)}: expected {part.low:.3g} to {part.high:.3g} "
+        f"{part.unit}, found {part.values[first]:.4g} and {rows.size} rows like it: convert the "
+        f"column to {part.unit}, or give a log of this robot"
+    )
+
+
+def _longest_run(rows: Int[np.ndarray, " b"]) -> int:
+    """Length of the longest run of consecutive numbers."""
+    ends = np.flatnonzero(np.diff(rows, append=rows[-1] + 2) != 1)
+    return int(np.max(np.diff(ends, prepend=-1)))
+
+
+def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None:
+    """Angles must rise at the rates beside them: else times, angles or rates are off."""
+    stays = good[1:] & good[:-1] & (np.diff(log.stance) == 0)
+    span = np.diff(log.t)[stays]
+    lowest, highest = RATE_RATIO
+    for i, name in enumerate(log.joint_names):
+        rate = (0.5 * (log.dq[1:, i] + log.dq[:-1, i]))[stays]
+        slope = np.diff(log.q[:, i])[stays] / span
+        # Spikes go, and their weight with them.
+        usual = np.abs(slope) < FASTEST_RAD_S
+        rate, slope = rate[usual], slope[usual]
+        if not rate.size or np.sqrt(np.mean(rate**2)) < SLOWEST_RMS_RAD_S:
+            continue
+        ratio = float(rate @ slope / (rate @ rate))
+        if not lowest <= ratio <= highest:
+            raise InputError(
+                f"{_where(log, labels, 1, f'dq_{name}')}: expected the rate at which the angle "
+                f"changes, found angles that change {ratio:.3g} times as fast: bring times, "
+                "angles and rates to s, rad and rad/s"
+            )
+
+
+def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> None:
+    """The z columns are those of the run's own model, so they tell its robot from another."""
+    if log.z is None or not good.any():
+        return
+    z = zero_states(robot, log.q[good], log.dq[good])
+    error = np.median(np.abs(z - log.z[good]), axis=0)
+    usual = float(np.median(np.abs(z[:, 1])))
+    for found, allowed, name in (
+        (error[0], Z1_TOLERANCE_M, "z1[m]"),
+        (error[1], Z2_TOLERANCE * usual, "z2[kg m^2/s]"),
+    ):
+        if found > allowed:
+            raise InputError(
+                f"log {log.source}, row {log.rows[np.flatnonzero(good)[0]]}, column {name}: "
+                f"expected z of robot {robot.name} within {allowed:.3g}, found columns that "
+                f"differ by {found:.3g} in the median: give a log of a run on this robot"
+            )

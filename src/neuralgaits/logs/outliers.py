@@ -1,0 +1,43 @@
+"""Single rows that stand out from their neighbours: glitches of an encoder or of the link to it.
+
+A row is an outlier if an angle or rate is far from the median of the rows around it. Far is both
+a length no robot moves in that time and a multiple of the log's own noise. Source: Hampel (1974),
+the median filter; Pearson et al. (2016), Generalized Hampel filters.
+"""
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float
+from neuralgaits.logs.table import Log
+
+NEIGHBOURS = 3
+"""Rows on either side."""
+NOISES = 6.0
+"""In robust standard deviations of the log's own scatter about its running median."""
+ANGLE_RAD = 0.02
+RATE_RAD_S = 1.0
+"""Less than this is no outlier: joints jerk so much within three rows at 1 kHz."""
+# Standard deviation of normal noise over the median of its absolute value.
+_NORMAL = 1.4826
+
+
+def outliers(log: Log) -> Bool[np.ndarray, " k"]:
+    """Which rows are outliers. [k]."""
+    bad = np.zeros(len(log), dtype=bool)
+    for rows in np.split(np.arange(len(log)), np.flatnonzero(np.diff(log.stance)) + 1):
+        if rows.size <= 2 * NEIGHBOURS:
+            continue
+        # Rates jump where a stance phase begins, which is no fault of the encoder.
+        inner = slice(NEIGHBOURS, None)
+        for values, floor in ((log.q, ANGLE_RAD), (log.dq, RATE_RAD_S)):
+            bad[rows[inner]] |= _stand_out(values[rows], floor)[inner]
+    return bad
+
+
+def _stand_out(values: Float[np.ndarray, "k n"], floor: float) -> Bool[np.ndarray, " k"]:
+    ends = [(NEIGHBOURS, NEIGHBOURS), (0, 0)]
+    padded = np.pad(values, ends, mode="edge")
+    around = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=0)
+    distance = np.abs(values - np.median(around, axis=-1))
+    noise = _NORMAL * np.median(distance, axis=0)
+    return np.any(distance > np.maximum(floor, NOISES * noise), axis=1)

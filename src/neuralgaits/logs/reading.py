@@ -1,0 +1,80 @@
+"""Read a log file of either format, checked, without what is not good in it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits.errors import InputError
+from neuralgaits.logs import amber3m_format, si_format
+from neuralgaits.logs.checks import check
+from neuralgaits.logs.outliers import outliers
+from neuralgaits.logs.sheet import text_of
+from neuralgaits.logs.table import Log
+from neuralgaits.robots import PlanarBiped
+
+JITTER = 1.5
+"""Rows up to this many sample periods apart have none between them: clocks jitter."""
+
+
+class Reading(NamedTuple):
+    """A log as far as it is good."""
+
+    log: Log
+    """Its good rows."""
+    left_out: dict[str, int]
+    """Rows that are missing in it or were left out, by reason."""
+
+
+def read(path: str | Path, robot: PlanarBiped) -> Reading:
+    """Read a log of a robot.
+
+    Args:
+        path: of a CSV file: the project's own format, or that of the AMBER-3M robot.
+        robot: the run's own model, whose joints and z the log must have.
+
+    Raises: InputError in one line that names file, row, column and remedy.
+    """
+    path = Path(path)
+    text = text_of(path)
+    if si_format.recognised(text):
+        log, labels = si_format.read(text, robot)
+    elif amber3m_format.recognised(text):
+        log, labels = amber3m_format.read(text, robot)
+    else:
+        raise InputError(
+            f"log {path}, row 1: expected columns name[unit] as in t[s],stance[-],..., or the "
+            f"{len(amber3m_format.COLUMNS)} columns of the AMBER-3M robot, found "
+            f"{','.join(text.header)[:60] or f'{text.width} columns without names'!r}: "
+            "give a log in one of the two formats"
+        )
+    good = check(log, robot, labels)
+    spikes = outliers(log) & good
+    if not (log.stance[1:] != log.stance[:-1]).any():
+        raise InputError(
+            f"log {path}, row {log.rows[-1]}, column {labels['stance'][0]}: expected at least one "
+            f"complete stride, found leg {log.stance[0]} standing throughout: log until after a "
+            "touchdown"
+        )
+    left_out = {"missing": _missing(log), "outliers": int(np.count_nonzero(~good | spikes))}
+    return Reading(log.only(good & ~spikes), left_out)
+
+
+def read_all(paths: Sequence[str | Path], robot: PlanarBiped) -> tuple[list[Log], dict[str, int]]:
+    """Read several logs. Returns: the logs, and the rows left out of all of them by reason.
+
+    Raises: InputError as `read` does, and if there is no path.
+    """
+    if not paths:
+        raise InputError("logs: expected at least one CSV file, found none: name them")
+    readings = [read(path, robot) for path in paths]
+    reasons = readings[0].left_out
+    total = {reason: sum(each.left_out[reason] for each in readings) for reason in reasons}
+    return [each.log for each in readings], total
+
+
+def _missing(log: Log) -> int:
+    """Rows that would stand in the gaps."""
+    steps = np.diff(log.t) / log.period_s
+    return int(np.sum(np.round(steps[steps > JITTER]) - 1))

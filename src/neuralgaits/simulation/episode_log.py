@@ -1,0 +1,34 @@
+"""The log of a simulated walk: what the robot itself could have written, and z2 of the plant."""
+
+import numpy as np
+
+from neuralgaits.logs import Log
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.tick import Record
+
+
+def log_of(robot: PlanarBiped, record: Record, source: str) -> Log:
+    """The log of a recorded episode.
+
+    Args:
+        robot: the model the controller believed in.
+        record: of the episode; every leaf has a leading axis of ticks.
+        source: what messages call the episode.
+    """
+    command = record.command
+    return Log(
+        t=np.asarray(record.time),
+        stance=np.asarray(command.leg, dtype=int),
+        q=np.asarray(command.q),
+        dq=np.asarray(command.dq),
+        qd=np.asarray(command.y_d),
+        dqd=np.asarray(command.dy_d),
+        tau=np.asarray(command.actuated),
+        pitch=np.asarray(record.pitch),
+        dpitch=np.asarray(record.dpitch),
+        z=np.asarray(command.z),
+        z2_plant=np.asarray(record.z_plant[:, 1]),
+        rows=np.arange(1, 1 + len(record.time)),
+        joint_names=robot.joint_names,
+        source=source,
+    )
