@@ -1,0 +1,1 @@
+"""Residual zero dynamics learned from measured windows."""

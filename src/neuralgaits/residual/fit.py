@@ -1,0 +1,228 @@
+"""Fit a residual to windows of measured states by multiple shooting: init, step, validate, done.
+
+Every window starts at its measured state and is integrated through omega(0, z) + epsilon(z); the
+loss is what the trajectory misses, in scaled z, relative to what the model alone misses. The
+batch of step k follows from seed and k alone. Runs in float64.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+
+from neuralgaits._types import Array, Float
+from neuralgaits.errors import InputError
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.logs import Windows
+from neuralgaits.residual.nero import balanced, nero
+from neuralgaits.residual.network import Residual
+from neuralgaits.residual.shooting import model_rate, shoot
+from neuralgaits.residual.trajectories import missed
+
+Optimizer = Literal["adam", "adamw", "nero"]
+# As in training: passes that cost seconds and gain nothing on kernels of microseconds.
+COMPILER = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 1}
+
+
+@dataclass(frozen=True)
+class FitConfig:
+    """How a residual is fitted.
+
+    Attributes:
+        optimizer: adam, adamw, or nero.
+        hidden: widths of the hidden layers.
+        learning_rate: at the start; a cosine brings it to zero.
+        weight_decay: of adamw.
+        windows: of a batch.
+        steps: at most.
+        validate_every: steps between two looks at the validation windows.
+        patience: looks without a better one that end the fit.
+    """
+
+    optimizer: Optimizer = "adam"
+    hidden: tuple[int, ...] = (16, 16)
+    learning_rate: float = 0.01
+    weight_decay: float = 1e-3
+    windows: int = 16
+    steps: int = 3000
+    validate_every: int = 100
+    patience: int = 8
+
+    def __post_init__(self):
+        """Refuse other optimisers."""
+        if self.optimizer not in ("adam", "adamw", "nero"):
+            raise InputError(f"unknown optimizer {self.optimizer!r}: expected adam, adamw or nero")
+
+
+class FitState(NamedTuple):
+    """Everything a fit needs to go on. Arrays only."""
+
+    step: Array
+    """Gradient steps done. int32 scalar."""
+    parameters: Any
+    """Current parameters, a tree."""
+    optimizer: Any
+    """State of the optimiser."""
+    best: Any
+    """Parameters with the smallest validation loss so far."""
+    best_loss: Array
+    """That loss."""
+    stale: Array
+    """Looks since then. int32 scalar."""
+
+
+@dataclass(frozen=True)
+class Fitter:
+    """Fits residuals of one policy's zero dynamics to one set of windows.
+
+    Attributes:
+        zd: robot and policy that walked; a residual of its own is left aside.
+        train, validation: windows.
+        scale: of z in the loss (m, kg m^2/s). [2]
+        config: of the fit.
+        seed: of weights and batches.
+        unit: mean squared error of the model alone on `train`, in scaled z.
+    """
+
+    zd: ZeroDynamics
+    train: Windows
+    validation: Windows
+    scale: Float[np.ndarray, "2"]
+    config: FitConfig
+    seed: int
+    unit: float
+    _template: Residual
+    _optimizer: optax.GradientTransformation
+    _step: Callable
+
+    @classmethod
+    def build(
+        cls,
+        zd: ZeroDynamics,
+        train: Windows,
+        validation: Windows,
+        scale: Float[np.ndarray, "2"],
+        *,
+        config: FitConfig | None = None,
+        seed: int = 0,
+    ) -> "Fitter":
+        """Set the residual's scales and bound from the windows and prepare the step.
+
+        Raises: InputError if there are no windows to learn from or to choose by.
+        """
+        config = FitConfig() if config is None else config
+        for name, windows in (("learn from", train), ("choose by", validation)):
+            if not len(windows.z):
+                raise InputError(f"expected windows to {name}, found none: walk longer")
+        model = missed(zd, None, train)
+        template = Residual.init(
+            train.z[:, 0], model.defects, hidden=config.hidden, key=jax.random.key(seed)
+        )
+        unit = float(np.mean((model.errors / scale) ** 2))
+        optimizer = _optimizer(config)
+        step = _make_step(zd, template, optimizer)
+        return cls(
+            zd=zd,
+            train=train,
+            validation=validation,
+            scale=np.asarray(scale, dtype=np.float64),
+            config=config,
+            seed=seed,
+            # A model without any error would otherwise divide zero by zero.
+            unit=max(unit, 1e-30),
+            _template=template,
+            _optimizer=optimizer,
+            _step=step,
+        )
+
+    def init(self) -> FitState:
+        """State before the first step."""
+        parameters, _ = eqx.partition(self._template, self._template.trainable())
+        parameters = jax.tree.map(jnp.asarray, parameters)
+        if self.config.optimizer == "nero":
+            parameters = balanced(parameters)
+        zero, worst = jnp.zeros((), jnp.int32), jnp.full((), jnp.inf)
+        return FitState(zero, parameters, self._optimizer.init(parameters), parameters, worst, zero)
+
+    def step(self, state: FitState) -> tuple[FitState, Array]:
+        """One gradient step. Returns: the new state and the batch's loss."""
+        draws = np.random.default_rng([self.seed, int(state.step)])
+        pick = draws.integers(len(self.train.z), size=self.config.windows)
+        parameters, optimizer, loss = self._step(
+            state.parameters,
+            state.optimizer,
+            self.train.t[pick],
+            self.train.z[pick],
+            self.scale,
+            self.unit,
+        )
+        moved = state._replace(step=state.step + 1, parameters=parameters, optimizer=optimizer)
+        return moved, loss
+
+    def validate(self, state: FitState) -> FitState:
+        """Keep the parameters if they do best on the validation windows."""
+        errors = missed(self.zd, self.residual(state.parameters), self.validation).errors
+        loss = float(np.mean((errors / self.scale) ** 2)) / self.unit
+        if loss < float(state.best_loss):
+            return state._replace(
+                best=state.parameters, best_loss=jnp.asarray(loss), stale=jnp.zeros((), jnp.int32)
+            )
+        return state._replace(stale=state.stale + 1)
+
+    def done(self, state: FitState) -> bool:
+        """Whether all steps are taken, or validation has stopped improving."""
+        return int(state.step) >= self.config.steps or int(state.stale) >= self.config.patience
+
+    def residual(self, parameters: Any) -> Residual:
+        """The residual with these parameters, in NumPy."""
+        return eqx.combine(jax.tree.map(np.asarray, parameters), self._template)
+
+
+def fit(fitter: Fitter) -> tuple[Residual, FitState]:
+    """Fit until done. Returns: the residual that did best in validation, and the last state."""
+    state = fitter.validate(fitter.init())
+    while not fitter.done(state):
+        state, _ = fitter.step(state)
+        if int(state.step) % fitter.config.validate_every == 0:
+            state = fitter.validate(state)
+    return fitter.residual(state.best), state
+
+
+def _optimizer(config: FitConfig) -> optax.GradientTransformation:
+    rate = optax.cosine_decay_schedule(config.learning_rate, config.steps)
+    if config.optimizer == "nero":
+        return nero(rate)
+    if config.optimizer == "adamw":
+        return optax.adamw(rate, weight_decay=config.weight_decay)
+    return optax.adam(rate)
+
+
+def _make_step(zd: ZeroDynamics, template: Residual, optimizer) -> Callable:
+    # Numbers are arguments, so that every policy and robot of one structure shares a compilation.
+    model = ZeroDynamics(zd.robot, zd.policy)
+    arrays, structure = eqx.partition(model, eqx.is_array)
+    _, fixed = eqx.partition(template, template.trainable())
+    numbers, shape = eqx.partition(fixed, eqx.is_array)
+
+    def step(arrays, numbers, parameters, state, t, z, scale, unit):
+        rate = model_rate(eqx.combine(arrays, structure))
+
+        def loss(parameters):
+            epsilon = eqx.combine(parameters, numbers, shape)
+
+            def miss(t, z):
+                return (shoot(lambda y: rate(y) + epsilon(y), z[0], t) - z[1:]) / scale[None]
+
+            return jnp.mean(jax.vmap(miss)(t, z) ** 2) / unit
+
+        value, gradient = jax.value_and_grad(loss)(parameters)
+        change, state = optimizer.update(gradient, state, parameters)
+        return optax.apply_updates(parameters, change), state, value
+
+    compiled = jax.jit(step, compiler_options=COMPILER)
+    return lambda *inputs: compiled(arrays, numbers, *inputs)

@@ -1,0 +1,64 @@
+"""What predicted trajectories miss of measured ones, window by window."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.logs import Windows
+from neuralgaits.residual.shooting import Rate, model_rate, shoot
+
+BLOCK = 256
+"""Windows integrated at once: one compiled shape for any number of them."""
+
+
+class Missed(NamedTuple):
+    """Measured minus predicted."""
+
+    errors: Float[np.ndarray, "N k 2"]
+    """At all samples but the first (m, kg m^2/s). k = K - 1."""
+    defects: Float[np.ndarray, "N 2"]
+    """Mean rate that is missing over the first interval (m/s, N m)."""
+
+
+def missed(zd: ZeroDynamics, residual: Rate | None, windows: Windows) -> Missed:
+    """Integrate every window from its first measured state.
+
+    Args:
+        zd: robot and policy; a residual of its own is left aside.
+        residual: what is added to omega(0, z); None for nothing.
+        windows: measured.
+    """
+    model = ZeroDynamics(zd.robot, zd.policy)
+    count = len(windows.z)
+    t, z = _padded(windows.t, count), _padded(windows.z, count)
+    found = [
+        np.asarray(_shot(model, residual, t[i : i + BLOCK], z[i : i + BLOCK, 0]))
+        for i in range(0, len(t), BLOCK)
+    ]
+    errors = windows.z[:, 1:] - np.concatenate(found)[:count]
+    spans = windows.t[:, 1:2] - windows.t[:, 0:1]
+    return Missed(errors, errors[:, 0] / spans)
+
+
+def root_mean_square(errors: Float[np.ndarray, "N k 2"], scale: Float[np.ndarray, "2"]) -> float:
+    """Root mean square over windows and samples of the size of the error in scaled z."""
+    return float(np.sqrt(np.mean(np.sum((errors / scale) ** 2, axis=-1))))
+
+
+def _padded(array: np.ndarray, count: int) -> np.ndarray:
+    """Whole blocks, the last window repeated."""
+    return np.concatenate([array, np.repeat(array[-1:], -count % BLOCK, axis=0)])
+
+
+@eqx.filter_jit
+def _shot(
+    zd: ZeroDynamics, residual: Rate | None, t: Float[Array, "B K"], z: Float[Array, "B 2"]
+) -> Float[Array, "B k 2"]:
+    rate = model_rate(zd)
+    extra = (lambda y: jnp.zeros_like(y)) if residual is None else residual
+    return jax.vmap(lambda z, t: shoot(lambda y: rate(y) + extra(y), z, t))(z, t)
