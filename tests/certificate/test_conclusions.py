@@ -20,12 +20,11 @@ from neuralgaits.certificate.theorems import (
 
 SHAPE = WalkingSet(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), ("torso",), ("torso", "force", "foot"))
 ORBIT = Orbit(
-    unit=100.0,
     attraction="contraction",
     guard_from=0.9985,
     guard_to=1.001,
-    lower=(0.9, 0.1),
-    upper=(0.91, 0.1),
+    lower=(90.0, 10.0),
+    upper=(91.0, 10.0),
     expansion=(0.05, -0.3, 0.02),
     slowest=(-0.1, -0.3, 0.01),
     fastest=(0.0, -0.3, 0.03),
@@ -122,8 +121,8 @@ def test_figures_of_the_orbit_against_quadrature():
     )
     assert low * np.exp(-3e-3 * 2.0) <= found["multiplier_at_least"] <= low * (1.0 + 1e-12)
     assert high * (1.0 - 1e-12) <= found["multiplier_at_most"] <= high * np.exp(3e-3 * 2.0)
-    assert found["z2_at_mid_step_at_least"] == pytest.approx(np.sqrt(2 * 100 * 0.9))
-    assert found["z2_at_mid_step_at_least"] <= np.sqrt(2 * 100 * 0.9)
+    assert found["z2_at_mid_step_at_least"] == pytest.approx(np.sqrt(2 * 90.0))
+    assert found["z2_at_mid_step_at_least"] <= np.sqrt(2 * 90.0)
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def test_the_orbit_is_the_one_that_integration_finds(trained, look):
     z1 = float(found.fixed_point[0])
     x = 2.0 * float(gait.phase(z1)) - 1.0
     lower, upper = (
-        np.sqrt(2.0 * orbit.unit * np.polynomial.chebyshev.chebval(x, side))
+        np.sqrt(2.0 * np.polynomial.chebyshev.chebval(x, side))
         for side in (orbit.lower, orbit.upper)
     )
     assert lower < found.fixed_point[1] < upper

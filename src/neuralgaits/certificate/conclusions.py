@@ -184,7 +184,7 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     contraction = arb(gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
     low = arb(gains[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
     high = arb(gains[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
-    middle = [(2 * arb(orbit.unit) * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
+    middle = [(2 * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
     figures = {
         "contraction_at_most": _above(contraction),
         "multiplier_at_least": _below(low),

@@ -79,11 +79,10 @@ def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Fo
     shift = np.eye(1, BOUND_DEGREE + 1)[0] * error
     ends = [_Curve(curve.series + side * width, curve.guard) for side in (-1.0, 0.0, 1.0)]
     orbit = Orbit(
-        unit,
         thin.attraction,
         *_crossing(look, fences, ends, float(curve.guard[0, 0])),
-        lower=_numbers(curve.series - width),
-        upper=_numbers(curve.series + width),
+        lower=_numbers(unit * (curve.series - width)),
+        upper=_numbers(unit * (curve.series + width)),
         expansion=_numbers(thin.bound),
         slowest=_numbers(middle - shift),
         fastest=_numbers(middle + shift),

@@ -21,7 +21,7 @@ def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
     tube = Tube(
         np.array(orbit.lower),
         np.array(orbit.upper),
-        np.array(orbit.unit),
+        np.array(1.0),
         gait.tube.span,
         False,
     )

@@ -50,15 +50,13 @@ class Orbit:
     Series are Chebyshev coefficients over the phase mapped to [-1, 1].
 
     Attributes:
-        unit: of zeta [(kg m^2/s)^2].
         attraction: how it is shown to attract the walking set.
         guard_from, guard_to: phases between which the thin tube meets the ground.
-        lower, upper: fences of the thin tube, zeta in that unit.
+        lower, upper: fences of the thin tube, zeta [(kg m^2/s)^2].
         expansion: upper bound of dF/dzeta over the walking set.
         slowest, fastest: bounds of dF/dzeta over the thin tube.
     """
 
-    unit: float
     attraction: Attraction
     guard_from: float
     guard_to: float
