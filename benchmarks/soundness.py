@@ -23,7 +23,7 @@ BEYOND, WIDTHS = 0.03, (1e-6, 0.3)
 
 def random_boxes(draw: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Centres and half widths, log-uniform in size. [BOXES, 2] each."""
-    half = 0.5 * np.exp(draw.uniform(*np.log(WIDTHS), (BOXES, 2)))
+    half = 0.5 * np.exp(draw.uniform(np.log(WIDTHS[0]), np.log(WIDTHS[1]), (BOXES, 2)))
     return draw.uniform(-BEYOND + half, 1.0 + BEYOND - half), half
 
 

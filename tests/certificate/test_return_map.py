@@ -58,14 +58,16 @@ def test_the_derivative_is_that_of_the_integrated_return_map(trained, flow):
 
     def stride(zeta):
         """From mid-step to the next: the robot's own reset, where the foot meets the ground."""
-        after = zd.reset(return_map.state(gait, 1.0, flow(0.5, 1.0, zeta)[0]))
+        after = zd.reset(return_map.state(gait, jnp.array(1.0), flow(0.5, 1.0, zeta)[0]))
         return float(flow(gait.phase(after[0]), 0.5, 0.5 * after[1] ** 2)[0])
 
     for level in (0.2, 0.8):
         zeta, step = low + level * (high - low), 1e-3 * (high - low)
         difference = (stride(zeta + step) - stride(zeta - step)) / (2.0 * float(step))
         before = flow(0.5, 1.0, zeta)
-        u = jnp.stack([jnp.array(1.0), gait.level(return_map.state(gait, 1.0, before[0]))])
+        u = jnp.stack(
+            [jnp.array(1.0), gait.level(return_map.state(gait, jnp.array(1.0), before[0]))]
+        )
         landed = return_map.landing(gait, zd, u)
         parting = before[1] + flow(landed.phase, 0.5, landed.zeta)[1]
         assert float(landed.gain * jnp.exp(parting)) == pytest.approx(difference, rel=1e-5)
@@ -107,6 +109,7 @@ def test_the_gain_does_not_depend_on_where_the_guard_lies_in_phase(trained):
 def test_the_orbit_is_the_one_that_integration_finds(trained, look):
     gait, zd = trained.gait, trained.zero_dynamics
     shape = find_set(trained.spec, look)
+    assert not isinstance(shape, str)
     result = find_orbit(look, fences_of(gait), float(gait.tube.unit), shape)
     assert not isinstance(result, str)
     orbit, least = result
@@ -127,7 +130,9 @@ def test_the_orbit_is_the_one_that_integration_finds(trained, look):
 def test_nested_tubes_narrow_as_fast_as_the_flow_says(trained, look):
     """-d log|r| / dphase along the flow, r the distance from the orbit in half widths."""
     gait, zd = trained.gait, trained.zero_dynamics
-    found = find_orbit(look, fences_of(gait), float(gait.tube.unit), find_set(trained.spec, look))
+    shape = find_set(trained.spec, look)
+    assert not isinstance(shape, str)
+    found = find_orbit(look, fences_of(gait), float(gait.tube.unit), shape)
     assert not isinstance(found, str)
     orbit = replace(found.orbit, attraction="nested tubes")
     thin = thin_gait(gait, orbit)

@@ -35,7 +35,7 @@ def program(request, trained):
 def boxes():
     """Centres and half widths in the tube and a little beyond, small and large. [BOXES, 2]."""
     draw = np.random.default_rng(2)
-    half = 0.5 * np.exp(draw.uniform(*np.log(WIDTHS), (BOXES, 2)))
+    half = 0.5 * np.exp(draw.uniform(np.log(WIDTHS[0]), np.log(WIDTHS[1]), (BOXES, 2)))
     return draw.uniform(-BEYOND + half, 1.0 + BEYOND - half), half
 
 

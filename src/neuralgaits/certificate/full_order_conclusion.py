@@ -106,7 +106,8 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
     alpha, sigma = arb(barrier.alpha), arb(barrier.sigma)
     if not sigma > 0:
         return [
-            Inequality(f"{name}: 0 < sigma, which needs 0 < epsilon", zero, arb(barrier.epsilon))
+            Inequality(f"{name}: 0 < epsilon", zero, arb(barrier.epsilon)),
+            Inequality(f"{name}: 0 < sigma", zero, sigma),
         ]
     tightened = tightening(barrier)
     lost = arb(barrier.coupling) ** 2 / (4 * sigma * (gamma - alpha))

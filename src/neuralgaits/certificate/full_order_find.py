@@ -76,58 +76,86 @@ def find_full_order(
             f"{CROSSINGS[-1]} phases of the guard"
         )
     gamma = float(lyapunov_rate(bandwidth))
-    most, shrink = ABOVE * seen["pace"].max(), 0.0
-    limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * most))
+    limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
     radius = min(share * limit, LARGEST)
-    for _ in range(3):
-        most = float(_over(seen, "pace", u[:, 0], radius, shrink).max())
-        shrink = 0.99 * gamma / (4.2 * most)
-    strip = _guard_strip(looks, levels, crossing, radius, shrink)
-    if strip is None:
-        return "outputs off zero move the guard further than the tube goes on"
-    guard_radius = _at(radius, shrink, 1.0 - strip) * (1.0 + 1e-12)
-    edge = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
-    ball = _ball(len(edge), looks.size, guard_radius)
-    hit = looks.guard(edge, ball)
-    near = _grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
-    clean = looks.guard(near, np.zeros((len(near), looks.size)))
-    gain = AMPLE * float(np.sqrt((hit["after/slope"] ** 2).sum(axis=(1, 2)).max()))
-    touch = looks.guard(_grid(np.array([1.0]), levels), np.zeros((LEVELS, looks.size)))
-    mismatch = 1.5 * float(np.abs(touch["after"]).max()) + ROUNDING
-    landing = 1.5 * float(np.abs(clean["landing"]).max()) + 1e-9
-    landing_slope = AMPLE * float(_norms(hit, "landing").max())
+    most, shrink = _fastest(seen, u[:, 0], radius, gamma)
     slowest = _over(seen, "pace", u[:, 0], -radius, shrink).min()
-    if slowest <= 0.0:
-        return "outputs off zero may stop the hip: a smaller radius is needed"
+    strip = _guard_strip(looks, levels, crossing, radius, shrink)
+    if slowest <= 0.0 or strip is None:
+        return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
+    guard_radius = _at(radius, shrink, 1.0 - strip) * (1.0 + 1e-12)
+    impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius)
     return FullOrder(
         size=looks.size,
         bandwidth=bandwidth,
         radius=radius,
         shrink=shrink,
         guard_radius=guard_radius,
-        start_strip=1.2 * (landing + landing_slope * guard_radius),
+        start_strip=1.2 * (impacts.landing + impacts.landing_slope * guard_radius),
         guard_strip=strip,
         crossing=crossing,
         risen=risen,
         pace=(0.8 * float(slowest), most),
         inertia=0.5 * float(seen["inertia"].min()),
-        mismatch=mismatch,
-        drift=2.0 * AMPLE * float(np.abs(hit["drift"]).max()) + ROUNDING,
-        gain=gain,
-        landing=landing,
-        landing_slope=landing_slope,
+        mismatch=impacts.mismatch,
+        drift=impacts.drift,
+        gain=impacts.gain,
+        landing=impacts.landing,
+        landing_slope=impacts.landing_slope,
         barriers=tuple(
-            _barrier(k, name, looks, (seen, clean, hit), gamma, radius)
-            for k, name in enumerate(names)
+            _barrier(k, name, seen, impacts, gamma, radius) for k, name in enumerate(names)
         ),
     )
+
+
+@dataclass(frozen=True)
+class _Impacts:
+    """Impacts from eta = 0 on phase 1 and around it, and from outputs on the rim of the set."""
+
+    line: Samples
+    crossing: Samples
+    rim: Samples
+
+    @classmethod
+    def look(
+        cls, looks: Looks, levels: np.ndarray, crossing: float, strip: float, radius: float
+    ) -> "_Impacts":
+        line = _grid(np.array([1.0]), levels)
+        near = _grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
+        edge = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
+        return cls(
+            looks.guard(line, np.zeros((len(line), looks.size))),
+            looks.guard(near, np.zeros((len(near), looks.size))),
+            looks.guard(edge, _sphere(len(edge), looks.size, radius)),
+        )
+
+    @property
+    def mismatch(self) -> float:
+        return 1.5 * float(np.abs(self.line["after"]).max()) + ROUNDING
+
+    @property
+    def drift(self) -> float:
+        return 2.0 * AMPLE * float(np.abs(self.rim["drift"]).max()) + ROUNDING
+
+    @property
+    def gain(self) -> float:
+        squares = (self.rim["after/slope"] ** 2).sum(axis=(1, 2))
+        return AMPLE * float(np.sqrt(squares.max()))
+
+    @property
+    def landing(self) -> float:
+        return 1.5 * float(np.abs(self.crossing["landing"]).max()) + CROSSINGS[0]
+
+    @property
+    def landing_slope(self) -> float:
+        return AMPLE * float(_norms(self.rim, "landing").max())
 
 
 def _grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
     return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
-def _ball(count: int, size: int, radius: float) -> np.ndarray:
+def _sphere(count: int, size: int, radius: float) -> np.ndarray:
     """Points on the sphere of a radius. [count, size]."""
     draw = np.random.default_rng(0).normal(size=(count, size))
     return radius * draw / np.linalg.norm(draw, axis=1, keepdims=True)
@@ -146,6 +174,15 @@ def _over(seen: Samples, name: str, phase: np.ndarray, radius: float, shrink: fl
     """A quantity and what outputs of the given radius may add, generously. [n]."""
     reach = ABOVE * radius * np.exp(-shrink * phase**2) * _norms(seen, name)[:, 0]
     return (1.02 if radius > 0.0 else 1.0) * seen[name][:, 0] + reach
+
+
+def _fastest(seen: Samples, phase: np.ndarray, radius: float, gamma: float) -> tuple[float, float]:
+    """The fastest pace, and how fast the bound on sqrt(V) may shrink: one depends on the other."""
+    most, shrink = 0.0, 0.0
+    for _ in range(3):
+        most = float(_over(seen, "pace", phase, radius, shrink).max())
+        shrink = gamma / (4.25 * most)  # Somewhat less than 4, for the strip beyond phase 1.
+    return most, shrink
 
 
 def _crossing(looks: Looks, levels: np.ndarray) -> float | None:
@@ -190,13 +227,12 @@ def _guard_strip(
 def _barrier(
     k: int,
     name: str,
-    looks: Looks,
-    seen: tuple[Samples, Samples, Samples],
+    step: Samples,
+    impacts: _Impacts,
     gamma: float,
     radius: float,
 ) -> BarrierConstants:
     """Constants of one barrier: the gain that needs the least sigma."""
-    step, clean, hit = seen
     coupling = ABOVE * float(_norms(step, "rate")[:, k].max())
     reading = ABOVE * float(_norms(step, "reading")[:, k].max())
     best = None
@@ -214,7 +250,7 @@ def _barrier(
         sigma = 0.0
     # For what reads outputs a larger sigma tightens less: l / (2 radius) costs least at the rim.
     sigma = max((1.0 + 1e-9) * sigma, reading / (2.0 * radius))
-    lowest = float(clean["reset"][:, k].min())
+    lowest = float(impacts.crossing["reset"][:, k].min())
     return BarrierConstants(
         name=name,
         alpha=alpha,
@@ -222,6 +258,6 @@ def _barrier(
         coupling=coupling,
         reading=reading,
         reset=lowest - 0.02 * abs(lowest) - 1e-9,
-        reset_slope=AMPLE * float(_norms(hit, "reset")[:, k].max()),
+        reset_slope=AMPLE * float(_norms(impacts.rim, "reset")[:, k].max()),
         sigma=sigma,
     )

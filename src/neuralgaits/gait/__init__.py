@@ -12,6 +12,7 @@ from neuralgaits.gait.policy import (
     output_jet,
 )
 from neuralgaits.gait.posture import Posture, posture_path, walking_posture
+from neuralgaits.gait.reset_residual import Residuals
 from neuralgaits.gait.zero_dynamics import ZeroDynamics
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "OutputJet",
     "Point",
     "Posture",
+    "Residuals",
     "ZeroDynamics",
     "output_jet",
     "poincare",

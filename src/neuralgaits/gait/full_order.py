@@ -48,7 +48,7 @@ class FullPoint(Point):
 
     @cached_property
     def output_acceleration(self) -> Actuated:
-        """ddy = -w^2 y - 2 w dy [rad/s^2]. [m]."""
+        """Output accelerations -w^2 y - 2 w dy [rad/s^2]. [m]."""
         w = self.bandwidth
         return -(w * w) * self.output - (2.0 * w) * self.output_rate
 

@@ -6,6 +6,7 @@ correction is per unit of z2 before the impact. Positions are only relabelled: n
 """
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import equinox as eqx
@@ -38,6 +39,15 @@ class AbstractResetResidual(eqx.Module):
     @abstractmethod
     def centre(self) -> ZeroState:
         """State before the impact that stands for all: where a policy is matched to it. [2]."""
+
+
+class Residuals(NamedTuple):
+    """What was learned of a robot beyond its model."""
+
+    flow: Callable[[ZeroState], ZeroState] | None = None
+    """What is added to dz: z -> [2] (m/s, N m)."""
+    reset: AbstractResetResidual | None = None
+    """What is added to the state after an impact."""
 
 
 def rates_after(

@@ -5,7 +5,7 @@ reported and left to the caller to leave out.
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 
@@ -32,10 +32,12 @@ OUTLIER_SHARE = 0.01
 """More rows than this out of range, and the column is wrong, not the row."""
 OUTLIER_RUN = 5
 """So many bad rows one after another, and it is no outlier any more."""
+BASELINE_S = 0.02
+"""Angles are compared with rates over this time: over one row encoder noise would hide them."""
 RATE_RATIO = (0.4, 2.5)
-"""Slopes of the angles over the rates beside them: 1 but for noise."""
-SLOWEST_RMS_RAD_S = 0.05
-"""A column of rates below this says nothing about units: the joint is at rest."""
+"""Change of an angle over the rate beside it: 1 but for noise."""
+SLOWEST_RAD_S = 0.2
+"""Below this a joint says nothing about units: it is at rest, or noise."""
 Z1_TOLERANCE_M = 1e-3
 Z2_TOLERANCE = 0.02
 """Of the median |z2|: contact creep leaves 0.4 %, the mass of another torso 3 %."""
@@ -58,11 +60,14 @@ def check(log: Log, robot: PlanarBiped, labels: Labels) -> Bool[np.ndarray, " k"
         raise InputError(f"log {log.source}: expected a walk, found {len(log)} rows: walk longer")
     _check_times(log, labels)
     good = np.ones(len(log), dtype=bool)
+    refused = []
     for part in _ranges(log, robot):
         bad = ~((part.values >= part.low) & (part.values <= part.high))
-        if bad.any():
-            _refuse_many(log, labels, part, bad)
-            good &= ~bad
+        good &= ~bad
+        if _are_many(bad):
+            refused.append((part, np.flatnonzero(bad)))
+    if refused:
+        _refuse(log, labels, *min(refused, key=lambda found: found[1][0]))
     _check_rates(log, labels, good)
     _check_model(log, robot, good)
     return good
@@ -96,21 +101,22 @@ def _check_times(log: Log, labels: Labels) -> None:
 
 
 def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
-    names, actuated = log.joint_names, log.joint_names[1:]
-    turn = np.pi
-    lower = np.concatenate([[-turn], robot.joint_lower - JOINT_SLACK_RAD])
-    upper = np.concatenate([[turn], robot.joint_upper + JOINT_SLACK_RAD])
-    for i, name in enumerate(names):
-        yield _Range(f"q_{name}", log.q[:, i], float(lower[i]), float(upper[i]), "rad")
-        yield _Range(f"dq_{name}", log.dq[:, i], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
-    fastest = FASTEST_DESIRED_RAD_S
-    for i, name in enumerate(actuated):
+    turn, fastest = np.pi, FASTEST_DESIRED_RAD_S
+    for i, name in enumerate(log.joint_names[1:]):
+        low = float(robot.joint_lower[i]) - JOINT_SLACK_RAD
+        high = float(robot.joint_upper[i]) + JOINT_SLACK_RAD
         most = LARGEST_TORQUE * float(robot.torque_limit[i])
+        yield _Range(f"q_{name}", log.q[:, i + 1], low, high, "rad")
+        yield _Range(f"dq_{name}", log.dq[:, i + 1], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
         yield _Range(f"qd_{name}", log.qd[:, i], -turn, turn, "rad")
         yield _Range(f"dqd_{name}", log.dqd[:, i], -fastest, fastest, "rad/s")
         yield _Range(f"tau_{name}", log.tau[:, i], -most, most, "N m")
     yield _Range("pitch", log.pitch, -turn, turn, "rad")
     yield _Range("dpitch", log.dpitch, -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+    # Last: some robots' files leave this one to follow from the others.
+    first = log.joint_names[0]
+    yield _Range(f"q_{first}", log.q[:, 0], -turn, turn, "rad")
+    yield _Range(f"dq_{first}", log.dq[:, 0], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
     if log.z is not None:
         reach = float(np.abs(robot.hip_gradient).sum()) * turn
         length = robot.leg_length
@@ -119,12 +125,15 @@ def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
         yield _Range("z2", log.z[:, 1], -fall, fall, "kg m^2/s")
 
 
-def _refuse_many(log: Log, labels: Labels, part: _Range, bad: Bool[np.ndarray, " k"]) -> None:
-    """Refuse a column with more than outliers out of range."""
+def _are_many(bad: Bool[np.ndarray, " k"]) -> bool:
+    """Whether these rows are more than outliers."""
     rows = np.flatnonzero(bad)
-    run = _longest_run(rows)
-    if rows.size <= max(1, OUTLIER_SHARE * len(log)) and run <= OUTLIER_RUN:
-        return
+    if not rows.size:
+        return False
+    return rows.size > max(1, OUTLIER_SHARE * len(bad)) or _longest_run(rows) > OUTLIER_RUN
+
+
+def _refuse(log: Log, labels: Labels, part: _Range, rows: Int[np.ndarray, " b"]) -> NoReturn:
     first = int(rows[0])
     raise InputError(
         f"{_where(log, labels, first, part.name)}: expected {part.low:.3g} to {part.high:.3g} "
@@ -140,24 +149,30 @@ def _longest_run(rows: Int[np.ndarray, " b"]) -> int:
 
 
 def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None:
-    """Angles must rise at the rates beside them: else times, angles or rates are off."""
-    stays = good[1:] & good[:-1] & (np.diff(log.stance) == 0)
-    span = np.diff(log.t)[stays]
+    """Angles must change at the rates beside them: else times, angles or rates are off."""
+    ahead = max(1, round(BASELINE_S / log.period_s))
+    span = log.t[ahead:] - log.t[:-ahead]
+    stays = good[ahead:] & good[:-ahead] & (log.stance[ahead:] == log.stance[:-ahead])
+    stays &= span < 2.0 * BASELINE_S
+    if not stays.any():
+        return
+    area = 0.5 * np.diff(log.t)[:, None] * (log.dq[1:] + log.dq[:-1])
+    travelled = np.concatenate([np.zeros((1, area.shape[1])), np.cumsum(area, axis=0)])
+    slope = (log.q[ahead:] - log.q[:-ahead])[stays] / span[stays, None]
+    rate = (travelled[ahead:] - travelled[:-ahead])[stays] / span[stays, None]
+    # Medians: a glitch in the middle of a span counts for nothing.
+    fast_slope, fast_rate = (np.median(np.abs(part), axis=0) for part in (slope, rate))
     lowest, highest = RATE_RATIO
     for i, name in enumerate(log.joint_names):
-        rate = (0.5 * (log.dq[1:, i] + log.dq[:-1, i]))[stays]
-        slope = np.diff(log.q[:, i])[stays] / span
-        # Spikes go, and their weight with them.
-        usual = np.abs(slope) < FASTEST_RAD_S
-        rate, slope = rate[usual], slope[usual]
-        if not rate.size or np.sqrt(np.mean(rate**2)) < SLOWEST_RMS_RAD_S:
+        if max(fast_slope[i], fast_rate[i]) < SLOWEST_RAD_S:
             continue
-        ratio = float(rate @ slope / (rate @ rate))
-        if not lowest <= ratio <= highest:
+        ratio = float(fast_slope[i]) / max(float(fast_rate[i]), 1e-12)
+        same_way = np.median(np.sign(slope[:, i] * rate[:, i])) > 0.0
+        if not (lowest <= ratio <= highest and same_way):
             raise InputError(
                 f"{_where(log, labels, 1, f'dq_{name}')}: expected the rate at which the angle "
-                f"changes, found angles that change {ratio:.3g} times as fast: bring times, "
-                "angles and rates to s, rad and rad/s"
+                f"changes, found angles that change {ratio if same_way else -ratio:.3g} times as "
+                "fast: bring times, angles and rates to s, rad and rad/s"
             )
 
 

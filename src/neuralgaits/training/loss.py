@@ -13,9 +13,11 @@ import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
-from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.training.sampling import Sampler, contains
+
+NO_RESIDUALS = Residuals()
 
 
 class Layout(NamedTuple):
@@ -73,13 +75,17 @@ def lay_out(spec: GaitSpec, robot: PlanarBiped, gait: Gait, sampler: Sampler) ->
 
 
 def margin_matrix(
-    spec: GaitSpec, robot: PlanarBiped, gait: Gait, u: Float[Array, "N 2"], residual=None
+    spec: GaitSpec,
+    robot: PlanarBiped,
+    gait: Gait,
+    u: Float[Array, "N 2"],
+    residuals: Residuals = NO_RESIDUALS,
 ) -> tuple[Float[Array, "N K"], Float[Array, "N m"]]:
     """Margins of all conditions at all samples, in their own units, and torques.
 
     Returns: [N, K], columns in the order of the spec, and [N, m] (N m).
     """
-    zd = ZeroDynamics(robot, gait.policy, residual)
+    zd = ZeroDynamics(robot, gait.policy, *residuals)
 
     def one(sample):
         point = zd.point(gait.z(sample))

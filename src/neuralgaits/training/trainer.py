@@ -18,9 +18,18 @@ from jax.flatten_util import ravel_pytree
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec, Recipe
+from neuralgaits.gait import Residuals
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.training.learning_rate import schedule, width_factor
-from neuralgaits.training.loss import Layout, Loss, barrier_loss, lay_out, margin_matrix
+from neuralgaits.training.loss import (
+    NO_RESIDUALS,
+    Layout,
+    Loss,
+    barrier_loss,
+    lay_out,
+    margin_matrix,
+)
 from neuralgaits.training.precision import cast, cast_named
 from neuralgaits.training.repair import Boxes, Extra, with_extra
 from neuralgaits.training.sampling import Sampler
@@ -69,6 +78,7 @@ class Trainer:
         seed: of the samples.
         sampler: samples of a step.
         validation: samples that choose the best weights and report on a gait.
+        residuals: what was learned of the robot beyond its model.
         extra: boxes that get samples beside the regions' own, in steps and validation; None
             for an ordinary training.
         round: 0 for an ordinary training; each number has samples of its own.
@@ -80,6 +90,7 @@ class Trainer:
     seed: int
     sampler: Sampler
     validation: Sampler
+    residuals: Residuals
     _step: Callable
     _evaluate: Callable
     _unflatten: Callable
@@ -100,7 +111,8 @@ class Trainer:
         *,
         steps: int,
         seed: int,
-        residual=None,
+        residuals: Residuals = NO_RESIDUALS,
+        rate: float = 1.0,
     ) -> "Trainer":
         """Lay out samples and margins and prepare the jitted functions.
 
@@ -110,7 +122,8 @@ class Trainer:
             template: a gait of the structure to be trained.
             steps: gradient steps in all; the schedule depends on it.
             seed: of the samples.
-            residual: optional residual zero dynamics.
+            residuals: what was learned of the robot beyond its model.
+            rate: factor on the recipe's learning rate.
         """
         recipe = spec.recipe
         sampler = Sampler.plan(spec.regions, recipe.samples, recipe.overshoot)
@@ -119,17 +132,17 @@ class Trainer:
         layout = lay_out(spec, robot, template, sampler)
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
-        optimizer = _optimizer(recipe, steps, width_factor(spec, template))
+        optimizer = _optimizer(recipe, steps, rate * width_factor(spec, template))
         light = (
             cast(robot, np.float32),
             cast_named(layout, np.float32),
             cast_named(sampler, np.float32),
             cast(fixed, np.float32),
-            cast(residual, np.float32),
+            cast(residuals, np.float32),
         )
         step = _make_step(spec, light, unflatten, optimizer)
         checked = lay_out(spec, robot, template, validation)
-        evaluate = _make_evaluate(spec, robot, validation, checked, residual)
+        evaluate = _make_evaluate(spec, robot, validation, checked, residuals)
         return cls(
             robot=robot,
             spec=spec,
@@ -137,6 +150,7 @@ class Trainer:
             seed=seed,
             sampler=sampler,
             validation=validation,
+            residuals=residuals,
             _step=step,
             _evaluate=evaluate,
             _unflatten=unflatten,
@@ -196,7 +210,8 @@ class Trainer:
     def gait(self, parameters: Float[Array, " P"]) -> Gait:
         """The gait with these parameters, in float64 and matched to the robot."""
         trained = cast(self._unflatten(parameters), np.float64)
-        return _matched(eqx.combine(trained, self._template), self.robot)
+        gait = eqx.combine(trained, self._template)
+        return _matched(gait, self.robot, self.residuals.reset)
 
     def report(self, gait: Gait, *, seed: int) -> Report:
         """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
@@ -223,11 +238,11 @@ def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTrans
 
 
 def _make_step(spec: GaitSpec, light, unflatten, optimizer) -> Callable:
-    robot, layout, sampler, fixed, residual = light
+    robot, layout, sampler, fixed, residuals = light
 
     def loss(parameters, u, counts):
-        gait = eqx.combine(unflatten(parameters), fixed).matched(robot)
-        margins, torque = margin_matrix(spec, robot, gait, u, residual)
+        gait = eqx.combine(unflatten(parameters), fixed).matched(robot, residuals.reset)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals)
         result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
         return result.total, result
 
@@ -243,11 +258,15 @@ def _make_step(spec: GaitSpec, light, unflatten, optimizer) -> Callable:
 
 
 def _make_evaluate(
-    spec: GaitSpec, robot: PlanarBiped, sampler: Sampler, layout: Layout, residual
+    spec: GaitSpec,
+    robot: PlanarBiped,
+    sampler: Sampler,
+    layout: Layout,
+    residuals: Residuals,
 ) -> Callable:
     def evaluate(gait, key, extra):
         u, counts = with_extra(extra, VALIDATION_SAMPLES, sampler.draw(key), layout.counts, key)
-        margins, torque = margin_matrix(spec, robot, gait, u, residual)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals)
         return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
 
     # The options go on to jax.jit; equinox's overloads leave them out.
@@ -255,5 +274,5 @@ def _make_evaluate(
 
 
 @eqx.filter_jit
-def _matched(gait: Gait, robot: PlanarBiped) -> Gait:
-    return gait.matched(robot)
+def _matched(gait: Gait, robot: PlanarBiped, reset_residual: AbstractResetResidual | None) -> Gait:
+    return gait.matched(robot, reset_residual)

@@ -1,0 +1,145 @@
+"""A bounded smooth residual of the reset map, fitted to touchdowns in closed form.
+
+A walk has few touchdowns, so the correction is affine in z before the impact, inside a tanh.
+Slopes are shrunk as if one more touchdown had shown that there are none.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float, ZeroState
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.activations import tanh
+from neuralgaits.gait.network import scaled_inputs
+from neuralgaits.gait.reset_residual import AbstractResetResidual, ImpactCorrection
+from neuralgaits.logs import Touchdowns
+from neuralgaits.residual.shooting import Rate, model_rate, shoot
+
+LEAST_TOUCHDOWNS = 4
+"""Fewer touchdowns say nothing about the next one."""
+BOUND_FACTOR = 2.0
+"""A correction is bounded by the largest one seen, times this."""
+LEAST_BOUND = 1e-6
+"""Per unit of z2: a bound of zero has no inverse."""
+SHRINKAGE = 1.0
+"""Touchdowns' worth of belief that corrections do not depend on z."""
+
+
+class ResetResidual(AbstractResetResidual):
+    """Corrections bound * tanh(W (z / scale - shift) + b), per unit of z2 before the impact.
+
+    Attributes:
+        weight, offset: W and b. [1 + m, 2], [1 + m]
+        scale, shift: of z. [2]
+        bound: of the correction of z2 [-], and of the joint rates [rad/(kg m^2)]. [1 + m]
+    """
+
+    weight: Float[Array, "k 2"]
+    offset: Float[Array, " k"]
+    scale: Float[Array, "2"]
+    shift: Float[Array, "2"]
+    bound: Float[Array, " k"]
+
+    def __call__(self, z: ZeroState) -> ImpactCorrection:
+        """Correction at z, just before the impact."""
+        inputs = scaled_inputs(z, self.scale, self.shift)
+        size = jnp.asarray(self.bound) * tanh(self.weight @ inputs + self.offset)
+        return ImpactCorrection(size[0], size[1:])
+
+    @property
+    def centre(self) -> ZeroState:
+        """Mean of the states it was learned from (m, kg m^2/s). [2]."""
+        return self.shift * self.scale
+
+    @classmethod
+    def like(cls, joints: int) -> "ResetResidual":
+        """The structure for a robot with so many actuated joints, to read a stored one into."""
+        size = 1 + joints
+        zeros = np.zeros(size)
+        return cls(np.zeros((size, 2)), zeros, np.ones(2), np.zeros(2), zeros)
+
+
+class Landings(NamedTuple):
+    """Measured minus predicted, once the contact has settled."""
+
+    z: Float[np.ndarray, "N 2"]
+    """(m, kg m^2/s)."""
+    eta: Float[np.ndarray, "N two_m"]
+    """(rad, rad/s)."""
+
+
+def landings(zd: ZeroDynamics, seen: Touchdowns) -> Landings:
+    """How far robots landed from where the zero dynamics send them, residuals included."""
+    z, eta = _predicted(zd, seen.z_before, seen.after_s)
+    return Landings(seen.z_after - np.asarray(z), seen.eta_after - np.asarray(eta))
+
+
+def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
+    """Fit the correction of z2 and of the joint rates.
+
+    Args:
+        zd: robot and policy that walked, with the residual of the flow: settling takes time in
+            which z flows on.
+        seen: touchdowns.
+
+    Returns: None if there are too few.
+    """
+    if len(seen.z_before) < LEAST_TOUCHDOWNS:
+        return None
+    plain = ZeroDynamics(zd.robot, zd.policy, zd.residual)
+    wanted = np.asarray(_wanted(plain, seen.z_before, landings(plain, seen).z, seen.eta_after))
+    bound = np.maximum(BOUND_FACTOR * np.abs(wanted).max(axis=0), LEAST_BOUND)
+    targets = np.arctanh(wanted / bound)
+    centre, spread = seen.z_before.mean(axis=0), seen.z_before.std(axis=0)
+    scale = np.maximum(spread, 1e-3 * np.abs(centre))
+    inputs = (seen.z_before - centre) / scale
+    offset = targets.mean(axis=0)
+    shrunk = inputs.T @ inputs + SHRINKAGE * np.eye(2)
+    weight = np.linalg.solve(shrunk, inputs.T @ (targets - offset)).T
+    return ResetResidual(weight, offset, scale, centre / scale, bound)
+
+
+@eqx.filter_jit
+def _predicted(
+    zd: ZeroDynamics, z: Float[Array, "N 2"], after_s: Float[Array, " N"]
+) -> tuple[Float[Array, "N 2"], Float[Array, "N two_m"]]:
+    flow = _flow(zd)
+
+    def one(z, after_s):
+        point = zd.point(z)
+        after = point.impact
+        eta, _ = zd.phi(jnp.concatenate([after.q, after.dq]))
+        times = after_s * jnp.array([0.0, 0.5, 1.0])
+        return shoot(flow, point.z_after, times)[-1], eta
+
+    return jax.vmap(one)(z, after_s)
+
+
+@eqx.filter_jit
+def _wanted(
+    zd: ZeroDynamics,
+    z: Float[Array, "N 2"],
+    missed: Float[Array, "N 2"],
+    eta: Float[Array, "N two_m"],
+) -> Float[Array, "N k"]:
+    """Corrections that would have met each landing. [N, 1 + m]."""
+    m = zd.robot.n - 1
+
+    def one(z, missed, eta):
+        point = zd.point(z)
+        z_after = jnp.stack([point.z_after[0], point.z_after[1] + missed[1]])
+        # Positions are only relabelled: what y holds came with the robot.
+        still = jnp.concatenate([jnp.zeros(m), eta[m:]])
+        rates = zd.phi_inv(z_after, still)[-m:] - point.impact.dq[1:]
+        return jnp.concatenate([missed[1:], rates]) / z[1]
+
+    return jax.vmap(one)(z, missed, eta)
+
+
+def _flow(zd: ZeroDynamics) -> Rate:
+    rate, residual = model_rate(zd), zd.residual
+    return rate if residual is None else lambda z: rate(z) + residual(z)

@@ -1,0 +1,43 @@
+"""As many mutations as wanted, each from its own seed."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from mutations.base import Base, Mutation, Reader
+from mutations.models import FALSE_MODELS
+from mutations.numbers import FALSE_NUMBERS
+from mutations.statements import FALSE_STATEMENTS
+from mutations.structures import AGAINST_RUN, INCONSISTENT
+from mutations.texts import UNREADABLE
+
+Maker = Callable[[Base, np.random.Generator], Mutation | None]
+GROUPS: dict[Reader, tuple[tuple[Maker, ...], ...]] = {
+    "program": (UNREADABLE, INCONSISTENT, FALSE_STATEMENTS, FALSE_NUMBERS),
+    "model": (UNREADABLE, INCONSISTENT, FALSE_STATEMENTS, FALSE_NUMBERS, FALSE_MODELS),
+    "run": (AGAINST_RUN,),
+}
+TRIES = 200
+"""A maker that finds no false statement is asked again with another seed, so often."""
+
+
+def mutations(base: Base, reader: Reader, count: int, seed: int = 0) -> Iterator[Mutation]:
+    """Mutations that a reader must object to: every group in turn, and in it every maker.
+
+    Args:
+        base: the true proof.
+        reader: that is to be tested.
+        count: how many.
+        seed: of the first.
+    """
+    made, attempt = 0, seed
+    groups = GROUPS[reader]
+    while made < count:
+        if attempt > seed + TRIES + 10 * count:
+            raise AssertionError(f"only {made} of {count} mutations found")
+        makers = groups[attempt % len(groups)]
+        maker = makers[attempt // len(groups) % len(makers)]
+        found = maker(base, np.random.default_rng(attempt))
+        attempt += 1
+        if found is not None and reader in found.readers:
+            made += 1
+            yield found

@@ -1,0 +1,119 @@
+"""The checker in balls objects to every altered proof, and accepts the true one.
+
+More of them, and the C++ checker: benchmarks/mutations.py.
+"""
+
+import itertools
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mutations.base import Base, Mutation, corners, least
+from mutations.generate import mutations
+from mutations.planted import planted
+from mutations.theorems import NOT_FOLLOWING
+
+from neuralgaits.certificate import check as checker
+from neuralgaits.certificate.claims import read_claims
+from neuralgaits.errors import InputError
+from neuralgaits.workflows.certify import certify
+from neuralgaits.workflows.check_proof import check_proof
+from neuralgaits.workflows.run import open_run
+
+EXIT = {"proved": 0, "rejected": 1, "undecided": 3}
+
+
+def certified(trained, folder: Path, level: int) -> Base:
+    run = open_run(shutil.copytree(trained.path, folder / "run"))
+    certify(run, level=level)
+    return Base(json.loads((run.path / "certificate" / "proof.json").read_text()), run)
+
+
+@pytest.fixture(scope="module")
+def base(trained, tmp_path_factory) -> Base:
+    """The default gait's proof of level 1."""
+    return certified(trained, tmp_path_factory.mktemp("level-1"), 1)
+
+
+@pytest.fixture(scope="module")
+def high(trained, tmp_path_factory) -> Base:
+    """Its proof of level 3."""
+    found = certified(trained, tmp_path_factory.mktemp("level-3"), 3)
+    return Base(found.table, found.run, most=10**9)
+
+
+def asked(folder: Path, content: bytes, run: Path | None = None) -> tuple[int, str | None]:
+    """Exit code and reason of check-proof."""
+    path = folder / "proof.json"
+    path.write_bytes(content)
+    try:
+        answer = check_proof(path, run=run)
+    except InputError as error:
+        return 2, str(error)
+    return EXIT[answer["verdict"]], answer["reason"]
+
+
+def deceived(found: list[tuple[Mutation, int, Any]]) -> list[tuple[str, int, Any]]:
+    return [(m.name, code, why) for m, code, why in found if code not in m.allowed]
+
+
+def test_what_mutations_start_from_is_true(base, tmp_path):
+    assert asked(tmp_path, json.dumps(base.copy()).encode(), base.run.path) == (0, None)
+
+
+def test_fifty_altered_proofs_are_rejected(base, tmp_path):
+    found = [(m, *asked(tmp_path, m.text)) for m in mutations(base, "program", 50)]
+    assert deceived(found) == []
+    assert {m.kind for m, *_ in found} == {"unreadable", "inconsistent", "false", "barely false"}
+    assert len({m.name for m, *_ in found}) > 45
+    assert all(why for *_, why in found)
+
+
+def test_proofs_that_are_not_of_the_run_are_rejected(base, tmp_path):
+    found = [(m, *asked(tmp_path, m.text, base.run.path)) for m in mutations(base, "run", 6)]
+    assert deceived(found) == []
+    # Without the run, all of them are proofs of something else.
+    assert {asked(tmp_path, m.text)[0] for m, *_ in found} <= {0, 1}
+
+
+def test_planted_violations_are_refuted_and_their_proofs_rejected(base, tmp_path):
+    short = Base(base.copy(), base.run)
+    for number, gait in enumerate(planted(short, 2)):
+        run = open_run(gait.plant(base.run.path, tmp_path / str(number)))
+        verdict = certify(run, level=1).conditions[gait.condition]
+        assert verdict.verdict == "refuted", gait.name
+        point = verdict.counterexample
+        assert point is not None
+        scale = gait.statement["scales"][gait.condition]
+        value, _ = least(gait.program, [gait.condition], np.array([point.u]))[gait.condition]
+        assert value / scale == pytest.approx(point.margin, abs=1e-9)
+        assert point.margin < 0.0
+        low, high = corners(gait.statement)
+        assert np.all((low <= point.u) & (point.u <= high))
+        assert asked(tmp_path, gait.forged(base).text)[0] == 1, gait.name
+
+
+def test_conclusions_that_do_not_follow_are_rejected(high, tmp_path):
+    """Statements are taken as checked: what is altered is what is concluded from them."""
+
+    def concluded(text: bytes) -> tuple[int, str | None]:
+        path = tmp_path / "proof.json"
+        path.write_bytes(text)
+        try:
+            claims = read_claims(path)
+        except InputError as error:
+            return 2, str(error)
+        wrong = checker._parameters_that_differ(claims)
+        if wrong is not None:
+            return 1, wrong
+        report = checker._concluded(claims, checker.Report("proved", None, (), (), (), 0))
+        return EXIT[report.verdict], report.reason
+
+    assert concluded(json.dumps(high.table).encode()) == (0, None)
+    draws = [np.random.default_rng(seed) for seed in range(70)]
+    makers = itertools.cycle(NOT_FOLLOWING)
+    made = [maker(high, draw) for maker, draw in zip(makers, draws, strict=False)]
+    assert deceived([(m, *concluded(m.text)) for m in made]) == []

@@ -1,0 +1,177 @@
+"""The full-order theorem of the default gait: proved, checked again, and tried by force."""
+
+import time
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from flint import arb
+
+from neuralgaits.certificate.claims import Statement
+from neuralgaits.certificate.full_order import output_coordinates, scaled_coordinates
+from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.interpreters import POINT, evaluate
+from neuralgaits.interpreters.ball_fibre import FibreBallAlgebra
+from neuralgaits.interpreters.prune import prune
+from neuralgaits.workflows.full_order import full_order, model_of, prove_full_order
+from neuralgaits.workflows.full_order_check import (
+    check_by_force,
+    check_in_mujoco,
+    states_of,
+)
+
+
+@pytest.fixture(scope="module")
+def result(trained):
+    return full_order(trained)
+
+
+@pytest.fixture(scope="module")
+def model(trained):
+    return model_of(trained)
+
+
+def test_the_default_gait_is_proved_between_and_across_impacts(result):
+    assert (result.conclusion.verdict, result.conclusion.reason) == ("proved", None)
+    names = [barrier.name for barrier in result.shape.barriers]
+    assert names == ["level-lower", "level-upper", "torso-lower", "torso-upper"]
+    assert min(barrier.epsilon for barrier in result.shape.barriers) >= 0.03
+    # No vanishing set: outputs of several mrad, by constants that were proved.
+    assert result.shape.radius >= 0.005
+    assert result.conclusion.figures["sqrt v_sym"] < 1e-5
+
+
+def test_constants_hold_at_states_of_the_set(trained, model, result):
+    """Finite differences of the physical functions, which know no Taylor model."""
+    shape = result.shape
+    z, eta = (np.asarray(part) for part in states_of(model, shape, 400, 3))
+    zero = np.zeros_like(eta)
+
+    def rates(z, eta):
+        point = FullPoint(trained.robot, trained.gait.policy, z, eta, shape.bandwidth)
+        h, dh = jax.jvp(model.barriers, (z,), (point.dz,))
+        return h, dh, point.dz[0]
+
+    rates = jax.jit(jax.vmap(rates))
+    h, still, _ = rates(z, zero)
+    _, moved, speed = rates(z, eta)
+    length = np.linalg.norm(jax.vmap(lambda e: scaled_coordinates(e, shape.bandwidth))(eta), axis=1)
+    start, guard = (float(end) for end in trained.gait.span)
+    pace = np.asarray(speed) / (guard - start)
+    assert shape.pace[0] <= pace.min()
+    assert pace.max() <= shape.pace[1]
+    for k, barrier in enumerate(shape.barriers):
+        assert np.min(still[:, k] + barrier.alpha * h[:, k]) >= barrier.epsilon
+        assert np.all(np.abs(moved[:, k] - still[:, k]) <= barrier.coupling * length + 1e-12)
+        # Within a factor of two of what is seen: the constants are not vacuous.
+    seen = np.max(np.abs(moved[:, 0] - still[:, 0]) / (length + 1e-9))
+    assert seen > 0.3 * shape.barriers[0].coupling
+
+
+def test_an_impact_grows_outputs_by_no_more_than_the_gain(trained, model, result):
+    """States on the guard, found by bisection, through the seven-degree impact and phi."""
+    shape = result.shape
+    zd = trained.zero_dynamics
+    draw = np.random.default_rng(8)
+    xi = draw.normal(size=(300, model.size))
+    xi *= shape.guard_radius / np.linalg.norm(xi, axis=1, keepdims=True)
+    levels = draw.uniform(size=300)
+
+    def after(level, xi):
+        eta = output_coordinates(xi, shape.bandwidth)
+
+        def foot(phase):
+            z = trained.gait.z(jnp.stack([phase, level]))
+            return FullPoint(trained.robot, trained.gait.policy, z, eta, shape.bandwidth).foot[1]
+
+        def halve(ends, _):
+            middle = 0.5 * (ends[0] + ends[1])
+            above = foot(middle) > 0.0
+            return (jnp.where(above, middle, ends[0]), jnp.where(above, ends[1], middle)), None
+
+        ends = (jnp.asarray(1.0 - shape.guard_strip), jnp.asarray(1.0 + shape.guard_strip))
+        (phase, _), _ = jax.lax.scan(halve, ends, None, length=50)
+        x = zd.phi_inv(trained.gait.z(jnp.stack([phase, level])), eta)
+        hit = trained.robot.impact(*jnp.split(x, 2))
+        eta, z = zd.phi(jnp.concatenate([hit.q, hit.dq]))
+        grown = jnp.linalg.norm(scaled_coordinates(eta, shape.bandwidth))
+        return grown, trained.gait.phase(z[0]), model.barriers(z)
+
+    grown, phase, h = jax.jit(jax.vmap(after))(levels, xi)
+    assert np.max(grown) <= result.conclusion.figures["r_bar"]
+    assert np.max(grown) > 0.2 * result.conclusion.figures["r_bar"]
+    assert np.max(np.abs(phase)) <= shape.start_strip
+    for k, barrier in enumerate(shape.barriers):
+        least = barrier.reset - barrier.reset_slope * shape.guard_radius
+        assert np.min(h[:, k]) >= least
+
+
+def test_statements_hold_in_balls_on_some_of_their_boxes(result):
+    draw = np.random.default_rng(0)
+    algebra = FibreBallAlgebra(2)
+    for statement in result.statements:
+        low, high = _leaves(statement)
+        chosen = draw.choice(len(low), min(3, len(low)), replace=False)
+        part = prune(result.program, statement.conditions)
+        found = evaluate(part, {"u": (low[chosen], high[chosen])}, algebra)
+        for name in statement.conditions:
+            for ball in found[name].range().ravel():
+                assert ball >= arb(statement.bounds[name]), name
+
+
+def test_statements_hold_at_points_of_their_boxes(result, model):
+    """Chart points of each root box and xi on the sphere, in plain float64."""
+    draw = np.random.default_rng(2)
+    xi = draw.normal(size=(200, model.size))
+    xi /= np.linalg.norm(xi, axis=1, keepdims=True)
+    for statement in result.statements:
+        low, high = np.array(statement.low), np.array(statement.high)
+        u = low + (high - low) * draw.uniform(size=(200, 2))
+        part = prune(result.program, statement.conditions)
+        values = evaluate(part, {"u": u, "xi": xi}, POINT)
+        for name in statement.conditions:
+            assert values[name].min() >= statement.bounds[name] - 1e-12, name
+
+
+@pytest.mark.parametrize(
+    ("change", "obstacle"),
+    [
+        ({"gain": 2.0}, "full/gain"),
+        ({"guard_strip": 1e-5}, "full/foot-below"),
+        ({"pace": (1.5, 3.3)}, "full/pace"),
+        ({"risen": 0.6}, "full/foot-rises"),
+    ],
+)
+def test_false_constants_are_not_proved(model, result, change, obstacle):
+    shape = replace(result.shape, **change)
+    found = prove_full_order(model, shape, time.monotonic() + 4.0)
+    assert found.conclusion.verdict == "undecided"
+    assert obstacle in found.conclusion.reason
+
+
+def test_no_walk_leaves_the_set(trained, result):
+    found = check_by_force(trained, result.shape, walks=400, steps=2)
+    assert (found.walks, found.left) == (400, 0)
+    assert found.least["level-lower - t - sigma V"] < 1e-6  # Some start on the face.
+    assert found.foot < 1e-12
+
+
+def test_walks_from_a_set_that_is_too_large_leave_it(trained, result):
+    """The check can fail: outputs thirty times larger break contact or leave the tube."""
+    loose = tuple(replace(b, sigma=b.sigma / 900.0) for b in result.shape.barriers)
+    shape = replace(result.shape, radius=30.0 * result.shape.radius, barriers=loose)
+    assert check_by_force(trained, shape, walks=400, steps=2).left > 50
+
+
+def test_mujoco_walks_from_the_set(trained, result):
+    found = check_in_mujoco(trained, result.shape, episodes=4, steps=2)
+    assert found.walked == 1.0
+    assert 0.5 < found.ticks <= 1.0
+    assert found.stayed <= found.stayed_settled
+
+
+def _leaves(statement) -> tuple[np.ndarray, np.ndarray]:
+    fields = {name: getattr(statement, name) for name in Statement.__dataclass_fields__}
+    return Statement(**fields).leaves()
