@@ -175,7 +175,9 @@ NOT_KNOWN = {
         "knee", {"user": "Mine", "region": "tube", "scale": 0.5, "strength": 3}
     ),
     "policy": lambda t: t.__setitem__("model", None),
-    "theorem": lambda t: t.__setitem__("theorems", [{"level": 99}]),
+    "full order": lambda t: t.__setitem__(
+        "theorems", [{"level": 4, "claimed": True, "parameters": {}}]
+    ),
 }
 
 

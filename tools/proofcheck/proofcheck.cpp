@@ -1,11 +1,13 @@
 // proofcheck: an independent check of a gait certificate.
 //
-// A proof file says: at every state of a region, this condition of the gait holds with this margin.
-// It contains link data of a robot, the numbers of a policy and of a tube in the plane of the zero
-// dynamics, and for each statement a tree of boxes. This program derives everything else from
-// those numbers: positions, momenta, the zero dynamics, accelerations, torques, ground forces, the
-// impact. It never evaluates the list of operations ("Program") that the file also contains and
-// that the finder worked with, and shares no formula file, derivative rule or library with it.
+// A proof file says: at every state of a region, this condition of the gait holds with this margin;
+// and, at levels 2 and 3, what that means for trajectories: they walk for ever, and converge to one
+// periodic orbit. It contains link data of a robot, the numbers of a policy, of a tube in the plane
+// of the zero dynamics and of the orbit, and for each statement a tree of boxes. This program
+// derives everything else from those numbers: positions, momenta, the zero dynamics, accelerations,
+// torques, ground forces, the impact, the return map. It never evaluates the list of operations
+// ("Program") that the file also contains and that the finder worked with, and shares no formula
+// file, derivative rule or library with it.
 //
 // The story, in sections:
 //    1  intervals            numbers enclosed by directed rounding
@@ -13,18 +15,21 @@
 //    3  Taylor models        functions of a box: quadratic polynomials with interval coefficients
 //    4  duals                a value and its derivative along a direction
 //    5  reading              JSON, hexadecimal floats, base64, sha256
-//    6  the model            robot from link data, policy, tube, conditions
+//    6  the model            robot from link data, policy, tube
 //    7  the policy           desired outputs and their derivatives up to second order
 //    8  mechanics            from (z1, z2) to forces and impact, link by link
-//    9  conditions           what is claimed, as formulas and in words
-//   10  the check            trees of boxes
-//   11  the file             consistency of what it says
-//   12  the command
+//    9  conditions           what is claimed of single states, as formulas and in words
+//   10  set and orbit        what levels 2 and 3 rest on, as formulas and in words
+//   11  the check            trees of boxes
+//   12  what follows         from statements about boxes to statements about trajectories
+//   13  the file             consistency of what it says
+//   14  the command
 //
 // proofcheck FILE prints every statement in words and answers with its exit code: 0 proved,
-// 1 rejected (false, with a point; or the file contradicts itself), 2 not a proof file, 3 undecided
-// (a user's own condition, or boxes that do not reach their bounds), 70 the rounding does not work.
-// Boxes are bounded with models of second degree whatever degree the finder used.
+// 1 rejected (false, with a point; or the file contradicts itself, or claims what does not follow),
+// 2 not a proof file, 3 undecided (a user's own condition, the full-order theorem, or boxes that do
+// not reach their bounds), 70 the rounding does not work. Boxes are bounded with models of second
+// degree whatever degree the finder used.
 //
 // Trusted: the C++ compiler, IEEE 754 + - * / sqrt in the rounding mode that is set and tested at
 // the start, and the standard library's strings and containers. Signs and symbols are those of
@@ -41,6 +46,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -648,6 +654,17 @@ string text_of(const Json& value, const string& what) {
 const vector<Json>& list_of(const Json& value, const string& what) {
   if (value.type != Json::list) refuse(what + " that is no list");
   return value.items;
+}
+
+// A list of different names.
+vector<string> names_of(const Json& value, const string& what) {
+  vector<string> names;
+  for (const Json& item : list_of(value, what)) {
+    names.push_back(text_of(item, "one of the " + what));
+    if (std::count(names.begin(), names.end(), names.back()) > 1)
+      refuse(names.back() + " twice among the " + what);
+  }
+  return names;
 }
 
 double number_of(const Json& value, const string& what) {
@@ -1519,6 +1536,9 @@ class Motion {
   }
   Vec<S> foot() { return point(robot.foot, pose().e); }
   Vec<S> foot_velocity() { return point(robot.foot, spin()); }
+  // Velocity of the swing foot per unit of dz1 and of dz2.
+  Vec<S> foot_per_dz1() { return point(robot.foot, pose().spin(per_dz1())); }
+  Vec<S> foot_per_dz2() { return point(robot.foot, pose().spin(per_dz2())); }
   Vec<S> hip() { return point(robot.hip, pose().e); }
   Vec<S> hip_velocity() { return point(robot.hip, spin()); }
 
@@ -1599,6 +1619,8 @@ class Motion {
   Motion<Dual> moving(const TM& first, const TM& second);
   // Along the flow.
   Motion<Dual>& flow();
+  // Desired outputs with their second derivatives.
+  const vector<Jet>& jets();
 
  private:
   std::optional<Outputs<S>> outputs_;
@@ -1614,20 +1636,23 @@ class Motion {
 };
 
 template <>
+const vector<Jet>& Motion<TM>::jets() {
+  if (!jets_) {
+    jets_ = desired_outputs(model.policy, z1, z2, 2);
+    outputs_ = first_order(*jets_);
+  }
+  return *jets_;
+}
+
+template <>
 Motion<Dual> Motion<TM>::moving(const TM& first, const TM& second) {
-  if (!jets_) jets_ = desired_outputs(model.policy, z1, z2, 2);
-  return {model, Dual(z1, first), Dual(z2, second), along(*jets_, first, second)};
+  return {model, Dual(z1, first), Dual(z2, second), along(jets(), first, second)};
 }
 
 template <>
 Motion<Dual>& Motion<TM>::flow() {
-  if (!flow_) {
-    if (!jets_) {
-      jets_ = desired_outputs(model.policy, z1, z2, 2);
-      outputs_ = first_order(*jets_);
-    }
-    flow_ = std::make_unique<Motion<Dual>>(moving(dz1(), dz2()));
-  }
+  jets();  // Before the rates ask for the outputs' first derivatives alone.
+  if (!flow_) flow_ = std::make_unique<Motion<Dual>>(moving(dz1(), dz2()));
   return *flow_;
 }
 
@@ -1674,22 +1699,30 @@ struct Fences {
   S lower, upper;  // zeta = z2^2 / 2
 };
 
+// Chebyshev polynomials T_0 to T_(count - 1) of 2 phase - 1. As T_(m+n) = 2 T_m T_n - T_(m-n) with
+// m and n near half: one by one, an error would grow with the powers of 1 + sqrt 2.
 template <class S>
-S chebyshev(const vector<double>& series, const S& phase) {
-  const S x = I(2.0) * phase - S(I(1.0));
-  S before = S(I(1.0)), now = x, sum = S(I(series[0]));
-  for (size_t k = 1; k < series.size(); ++k) {
-    sum = sum + I(series[k]) * now;
-    const S next = I(2.0) * (x * now) - before;
-    before = now;
-    now = next;
+vector<S> chebyshev(const S& phase, size_t count) {
+  vector<S> t = {S(I(1.0)), I(2.0) * phase - S(I(1.0))};
+  while (t.size() < count) {
+    const size_t m = (t.size() + 1) / 2, n = t.size() / 2;
+    t.push_back(I(2.0) * (t[m] * t[n]) - t[m - n]);
   }
-  return sum;
+  return t;
+}
+
+// A series' value.
+template <class S>
+S sum(const vector<double>& series, const vector<S>& polynomials) {
+  S total(0.0);
+  for (size_t k = 0; k < series.size(); ++k) total = total + I(series[k]) * polynomials[k];
+  return total;
 }
 
 template <class S>
 Fences<S> fences(const Tube& tube, const S& phase) {
-  return {I(tube.unit) * chebyshev(tube.lower, phase), I(tube.unit) * chebyshev(tube.upper, phase)};
+  const auto t = chebyshev(phase, std::max(tube.lower.size(), tube.upper.size()));
+  return {I(tube.unit) * sum(tube.lower, t), I(tube.unit) * sum(tube.upper, t)};
 }
 
 template <class S>
@@ -1703,13 +1736,16 @@ S level_of(const Tube& tube, const S& z1, const S& z2) {
   return (I(0.5) * (z2 * z2) - f.lower) / (f.upper - f.lower);
 }
 
-// The state at a box of the chart.
-Motion<TM> state_at(const Model& model, const TM& phase, const TM& level) {
+// The state at a phase of the step, zeta given; and at a box of a tube's chart.
+Motion<TM> state_of(const Model& model, const TM& phase, const TM& zeta) {
   const Tube& tube = model.tube;
-  const Fences<TM> f = fences(tube, phase);
-  const TM zeta = f.lower + level * (f.upper - f.lower);
   const TM z1 = TM(tube.start) + (I(tube.guard) - I(tube.start)) * phase;
   return {model, z1, root(I(2.0) * zeta)};
+}
+
+Motion<TM> state_at(const Model& model, const Tube& tube, const TM& phase, const TM& level) {
+  const Fences<TM> f = fences(tube, phase);
+  return state_of(model, phase, f.lower + level * (f.upper - f.lower));
 }
 
 // ----------------------------------------------------------------------------- 9 conditions
@@ -2075,27 +2111,44 @@ Condition condition_of(const Json& table, int joints) {
   return c;
 }
 
-// d zeta / d phase along the flow.
+// F = d zeta / d phase along the flow, where dz is as given.
 template <class S>
-S flow_slope(Motion<S>& p) {
+S flow_slope(Motion<S>& p, const S& dz1, const S& dz2) {
   const Tube& tube = p.model.tube;
-  return (I(tube.guard) - I(tube.start)) * (p.z2 * p.dz2() / p.dz1());
+  return (I(tube.guard) - I(tube.start)) * (p.z2 * dz2 / dz1);
 }
+template <class S>
+S flow_slope(Motion<S>& p) { return flow_slope(p, p.dz1(), p.dz2()); }
+
+// A box of the chart.
+struct Box {
+  double low[2], high[2];
+};
 
 // Fences and their slopes over the phase, by a dual in the phase.
 Fences<Dual> sloping_fences(const Tube& tube, const TM& phase) {
   return fences(tube, Dual(phase, ONE));
 }
 
+// 2 (z2 of the upper fence - z2 of the lower) / their sum.
+TM relative_width(const Tube& tube, const TM& phase) {
+  const Fences<TM> f = fences(tube, phase);
+  const TM low = root(I(2.0) * f.lower), high = root(I(2.0) * f.upper);
+  return I(2.0) * (high - low) / (high + low);
+}
+
+// dh/dt + alpha(h) in a state that moves.
+vector<TM> barrier_margins(const Condition& c, Motion<Dual>& p) {
+  vector<TM> out;
+  const vector<Dual> h = value(c.quantity, p);
+  for (const double slope : c.alpha)
+    for (const Dual& one : h) out.push_back(one.d + I(slope) * one.v);
+  return out;
+}
+
 vector<TM> margins(const Condition& c, Motion<TM>& p, const TM& phase) {
   if (c.kind == "Pointwise") return value(c.quantity, p);
-  if (c.kind == "Barrier") {
-    vector<TM> out;
-    const vector<Dual> h = value(c.quantity, p.flow());
-    for (const double slope : c.alpha)
-      for (const Dual& one : h) out.push_back(one.d + I(slope) * one.v);
-    return out;
-  }
+  if (c.kind == "Barrier") return barrier_margins(c, p.flow());
   if (c.kind == "DiscreteBarrier") {
     vector<TM> now = value(c.quantity, p), later = value(c.quantity, p.after());
     for (size_t i = 0; i < now.size(); ++i)
@@ -2118,17 +2171,13 @@ vector<TM> margins(const Condition& c, Motion<TM>& p, const TM& phase) {
     const TM level = level_of(p.model.tube, p.hip_after(), p.z2_after());
     return {c.side == "lower" ? level : ONE - level};
   }
-  if (c.kind == "TubeWidth") {
-    const Fences<TM> f = fences(p.model.tube, phase);
-    const TM low = root(I(2.0) * f.lower), high = root(I(2.0) * f.upper);
-    return {I(2.0) * (high - low) / (high + low) - TM(c.least)};
-  }
+  if (c.kind == "TubeWidth") return {relative_width(p.model.tube, phase) - TM(c.least)};
   throw Unknown{"the kind of condition " + c.kind};
 }
 
 // "margin of what >= number unit".
 string words_for(const Condition& c, double bound) {
-  const string number = at_least((I(bound) * I(c.scale)).low()), least = " >= " + number + " ";
+  const string number = at_least(bound), least = " >= " + number + " ";
   if (c.kind == "Fence")
     return "flow inward over the " + c.side + " fence" + least + "tube widths a step";
   if (c.kind == "Inlet")
@@ -2148,11 +2197,325 @@ string words_for(const Condition& c, double bound) {
   return what + least + unit;
 }
 
-// ------------------------------------------------------------------------------ 10 the check
+// ------------------------------------------------------------------------ 10 set and orbit
+//
+// Level 2 is about the set T, phases -start_strip to 1 + guard_strip between the fences; level 3
+// about a thin tube in it around the periodic orbit. Their premises are margins like those of
+// conditions, over boxes of the chart of either. What follows from them is in section 12.
 
-struct Box {
-  double low[2], high[2];
+struct WalkingSet {
+  double start_strip, guard_strip, risen, falling;
+  double first, before, last;  // Phases -start_strip, 1 - guard_strip, 1 + guard_strip, as doubles.
+  double push[2];              // Bound on what may be added to dz.
+  vector<string> barriers, carried;  // Names of conditions.
+  bool claimed;
+
+  bool disturbed() const { return push[0] != 0.0 || push[1] != 0.0; }
+  // T, its two fences, and the strip around the guard.
+  Box whole() const { return {{first, 0.0}, {last, 1.0}}; }
+  Box lower() const { return {{first, 0.0}, {last, 0.0}}; }
+  Box upper() const { return {{first, 1.0}, {last, 1.0}}; }
+  Box strip() const { return {{before, 0.0}, {last, 1.0}}; }
 };
+
+struct Orbit {
+  Tube thin;
+  bool nested;  // Attraction by nested tubes, not by contraction.
+  double guard_from, guard_to;
+  vector<double> expansion, slowest, fastest;  // Chebyshev series of bounds on dF/dzeta.
+  bool claimed;
+};
+
+struct Theorems {
+  std::optional<WalkingSet> walking;
+  std::optional<Orbit> orbit;
+};
+
+// A box of the chart, and the states that it stands for in either tube.
+class Place {
+ public:
+  const Model& model;
+  const Theorems& theorems;
+  const TM phase, level;
+
+  Place(const Model& m, const Theorems& t, const Box& box)
+      : model(m), theorems(t), phase(coordinate(box.low[0], box.high[0], 0)),
+        level(coordinate(box.low[1], box.high[1], 1)) {}
+
+  Motion<TM>& wide() {
+    if (!wide_) wide_.emplace(state_at(model, model.tube, phase, level));
+    return *wide_;
+  }
+  Motion<TM>& thin() {
+    if (!thin_) thin_.emplace(state_at(model, theorems.orbit->thin, phase, level));
+    return *thin_;
+  }
+
+ private:
+  std::optional<Motion<TM>> wide_, thin_;
+};
+
+// dz at the corners of the disturbance's box. Every margin that is asked there is linear in dz, or
+// a quotient of linear functions whose denominator has one sign: no point inside is worse.
+vector<std::pair<TM, TM>> pushed(const WalkingSet& set, Motion<TM>& p) {
+  if (!set.disturbed()) return {{p.dz1(), p.dz2()}};
+  vector<std::pair<TM, TM>> corners;
+  for (const double first : {-set.push[0], set.push[0]})
+    for (const double second : {-set.push[1], set.push[1]})
+      corners.push_back({p.dz1() + TM(first), p.dz2() + TM(second)});
+  return corners;
+}
+
+// dF/dzeta at a phase: zeta moves by 1 where z2 moves by 1 / z2.
+TM expansion(Motion<TM>& p) {
+  Motion<Dual> across = p.moving(TM(0.0), inverse(p.z2));
+  return flow_slope(across).d;
+}
+
+// rho, how far a neighbour is off after guard and reset, per zeta it was off before. With p the
+// height of the foot, the level of p through this state runs along t = (-p_z2, p_z1) in z. A
+// neighbour that is off by 1 in zeta is off by 1 / z2 in z2; it equals a t plus a multiple of the
+// flow for a = dz1 / (z2 dp/dt). The reset carries a t to a Dz(t), which is off by
+// z2 (z2' - (dz2 / dz1) z1') in zeta along the flow after the reset.
+TM reset_gain(Motion<TM>& p) {
+  const TM p1 = p.foot_per_dz1().z, p2 = p.foot_per_dz2().z;
+  Motion<Dual> along_ground = p.moving(-p2, p1);
+  const Dual hip = along_ground.hip_after(), momentum = along_ground.z2_after();
+  Motion<TM>& after = p.after();
+  const TM off = after.z2 * (momentum.d - after.dz2() / after.dz1() * hip.d);
+  return off * p.dz1() / (p.z2 * (p1 * p.dz1() + p2 * p.dz2()));
+}
+
+// Rate at which |r| falls outside the thin tube, r being the distance from its middle in its half
+// widths; level runs from the thin tube's fence of one side to the set's.
+TM narrowing(Place& at, bool upper) {
+  const Fences<Dual> thin = sloping_fences(at.theorems.orbit->thin, at.phase);
+  const Fences<TM> wide = fences(at.model.tube, at.phase);
+  const TM from = upper ? thin.upper.v : thin.lower.v, to = upper ? wide.upper : wide.lower;
+  const TM zeta = from + at.level * (to - from);
+  const Dual middle = I(0.5) * (thin.lower + thin.upper), width = thin.upper - thin.lower;
+  Motion<TM> state = state_of(at.model, at.phase, zeta);
+  return width.d / width.v - (flow_slope(state) - middle.d) / (zeta - middle.v);
+}
+
+// Whether a quantity is a function of the angles and of z alone.
+bool of_pose(const Quantity& q) {
+  static const std::set<string> names = {
+      "torso_angle", "joint_angles", "foot_height", "foot_forward", "foot_above_arc",
+      "foot_on_circle", "parabolic_clearance", "knee_bend", "hip_height", "hip_forward",
+      "hip_state", "momentum", "orbital_energy"};
+  return (q.name == "at_least" || q.name == "at_most") ? of_pose(*q.of) : names.count(q.name) > 0;
+}
+
+// One element of the Program's output, as this program understands it.
+using Margins = std::function<vector<TM>(Place&)>;
+
+vector<TM> both_signs(const TM& a) { return {a, -a}; }
+vector<TM> inside(const TM& level) { return {level, ONE - level}; }
+
+// Flow inward over a fence of a tube, in its widths per step, for each dz given.
+vector<TM> inward(const Tube& tube, const TM& phase, Motion<TM>& p, bool upper,
+                  const vector<std::pair<TM, TM>>& rates) {
+  const Fences<Dual> f = sloping_fences(tube, phase);
+  const TM width = f.upper.v - f.lower.v;
+  vector<TM> out;
+  for (const auto& [dz1, dz2] : rates) {
+    const TM along = flow_slope(p, dz1, dz2);
+    out.push_back((upper ? f.upper.d - along : along - f.lower.d) / width);
+  }
+  return out;
+}
+
+// What the theorems' outputs that concern no single condition mean.
+struct Meant {
+  const char* words;
+  const char* unit;
+  vector<TM> (*margins)(Place&);
+};
+
+vector<TM> foot_falls(Place& at, double sign) {
+  Motion<TM>& p = at.wide();
+  vector<TM> out;
+  for (const auto& [dz1, dz2] : pushed(*at.theorems.walking, p))
+    out.push_back(I(sign) * (p.foot_per_dz1().z * dz1 + p.foot_per_dz2().z * dz2));
+  return out;
+}
+
+vector<TM> phase_rate(Place& at) {
+  vector<TM> out;
+  for (const auto& [dz1, dz2] : pushed(*at.theorems.walking, at.wide()))
+    out.push_back(inverse(I(at.model.tube.guard) - I(at.model.tube.start)) * dz1);
+  return out;
+}
+
+vector<TM> fence(Place& at, bool upper) {
+  Motion<TM>& p = at.wide();
+  return inward(at.model.tube, at.phase, p, upper, pushed(*at.theorems.walking, p));
+}
+
+vector<TM> thin_fence(Place& at, bool upper) {
+  Motion<TM>& p = at.thin();
+  return inward(at.theorems.orbit->thin, at.phase, p, upper, {{p.dz1(), p.dz2()}});
+}
+
+TM reset_level(const Tube& tube, Motion<TM>& p) { return level_of(tube, p.hip_after(), p.z2_after()); }
+
+TM bound_less(const vector<double>& series, Place& at, const TM& rate) {
+  return sum(series, chebyshev(at.phase, series.size())) - rate;
+}
+
+const std::map<string, Meant>& set_outputs() {
+  static const std::map<string, Meant> table = {
+      {"set/forward", {"rate of the phase", "1/s", phase_rate}},
+      {"set/inertia", {"transversal inertia -J s", "kg m",
+                       [](Place& at) { return vector<TM>{-at.wide().transversal()}; }}},
+      {"set/width", {"width of the set in z2, of its middle", "",
+                     [](Place& at) { return vector<TM>{relative_width(at.model.tube, at.phase)}; }}},
+      {"set/fence-lower", {"flow inward over the lower fence", "tube widths a step",
+                           [](Place& at) { return fence(at, false); }}},
+      {"set/fence-upper", {"flow inward over the upper fence", "tube widths a step",
+                           [](Place& at) { return fence(at, true); }}},
+      {"set/foot-above", {"height of the swing foot", "m",
+                          [](Place& at) { return vector<TM>{at.wide().foot().z}; }}},
+      {"set/foot-below", {"depth of the swing foot", "m",
+                          [](Place& at) { return vector<TM>{-at.wide().foot().z}; }}},
+      {"set/foot-rises", {"rise of the swing foot", "m/s",
+                          [](Place& at) { return foot_falls(at, 1.0); }}},
+      {"set/foot-falls", {"fall of the swing foot", "m/s",
+                          [](Place& at) { return foot_falls(at, -1.0); }}},
+      {"set/reset-phase", {"minus the size of the phase after the reset", "",
+                           [](Place& at) {
+                             return both_signs(phase_of(at.model.tube, at.wide().hip_after()));
+                           }}},
+      {"set/reset-level", {"reset inside the fences", "tube widths",
+                           [](Place& at) { return inside(reset_level(at.model.tube, at.wide())); }}}};
+  return table;
+}
+
+const std::map<string, Meant>& orbit_outputs() {
+  static const std::map<string, Meant> table = {
+      {"orbit/expansion", {"a series less dF/dzeta on the set", "per step",
+                           [](Place& at) {
+                             return vector<TM>{bound_less(at.theorems.orbit->expansion, at,
+                                                          expansion(at.wide()))};
+                           }}},
+      {"orbit/gain", {"minus the size of the gain rho on the set's guard", "",
+                      [](Place& at) { return both_signs(reset_gain(at.wide())); }}},
+      {"orbit/fence-lower", {"flow inward over the thin tube's lower fence", "of its widths a step",
+                             [](Place& at) { return thin_fence(at, false); }}},
+      {"orbit/fence-upper", {"flow inward over the thin tube's upper fence", "of its widths a step",
+                             [](Place& at) { return thin_fence(at, true); }}},
+      {"orbit/foot-above", {"height of the swing foot in the thin tube", "m",
+                            [](Place& at) { return vector<TM>{at.thin().foot().z}; }}},
+      {"orbit/foot-below", {"depth of the swing foot in the thin tube", "m",
+                            [](Place& at) { return vector<TM>{-at.thin().foot().z}; }}},
+      {"orbit/reset-level", {"reset inside the thin tube", "of its widths",
+                             [](Place& at) {
+                               return inside(reset_level(at.theorems.orbit->thin, at.thin()));
+                             }}},
+      {"orbit/inside", {"thin tube inside the set", "tube widths",
+                        [](Place& at) {
+                          Motion<TM>& p = at.thin();
+                          return inside(level_of(at.model.tube, p.z1, p.z2));
+                        }}},
+      {"orbit/width", {"minus the thin tube's width in z2", "kg m^2/s",
+                       [](Place& at) {
+                         const Fences<TM> f = fences(at.theorems.orbit->thin, at.phase);
+                         return vector<TM>{root(I(2.0) * f.lower) - root(I(2.0) * f.upper)};
+                       }}},
+      {"orbit/slowest", {"dF/dzeta in the thin tube less a series", "per step",
+                         [](Place& at) {
+                           return vector<TM>{-bound_less(at.theorems.orbit->slowest, at,
+                                                         expansion(at.thin()))};
+                         }}},
+      {"orbit/fastest", {"a series less dF/dzeta in the thin tube", "per step",
+                         [](Place& at) {
+                           return vector<TM>{bound_less(at.theorems.orbit->fastest, at,
+                                                        expansion(at.thin()))};
+                         }}},
+      {"orbit/reset-gain-low", {"gain rho on the thin tube's guard", "",
+                                [](Place& at) { return vector<TM>{reset_gain(at.thin())}; }}},
+      {"orbit/reset-gain-high", {"minus the gain rho on the thin tube's guard", "",
+                                 [](Place& at) { return vector<TM>{-reset_gain(at.thin())}; }}},
+      {"orbit/nested-above", {"approach to the thin tube from above", "per step",
+                              [](Place& at) { return vector<TM>{narrowing(at, true)}; }}},
+      {"orbit/nested-below", {"approach to the thin tube from below", "per step",
+                              [](Place& at) { return vector<TM>{narrowing(at, false)}; }}}};
+  return table;
+}
+
+// dh/dt + alpha(h) of a barrier h at the corners of the disturbance's box.
+vector<TM> pushed_rates(const Condition& c, Place& at) {
+  Motion<TM>& p = at.wide();
+  vector<TM> out;
+  p.jets();
+  for (const auto& [dz1, dz2] : pushed(*at.theorems.walking, p)) {
+    Motion<Dual> moved = p.moving(dz1, dz2);
+    const vector<TM> one = barrier_margins(c, moved);
+    out.insert(out.end(), one.begin(), one.end());
+  }
+  return out;
+}
+
+// An output of the Program: a condition of the spec, or a premise of a theorem.
+struct Output {
+  size_t elements = 0;                  // In the Program.
+  string unknown;                       // Why it cannot be checked here; empty if it can.
+  Margins margins;
+  std::function<string(double)> words;  // That the margin is at least this.
+};
+
+Output output_of(const Meant& meant) {
+  const string words = meant.words, unit = meant.unit;
+  return {0, "", meant.margins, [words, unit](double least) {
+            return words + " >= " + at_least(least) + (unit.empty() ? "" : " " + unit);
+          }};
+}
+
+Output output_of(const Condition& c) {
+  return {0, c.unknown, [&c](Place& at) { return margins(c, at.wide(), at.phase); },
+          [&c](double least) { return words_for(c, least); }};
+}
+
+// set/after NAME, set/value NAME, set/rate NAME, of a barrier condition.
+Output output_of(const string& what, const Condition& c, const WalkingSet& set) {
+  if (!c.unknown.empty()) return {0, c.unknown, {}, {}};
+  const string h = words_for(c.quantity) + " >= ", unit = " " + unit_of(c.quantity);
+  if (what == "value")
+    return {0, "", [&c](Place& at) { return value(c.quantity, at.wide()); },
+            [h, unit](double least) { return h + at_least(least) + unit; }};
+  if (what == "after")
+    return {0, "", [&c](Place& at) { return value(c.quantity, at.wide().after()); },
+            [h, unit](double least) { return "after the reset, " + h + at_least(least) + unit; }};
+  // h of a disturbed velocity would not be linear in the disturbance.
+  const bool linear = !set.disturbed() || of_pose(c.quantity);
+  return {0, linear ? "" : "a disturbed barrier function of velocities",
+          [&c](Place& at) { return pushed_rates(c, at); },
+          [&c](double least) { return "disturbed, " + words_for(c, least); }};
+}
+
+// ------------------------------------------------------------------------------ 11 the check
+//
+// A statement: on a box of the chart, each output has at least its bound, in its scale. The tree
+// says how the box was halved. Every leaf is bounded anew, and split further if that is not enough.
+
+// LEVEL/NAME: an output of a theorem. Others are conditions, whose bounds are not negative.
+bool of_theorem(const string& output) { return output.find('/') != string::npos; }
+
+struct Claim {
+  string name;
+  double scale = 1.0, bound = 0.0;
+  const Output* output = nullptr;
+
+  I least() const { return I(bound) * I(scale); }
+};
+
+struct Statement {
+  vector<Claim> claims;
+  string region, tree;
+  Box root_box{};
+};
+
 
 // Halves along every axis that has a width, the first axis fastest. Both halves end at the same
 // double, so they cover the box whatever that is.
@@ -2172,18 +2535,30 @@ vector<Box> halves(const Box& box) {
   return parts;
 }
 
-struct Claim {
-  string name;
-  double scale = 1.0, bound = 0.0;
-  const Condition* condition = nullptr;  // None if this program does not know it.
-  size_t elements = 0;                   // Of the Program's output of this name.
-};
-
-struct Statement {
-  vector<Claim> claims;
-  string region, tree;
-  Box root_box{};
-};
+// The boxes at which a statement's tree ends: 1 is a split, 0 a leaf, depth first.
+vector<Box> leaves(const Statement& statement) {
+  constexpr int kDeepest = 48;  // Further halving would exhaust a double's digits.
+  const string &tree = statement.tree, name = "the tree of " + statement.region;
+  struct Node { Box box; int depth; };
+  vector<Node> stack = {{statement.root_box, 0}};
+  vector<Box> found;
+  size_t at = 0;
+  while (!stack.empty()) {
+    const Node node = stack.back();
+    stack.pop_back();
+    if (at == tree.size()) throw Inconsistent{name + " ends before its last leaf"};
+    if (tree[at++] == '0') {
+      found.push_back(node.box);
+      continue;
+    }
+    const vector<Box> parts = halves(node.box);
+    if (parts.empty() || node.depth == kDeepest)
+      throw Inconsistent{name + " splits what has no width"};
+    for (size_t i = parts.size(); i-- > 0;) stack.push_back({parts[i], node.depth + 1});
+  }
+  if (at != tree.size()) throw Inconsistent{name + " goes on after its last leaf"};
+  return found;
+}
 
 enum Verdict { proved, undecided, rejected };
 
@@ -2195,56 +2570,41 @@ struct Finding {
 
 class Checker {
  public:
-  Checker(const Model& model, const Statement& statement)
-      : model_(model), statement_(statement) {}
+  Checker(const Model& model, const Theorems& theorems, const Statement& statement)
+      : model_(model), theorems_(theorems), statement_(statement) {}
 
+  // Checks the statement on the leaves of its tree.
   Finding run() {
-    vector<const Claim*> all;
-    for (const Claim& claim : statement_.claims)
-      if (claim.condition) all.push_back(&claim);
-    const string &tree = statement_.tree, name = "the tree of " + statement_.region;
-    size_t at = 0;
-    struct Node { Box box; int depth; };
-    vector<Node> stack = {{statement_.root_box, 0}};
-    vector<Box> leaves;
-    while (!stack.empty()) {
-      const Node node = stack.back();
-      stack.pop_back();
-      if (at == tree.size()) throw Inconsistent{name + " ends before its last leaf"};
-      if (tree[at++] == '0') {
-        leaves.push_back(node.box);
-        continue;
+    vector<const Claim*> known;
+    string unknown;
+    for (const Claim& claim : statement_.claims) {
+      if (claim.output->unknown.empty()) known.push_back(&claim);
+      else unknown = claim.name + " cannot be checked here: " + claim.output->unknown;
+    }
+    if (!known.empty())
+      for (const Box& leaf : leaves(statement_)) {
+        prove(leaf, known, 0);
+        if (found_.verdict != proved) return found_;
       }
-      vector<Box> parts = halves(node.box);
-      if (parts.empty() || node.depth == kDeepest)
-        throw Inconsistent{name + " splits what has no width"};
-      for (size_t i = parts.size(); i-- > 0;) stack.push_back({parts[i], node.depth + 1});
-    }
-    if (at != tree.size()) throw Inconsistent{name + " goes on after its last leaf"};
-    if (all.empty()) {
+    if (!unknown.empty()) {
       found_.verdict = undecided;
-      found_.reason = statement_.claims[0].name + " is not known here";
-      return found_;
-    }
-    for (const Box& leaf : leaves) {
-      prove(leaf, all, 0);
-      if (found_.verdict != proved) break;
+      found_.reason = unknown;
     }
     return found_;
   }
 
  private:
-  static constexpr int kDeepest = 48;    // Further halving would exhaust a double's digits.
   static constexpr int kMoreSplits = 6;  // How often a leaf may be split again.
   const Model& model_;
+  const Theorems& theorems_;
   const Statement& statement_;
   Finding found_;
 
-  vector<TM> evaluate(const Claim& claim, Motion<TM>& state, const TM& phase) {
-    vector<TM> found = margins(*claim.condition, state, phase);
-    if (found.size() != claim.elements)
+  vector<TM> evaluate(const Claim& claim, Place& at) {
+    vector<TM> found = claim.output->margins(at);
+    if (found.size() != claim.output->elements)
       throw Inconsistent{claim.name + " has " + std::to_string(found.size()) +
-                         " elements in the model, " + std::to_string(claim.elements) +
+                         " elements in the model, " + std::to_string(claim.output->elements) +
                          " in the Program"};
     return found;
   }
@@ -2259,20 +2619,13 @@ class Checker {
   vector<const Claim*> failing(const Box& box, const vector<const Claim*>& claims) {
     vector<const Claim*> left;
     ++found_.boxes;
-    try {
-      const TM phase = coordinate(box.low[0], box.high[0], 0);
-      const TM level = coordinate(box.low[1], box.high[1], 1);
-      Motion<TM> state = state_at(model_, phase, level);
-      for (const Claim* claim : claims) {
-        try {
-          if (!reached(evaluate(*claim, state, phase), I(claim->bound) * I(claim->scale)))
-            left.push_back(claim);
-        } catch (const NoBound&) {
-          left.push_back(claim);
-        }
+    Place at(model_, theorems_, box);
+    for (const Claim* claim : claims) {
+      try {
+        if (!reached(evaluate(*claim, at), claim->least())) left.push_back(claim);
+      } catch (const NoBound&) {
+        left.push_back(claim);
       }
-    } catch (const NoBound&) {
-      return claims;
     }
     return left;
   }
@@ -2305,12 +2658,11 @@ class Checker {
     const double points[5][2] = {{centre[0], centre[1]}, {box.low[0], box.low[1]},
                                  {box.high[0], box.low[1]}, {box.low[0], box.high[1]},
                                  {box.high[0], box.high[1]}};
-    const I least = I(claim.bound) * I(claim.scale);
+    const I least = claim.least();
     for (const auto& at : points) {
       try {
-        const TM phase(at[0]);
-        Motion<TM> state = state_at(model_, phase, TM(at[1]));
-        for (const TM& margin : evaluate(claim, state, phase)) {
+        Place here(model_, theorems_, {{at[0], at[1]}, {at[0], at[1]}});
+        for (const TM& margin : evaluate(claim, here)) {
           if (!(range(margin).high() < least.low())) continue;
           found_.verdict = rejected;
           found_.reason = claim.name + " is " + at_least(range(margin).low()) + " at phase " +
@@ -2325,17 +2677,288 @@ class Checker {
   }
 };
 
-// ------------------------------------------------------------------------------- 11 the file
+// --------------------------------------------------------------------------- 12 what follows
+//
+// The statements are inequalities on boxes. Levels 2 and 3 put them together: each method draws one
+// conclusion, or says which premise is missing. docs/guarantees.md has the same in prose.
+
+using Regions = std::map<string, vector<Box>>;
 
 struct ProofFile {
   string robot, spec, weights_sha256;
   Model model;
+  Regions regions;
   std::map<string, Condition> conditions;
+  Theorems theorems;
+  std::map<string, Output> outputs;  // Of the Program.
   vector<Statement> statements;
-  bool theorems = false;     // Whether there are any.
-  vector<string> unclaimed;  // Conditions without statements on all of their region.
-  vector<string> unknown;    // What is claimed and not known here.
 };
+
+bool same(const Box& a, const Box& b) {
+  return std::equal(a.low, a.low + 2, b.low) && std::equal(a.high, a.high + 2, b.high);
+}
+
+struct DoesNotFollow { string why; };
+
+string interval_words(double low, double high) {
+  return low == high ? brief(low) : "[" + brief(low) + ", " + brief(high) + "]";
+}
+
+// Six digits, rounded up.
+string at_most(double x) {
+  char text[40];
+  snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
+
+string listed(const vector<string>& names) {
+  string all;
+  for (const string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+I exp(I x) { return {exp_at(x.low()).n, exp_at(x.high()).h}; }
+
+// Integral of a series over the step: that of T_k over [-1, 1] is 2 / (1 - k^2) for even k, or 0.
+I over_step(const vector<double>& series) {
+  I total(0.0);
+  for (size_t k = 0; k < series.size(); k += 2) {
+    const double square = static_cast<double>(k) * static_cast<double>(k);
+    total = total + I(series[k]) / (I(1.0) - I(square));
+  }
+  return total;
+}
+
+// What |series| is at most wherever |2 phase - 1| is not larger than at this phase beyond the step:
+// there no Chebyshev polynomial is larger.
+I largest(const vector<double>& series, I phase) {
+  vector<double> sizes;
+  for (const double c : series) sizes.push_back(std::abs(c));
+  return sum(sizes, chebyshev(phase, series.size()));
+}
+
+class Conclusions {
+ public:
+  explicit Conclusions(const ProofFile& file) : file_(file) {}
+
+  // Level 2. A trajectory that starts in T before the ground moves forward at `pace` or more,
+  // crosses no fence, and can meet the ground only falling: not while the foot rises, not while it
+  // is above the ground, and it falls from then on, being above the ground at phase `before` and
+  // below at `last`. From the strip in between, the reset lands between the fences, less than
+  // start_strip from phase 0: in T again.
+  vector<string> walking() const {
+    const WalkingSet& t = *file_.theorems.walking;
+    if (!(0.0 < t.start_strip && t.start_strip < 0.1 && 0.0 < t.guard_strip &&
+          t.guard_strip < 0.1))
+      throw DoesNotFollow{"strips that are not between 0 and 0.1"};
+    if (!(0.0 < t.risen && t.risen <= t.falling && t.falling < t.before))
+      throw DoesNotFollow{"phases of rise and fall that are not in order"};
+    const double pace = positive("set/forward", t.whole());
+    positive("set/inertia", t.whole());
+    const double width = positive("set/width", t.lower());
+    positive("set/fence-lower", t.lower());
+    positive("set/fence-upper", t.upper());
+    positive("set/foot-rises", {{t.first, 0.0}, {t.risen, 1.0}});
+    positive("set/foot-above", {{t.risen, 0.0}, {t.falling, 1.0}});
+    positive("set/foot-falls", {{t.falling, 0.0}, {t.last, 1.0}});
+    positive("set/foot-above", {{t.before, 0.0}, {t.before, 1.0}});
+    positive("set/foot-below", {{t.last, 0.0}, {t.last, 1.0}});
+    positive("set/reset-level", t.strip());
+    if (!(bound("set/reset-phase", t.strip()) > -t.start_strip))
+      throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
+    string start = "T is every state with phase in " + interval_words(t.first, t.last) +
+                   " between the fences";
+    const vector<string> safe = barriers(t, start);
+    carried(t);
+
+    const I longest = (I(t.last) - I(t.first)) / I(pace);
+    string push;
+    if (t.disturbed())
+      push = ", whatever d(t) with |d| <= (" + brief(t.push[0]) + " m/s, " + brief(t.push[1]) +
+             " N m) is added to dz,";
+    vector<string> words = {
+        start + ", up to where the swing foot meets the ground; its width in z2 is everywhere " +
+            at_least(width) + " of its middle or more",
+        "every trajectory of the projected hybrid zero dynamics that starts in T" + push +
+            " stays between the fences, meets the ground once and transversally within " +
+            at_most(longest.high()) + " s, and is reset into T: it walks for ever",
+        "along it hold: " + listed(t.carried)};
+    if (!safe.empty()) words.push_back("and h >= 0 along it, from the start, for: " + listed(safe));
+    return words;
+  }
+
+  // Level 3, which rests on level 2. With zeta = z2^2 / 2 the flow on T is d zeta / d phase = F. The
+  // return map P of the section at mid-step has the slope rho exp(integral of dF/dzeta), from the
+  // phase after the reset to that of the guard: over the step, less or more what lies in the strips.
+  vector<string> attraction() const {
+    const WalkingSet& t = *file_.theorems.walking;
+    const Orbit& o = *file_.theorems.orbit;
+    if (!(t.falling < o.guard_from && o.guard_from < o.guard_to && o.guard_to <= t.last))
+      throw DoesNotFollow{"the thin tube's guard is not where the foot falls"};
+    const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
+    const I ends = I(t.start_strip) + I(larger(behind, before));
+    const I edge = I(1.0) + I(larger(t.start_strip, larger(behind, before)));
+    not_negative("orbit/expansion", t.whole());
+    const I gain = I(-bound("orbit/gain", t.strip()));
+    const I steepest = largest(o.expansion, edge);
+    const I slope = gain * exp(over_step(o.expansion) + ends * steepest);
+
+    const I multiplier = thin_tube(t, o, ends, edge);
+    if (!(multiplier.low() > 0.0 && multiplier.high() < 1.0))
+      throw DoesNotFollow{"the multiplier is known to be in " +
+                          interval_words(multiplier.low(), multiplier.high()) + " only"};
+    string why;
+    if (o.nested) {
+      why = nested(t, o, gain * exp(I(2.0) * ends * steepest), multiplier);
+    } else if (slope.high() < 1.0) {
+      why = "the return map of the section at mid-step contracts by " + at_most(slope.high()) +
+            " or less on all of T";
+    } else {
+      throw DoesNotFollow{"the return map is not shown to contract: |P'| <= " +
+                          at_most(slope.high())};
+    }
+    const I low = root(I(2.0) * sum(o.thin.lower, chebyshev(I(0.5), o.thin.lower.size())));
+    const I high = root(I(2.0) * sum(o.thin.upper, chebyshev(I(0.5), o.thin.upper.size())));
+    // The widths have one sign all along, for margins that are shares of them are bounded.
+    if (!(low.high() < high.low())) throw DoesNotFollow{"a thin tube that is upside down"};
+    return {why + ": there is one periodic orbit, and every trajectory of the undisturbed system in "
+                  "T converges to it",
+            "at mid-step the orbit has z2 in [" + at_least(low.low()) + ", " +
+                at_most(high.high()) + "] kg m^2/s, and is known to " +
+                at_most(-bound("orbit/width", t.lower())) + " everywhere",
+            "its multiplier is in [" + at_least(multiplier.low()) + ", " +
+                at_most(multiplier.high()) + "]"};
+  }
+
+ private:
+  const ProofFile& file_;
+
+  // The bound that a statement has for an output on a box, rounded down.
+  double bound(const string& output, const Box& box) const {
+    for (const Statement& s : file_.statements)
+      for (const Claim& claim : s.claims)
+        if (claim.name == output && same(s.root_box, box)) return claim.least().low();
+    throw DoesNotFollow{"no statement about " + output + between(box)};
+  }
+  static string between(const Box& box) {
+    return " for phase in " + interval_words(box.low[0], box.high[0]) + " and level in " +
+           interval_words(box.low[1], box.high[1]);
+  }
+  double positive(const string& output, const Box& box) const {
+    const double least = bound(output, box);
+    if (!(least > 0.0)) throw DoesNotFollow{output + between(box) + " is not above 0"};
+    return least;
+  }
+  void not_negative(const string& output, const Box& box) const {
+    if (!(bound(output, box) >= 0.0))
+      throw DoesNotFollow{output + between(box) + " may be negative"};
+  }
+  bool stated(const string& output, const Box& box) const {
+    try {
+      not_negative(output, box);
+      return true;
+    } catch (const DoesNotFollow&) {
+      return false;
+    }
+  }
+
+  // Barriers whose h stays >= 0 along every trajectory: T lies in h >= 0, or starts there, and the
+  // condition dh/dt >= -alpha(h) holds on all of T. `start` is told what is asked at the start.
+  vector<string> barriers(const WalkingSet& t, string& start) const {
+    vector<string> safe;
+    string asked;
+    for (const string& name : t.barriers) {
+      const auto condition = file_.conditions.find(name);
+      if (condition == file_.conditions.end() ||
+          (condition->second.unknown.empty() && condition->second.kind != "Barrier"))
+        throw DoesNotFollow{name + " is no barrier condition of the spec"};
+      not_negative("set/after " + name, t.strip());
+      if (t.disturbed()) not_negative("set/rate " + name, t.whole());
+      const bool inside = stated("set/value " + name, t.whole());
+      const Box step = {{0.0, 0.0}, {1.0, 1.0}};
+      const vector<Box>& region = file_.regions.at(condition->second.region);
+      const bool everywhere = std::any_of(region.begin(), region.end(),
+                                          [&](const Box& box) { return same(box, step); });
+      if (inside || everywhere || t.disturbed()) safe.push_back(name);
+      if (!inside) asked += (asked.empty() ? "" : ", ") + name;
+    }
+    if (!asked.empty()) start += " and h >= 0 for: " + asked;
+    return safe;
+  }
+
+  // The conditions that hold along a trajectory have statements on the strips as well.
+  void carried(const WalkingSet& t) const {
+    for (const string& name : t.carried) {
+      const auto condition = file_.conditions.find(name);
+      if (condition == file_.conditions.end())
+        throw DoesNotFollow{name + " is no condition of the spec"};
+      for (const Box& box : file_.regions.at(condition->second.region)) {
+        not_negative(name, box);
+        Box around = box;
+        if (box.low[0] == 1.0) {  // The guard.
+          around.low[0] = t.before;
+          around.high[0] = t.last;
+          not_negative(name, around);
+          continue;
+        }
+        if (box.low[0] == 0.0) {
+          around.low[0] = t.first;
+          around.high[0] = box.high[0] == 0.0 ? t.start_strip : 0.0;
+          not_negative(name, around);
+        }
+        if (box.high[0] == 1.0) {
+          around.low[0] = 1.0;
+          around.high[0] = t.last;
+          not_negative(name, around);
+        }
+      }
+    }
+  }
+
+  // The thin tube is invariant like T: the return map takes its section into itself, so that a
+  // periodic orbit runs in it. Returns what encloses the slope of P there.
+  I thin_tube(const WalkingSet& t, const Orbit& o, I ends, I edge) const {
+    const Box guard = {{o.guard_from, 0.0}, {o.guard_to, 1.0}};
+    positive("orbit/fence-lower", t.lower());
+    positive("orbit/fence-upper", t.upper());
+    positive("orbit/inside", t.lower());
+    positive("orbit/inside", t.upper());
+    positive("orbit/foot-above", {{o.guard_from, 0.0}, {o.guard_from, 1.0}});
+    positive("orbit/foot-below", {{o.guard_to, 0.0}, {o.guard_to, 1.0}});
+    positive("orbit/reset-level", guard);
+    not_negative("orbit/slowest", t.whole());
+    not_negative("orbit/fastest", t.whole());
+    const I least = I(positive("orbit/reset-gain-low", guard));
+    const I most = I(-bound("orbit/reset-gain-high", guard));
+    const I low = least * exp(over_step(o.slowest) - ends * largest(o.slowest, edge));
+    const I high = most * exp(over_step(o.fastest) + ends * largest(o.fastest, edge));
+    return {low.n, high.h};
+  }
+
+  // Nested tubes. r is the distance from the thin tube's middle in its half widths. Outside it |r|
+  // falls along the flow from phase start_strip to `before`. Across ground and reset, a trajectory
+  // and the thin tube's fence next to it part by at most `growth`, and the fence's lands in the
+  // thin tube: |r| - 1 grows by at most growth times the ratio of the half widths.
+  string nested(const WalkingSet& t, const Orbit& o, I growth, I multiplier) const {
+    const Box step = {{t.start_strip, 0.0}, {t.before, 1.0}};
+    positive("orbit/nested-above", step);
+    positive("orbit/nested-below", step);
+    const auto width = [&o](double phase) {
+      const Fences<I> f = fences(o.thin, I(phase));
+      return f.upper - f.lower;
+    };
+    const I factor = growth * (width(t.before) / width(t.start_strip));
+    if (!(factor.high() < 1.0))
+      throw DoesNotFollow{"tubes around the orbit may widen by " + at_most(factor.high()) +
+                          " at the impact"};
+    return "outside a thin tube around the orbit every trajectory gets nearer to it along the step, "
+           "and across the impact to " + at_most(factor.high()) +
+           " of its distance or less; inside it the return map contracts by " +
+           at_most(multiplier.high()) + " or less";
+  }
+};
+
+// ------------------------------------------------------------------------------- 13 the file
 
 struct Named { string name, sha256; };
 
@@ -2346,8 +2969,8 @@ Named named(const Json& table, const string& what) {
 }
 
 struct ProgramFacts {
-  Constants constants;                    // Those that have a name.
-  std::map<string, size_t> outputs;       // Name to number of elements.
+  Constants constants;               // Those that have a name.
+  std::map<string, size_t> outputs;  // Name to number of elements.
 };
 
 ProgramFacts program_facts(const Json& table) {
@@ -2355,6 +2978,11 @@ ProgramFacts program_facts(const Json& table) {
   if (text_of(field(table, "the Program", "format"), "a format") != "neuralgaits-program" ||
       integer_of(field(table, "the Program", "version"), "a version") != 1)
     refuse("a Program of another version");
+  const vector<Json>& inputs = list_of(field(table, "the Program", "inputs"), "inputs");
+  if (inputs.size() != 1 || list_of(inputs[0], "an input").size() != 2 ||
+      text_of(inputs[0].items[0], "an input's name") != "u" ||
+      shape_of(inputs[0].items[1], "u") != vector<int>{2})
+    refuse("a Program that is no function of u alone");
   ProgramFacts facts;
   for (const Json& row : list_of(field(table, "the Program", "constants"), "constants")) {
     const vector<Json>& parts = list_of(row, "a constant");
@@ -2402,16 +3030,7 @@ Box box_of(const Json& table, const string& what) {
   return box;
 }
 
-bool among(const Box& box, const vector<Box>& boxes) {
-  return std::any_of(boxes.begin(), boxes.end(), [&](const Box& other) {
-    return std::equal(box.low, box.low + 2, other.low) &&
-           std::equal(box.high, box.high + 2, other.high);
-  });
-}
-
-using Regions = std::map<string, vector<Box>>;
-
-Statement statement_of(const Json& table, const ProgramFacts& program) {
+Statement statement_of(const Json& table, const std::map<string, Output>& outputs) {
   only(table, "a statement",
        {"conditions", "region", "scales", "bounds", "degree", "root", "tree"});
   Statement s;
@@ -2422,69 +3041,209 @@ Statement statement_of(const Json& table, const ProgramFacts& program) {
   s.root_box = box_of(field(table, "a statement", "root"), "a root box");
   const int degree = integer_of(field(table, "a statement", "degree"), "a degree");
   if (degree != 1 && degree != 2) refuse("a degree other than 1 and 2");
-  vector<string> names;
-  for (const Json& name : list_of(field(table, "a statement", "conditions"), "the conditions"))
-    names.push_back(text_of(name, "a condition's name"));
+  const vector<string> names = names_of(field(table, "a statement", "conditions"), "conditions");
   if (names.empty()) refuse("a statement about nothing");
   const Json& scales = field(table, "a statement", "scales");
   const Json& bounds = field(table, "a statement", "bounds");
   only(scales, "the scales", names);
   only(bounds, "the bounds", names);
   for (const string& name : names) {
+    const auto output = outputs.find(name);
+    if (output == outputs.end()) refuse(name + ", which is no output of the Program");
     Claim claim;
     claim.name = name;
     claim.scale = number_of(field(scales, "the scales", name), "a scale");
     claim.bound = number_of(field(bounds, "the bounds", name), "a bound");
-    const bool higher = name.find('/') != string::npos;  // LEVEL/NAME: an output of a theorem.
+    claim.output = &output->second;
     if (!(claim.scale > 0.0)) refuse("a scale that is not positive, for " + name);
-    if (!higher && !(claim.bound >= 0.0)) refuse("a negative bound, for " + name);
-    const auto output = program.outputs.find(name);
-    if (output == program.outputs.end()) refuse(name + ", which is no output of the Program");
-    claim.elements = output->second;
-    for (const Claim& other : s.claims)
-      if (other.name == name) refuse(name + " twice in one statement");
+    if (!of_theorem(name) && !(claim.bound >= 0.0)) refuse("a negative bound, for " + name);
     s.claims.push_back(claim);
   }
   return s;
 }
 
-// What statements about conditions of the spec must agree with.
-void match(ProofFile& file, const Regions& regions) {
-  std::map<string, vector<Box>> claimed;
-  for (Statement& s : file.statements)
-    for (Claim& claim : s.claims) {
-      const auto found = file.conditions.find(claim.name);
-      if (found == file.conditions.end()) {
-        file.unknown.push_back(claim.name + " (no condition of the spec)");
-        continue;
-      }
-      const Condition& c = found->second;
-      if (c.scale != claim.scale)
-        throw Inconsistent{claim.name + " has the scale " + brief(c.scale) + " in the spec, " +
-                           brief(claim.scale) + " in a statement"};
-      // A theorem may need a condition beyond its region, under a name that is no region's.
-      const bool elsewhere = file.theorems && !regions.count(s.region);
-      if (!elsewhere) {
-        if (c.region != s.region)
-          throw Inconsistent{claim.name + " has the region " + c.region + " in the spec, " +
-                             s.region + " in a statement"};
-        if (!among(s.root_box, regions.at(c.region)))
-          throw Inconsistent{"a statement about " + claim.name +
-                             " whose root is no box of the region " + s.region};
-        claimed[claim.name].push_back(s.root_box);
-      }
-      if (c.unknown.empty()) claim.condition = &c;
-      else file.unknown.push_back(claim.name + " (" + c.unknown + ")");
-    }
-  for (const auto& [name, c] : file.conditions)
-    for (const Box& box : regions.at(c.region))
-      if (!among(box, claimed[name])) {
-        file.unclaimed.push_back(name);
-        break;
-      }
+// A statement about a condition is one about its region, in its scale; beyond the ends of a step a
+// theorem may need it under another name. Outputs of theorems have no scale.
+void match(const Statement& s, const ProofFile& file) {
+  for (const Claim& claim : s.claims) {
+    const auto found = file.conditions.find(claim.name);
+    const double scale = found == file.conditions.end() ? 1.0 : found->second.scale;
+    if (scale != claim.scale)
+      throw Inconsistent{claim.name + " has the scale " + brief(scale) + ", " +
+                         brief(claim.scale) + " in a statement"};
+    const bool beyond = s.root_box.low[0] < 0.0 || s.root_box.high[0] > 1.0;
+    if (found == file.conditions.end() || beyond) continue;
+    const string& region = found->second.region;
+    if (region != s.region)
+      throw Inconsistent{claim.name + " has the region " + region + " in the spec, " + s.region +
+                         " in a statement"};
+    const vector<Box>& boxes = file.regions.at(region);
+    if (std::none_of(boxes.begin(), boxes.end(),
+                     [&](const Box& box) { return same(box, s.root_box); }))
+      throw Inconsistent{"a statement about " + claim.name +
+                         " whose root is no box of the region " + region};
+  }
 }
 
-ProofFile proof_of(const Json& table) {
+vector<double> series_of(const Json& value, const string& what) {
+  vector<double> series;
+  for (const Json& item : list_of(value, what)) series.push_back(hexadecimal(item, what));
+  if (series.empty() || series.size() > 1000) refuse(what + " without numbers, or with too many");
+  return series;
+}
+
+// 1 + x to the nearest double, as whoever wrote the boxes of T has it.
+double one_and(double x) {
+  std::fesetround(FE_TONEAREST);
+  volatile double one = 1.0, other = x, sum = one + other;
+  std::fesetround(FE_UPWARD);
+  return sum;
+}
+
+WalkingSet walking_set_of(const Json& table) {
+  const string what = "level 2";
+  only(table, what, {"start_strip", "guard_strip", "risen", "falling", "disturbance", "barriers",
+                     "carried"});
+  const auto number = [&](const char* name) { return hexadecimal(field(table, what, name), name); };
+  WalkingSet t{};
+  t.start_strip = number("start_strip");
+  t.guard_strip = number("guard_strip");
+  t.risen = number("risen");
+  t.falling = number("falling");
+  t.first = -t.start_strip;
+  t.before = one_and(-t.guard_strip);
+  t.last = one_and(t.guard_strip);
+  const vector<double> push = series_of(field(table, what, "disturbance"), "a disturbance");
+  if (push.size() != 2 || !(push[0] >= 0.0 && push[1] >= 0.0))
+    refuse("a disturbance that is not two numbers from 0 up");
+  std::copy(push.begin(), push.end(), t.push);
+  t.barriers = names_of(field(table, what, "barriers"), "barriers");
+  t.carried = names_of(field(table, what, "carried"), "carried conditions");
+  return t;
+}
+
+Orbit orbit_of(const Json& table, const Tube& tube) {
+  const string what = "level 3";
+  only(table, what, {"attraction", "guard_from", "guard_to", "lower", "upper", "expansion",
+                     "slowest", "fastest"});
+  const auto series = [&](const char* name) { return series_of(field(table, what, name), name); };
+  const string attraction = text_of(field(table, what, "attraction"), "attraction");
+  if (attraction != "contraction" && attraction != "nested tubes")
+    refuse("attraction by " + attraction);
+  Orbit o;
+  o.nested = attraction == "nested tubes";
+  o.thin.lower = series("lower");
+  o.thin.upper = series("upper");
+  o.thin.start = tube.start;
+  o.thin.guard = tube.guard;
+  o.expansion = series("expansion");
+  o.slowest = series("slowest");
+  o.fastest = series("fastest");
+  o.guard_from = hexadecimal(field(table, what, "guard_from"), "guard_from");
+  o.guard_to = hexadecimal(field(table, what, "guard_to"), "guard_to");
+  return o;
+}
+
+// Levels 2 and 3, in this order, and whether anything is claimed of them.
+Theorems theorems_of(const Json& list, const Tube& tube) {
+  Theorems found;
+  for (const Json& table : list_of(list, "the theorems")) {
+    only(table, "a theorem", {"level", "claimed", "parameters"});
+    const int level = integer_of(field(table, "a theorem", "level"), "a level");
+    const Json& claimed = field(table, "a theorem", "claimed");
+    const Json& parameters = field(table, "a theorem", "parameters");
+    if (claimed.type != Json::boolean) refuse("a theorem that is neither claimed nor not");
+    if (level == 2 && !found.walking) {
+      found.walking = walking_set_of(parameters);
+      found.walking->claimed = claimed.number_value != 0.0;
+    } else if (level == 3 && found.walking && !found.orbit) {
+      found.orbit = orbit_of(parameters, tube);
+      found.orbit->claimed = claimed.number_value != 0.0;
+    } else {
+      refuse("theorems that are not of level 2, then 3");
+    }
+  }
+  return found;
+}
+
+// Parameters of policy, tube and theorems that the Program has by name are those of the file.
+void match(const Constants& constants, const Json& model, const Theorems& theorems) {
+  std::map<string, vector<double>> lists;
+  if (const auto& t = theorems.walking; t) lists["walking.disturbance"] = {t->push, t->push + 2};
+  if (const auto& o = theorems.orbit; o) {
+    lists["orbit.lower"] = o->thin.lower;
+    lists["orbit.upper"] = o->thin.upper;
+    lists["orbit.expansion"] = o->expansion;
+    lists["orbit.slowest"] = o->slowest;
+    lists["orbit.fastest"] = o->fastest;
+  }
+  for (const auto& [name, constant] : constants) {
+    if (const auto list = lists.find(name); list != lists.end()) {
+      if (constant.values != list->second)
+        throw Inconsistent{"the theorem's " + name + " is not that of the Program"};
+      continue;
+    }
+    // Those of policy and tube were compared when they were read.
+    const size_t dot = name.find('.');
+    const string owner = name.substr(0, dot);
+    const Json& arrays =
+        owner == "tube" ? *model.find("tube") : *model.find("policy")->find("arrays");
+    if ((owner != "tube" && owner != "policy") || !arrays.find(name.substr(dot + 1)))
+      throw Inconsistent{"the Program has the parameter " + name + ", which the file has not"};
+  }
+}
+
+// Every output of the Program with its meaning.
+std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile& file) {
+  std::map<string, Output> found;
+  for (const auto& [name, elements] : program.outputs) {
+    Output& output = found[name];
+    const size_t space = name.find(' ');
+    const string what = name.substr(0, space);
+    if (const auto c = file.conditions.find(name); c != file.conditions.end()) {
+      output = output_of(c->second);
+    } else if (const auto set = set_outputs().find(name);
+               set != set_outputs().end() && file.theorems.walking) {
+      output = output_of(set->second);
+    } else if (const auto orbit = orbit_outputs().find(name);
+               orbit != orbit_outputs().end() && file.theorems.orbit) {
+      output = output_of(orbit->second);
+    } else if (file.theorems.walking && space != string::npos &&
+               (what == "set/after" || what == "set/value" || what == "set/rate")) {
+      const auto barrier = file.conditions.find(name.substr(space + 1));
+      if (barrier == file.conditions.end())
+        throw Inconsistent{"the Program's output " + name + " is about no condition of the spec"};
+      output = output_of(what.substr(4), barrier->second, *file.theorems.walking);
+    } else {
+      throw Inconsistent{"the Program's output " + name + " is no condition of the spec"};
+    }
+    output.elements = elements;
+  }
+  return found;
+}
+
+void read_regions(const Json& table, Regions& regions) {
+  if (table.type != Json::object) refuse("regions that are no JSON object");
+  for (size_t i = 0; i < table.names.size(); ++i)
+    for (const Json& box : list_of(table.items[i], "a region"))
+      regions[table.names[i]].push_back(box_of(box, "a box of a region"));
+}
+
+void read_conditions(const Json& table, const ProgramFacts& program, ProofFile& file) {
+  if (table.type != Json::object) refuse("conditions that are no JSON object");
+  for (size_t i = 0; i < table.names.size(); ++i) {
+    const string& name = table.names[i];
+    const Condition condition = condition_of(table.items[i], file.model.robot.joints());
+    if (!program.outputs.count(name))
+      throw Inconsistent{"the spec's condition " + name + " is no output of the Program"};
+    if (!file.regions.count(condition.region))
+      throw Inconsistent{name + " is about the region " + condition.region + ", which is none"};
+    file.conditions[name] = condition;
+  }
+}
+
+// The file, filled in place: its outputs refer to its conditions.
+void read_proof(const Json& table, ProofFile& file) {
   if (table.type == Json::object && table.find("format") &&
       integer_of(*table.find("format"), "a format") != 2)
     refuse("the format " + table.find("format")->string_value);
@@ -2493,20 +3252,15 @@ ProofFile proof_of(const Json& table) {
   const auto text = [&](const char* name) { return text_of(*table.find(name), name); };
   if (text("kind") != "neuralgaits certificate") refuse("the kind '" + text("kind") + "'");
   if (text("chart") != "u = (phase, level)") refuse("the chart '" + text("chart") + "'");
-  ProofFile file;
   file.robot = named(*table.find("robot"), "robot").name;
   file.spec = named(*table.find("spec"), "spec").name;
   file.weights_sha256 = text("weights_sha256");
-  const ProgramFacts program = program_facts(*table.find("program"));
-  for (const Json& row : list_of(*table.find("statements"), "the statements"))
-    file.statements.push_back(statement_of(row, program));
-  if (file.statements.empty()) refuse("no statements");
-  for (const Json& theorem : list_of(*table.find("theorems"), "the theorems")) {
-    const int level = integer_of(field(theorem, "a theorem", "level"), "a level");
-    file.unknown.push_back("a theorem of level " + std::to_string(level));
-    file.theorems = true;
-  }
+  const vector<Json>& theorems = list_of(*table.find("theorems"), "the theorems");
+  if (theorems.size() == 1 &&
+      integer_of(field(theorems[0], "a theorem", "level"), "a level") == 4)
+    throw Unknown{"the full-order theorem (level 4)"};
 
+  const ProgramFacts program = program_facts(*table.find("program"));
   string written;
   canonical(*table.find("program"), written);
   const string hash = sha256(written);
@@ -2517,44 +3271,21 @@ ProofFile proof_of(const Json& table) {
   if (model.type == Json::null) throw Unknown{"the policy, which the file does not describe,"};
   only(model, "the model", {"robot", "policy", "tube", "regions", "conditions"});
   file.model.robot = robot_of(*model.find("robot"));
-  const int joints = file.model.robot.joints();
-  file.model.policy = policy_of(*model.find("policy"), joints, program.constants);
+  file.model.policy =
+      policy_of(*model.find("policy"), file.model.robot.joints(), program.constants);
   file.model.tube = tube_of(*model.find("tube"), file.model.policy, program.constants);
-  // Other parameters belong to theorems, and enter their outputs alone.
-  for (const auto& [name, constant] : program.constants) {
-    const size_t dot = name.find('.');
-    const string owner = name.substr(0, dot);
-    const bool tube = owner == "tube";
-    if (file.theorems && !tube && owner != "policy") continue;
-    const Json& arrays = tube ? *model.find("tube") : *model.find("policy")->find("arrays");
-    if (dot == string::npos || !arrays.find(name.substr(dot + 1)))
-      throw Inconsistent{"the Program has the parameter " + name + ", which the model has not"};
-  }
-  Regions regions;
-  const Json& boxes = *model.find("regions");
-  if (boxes.type != Json::object) refuse("regions that are no JSON object");
-  for (size_t i = 0; i < boxes.names.size(); ++i)
-    for (const Json& box : list_of(boxes.items[i], "a region"))
-      regions[boxes.names[i]].push_back(box_of(box, "a box of a region"));
-  const Json& conditions = *model.find("conditions");
-  if (conditions.type != Json::object) refuse("conditions that are no JSON object");
-  for (size_t i = 0; i < conditions.names.size(); ++i) {
-    const string& name = conditions.names[i];
-    const Condition condition = condition_of(conditions.items[i], joints);
-    if (!program.outputs.count(name))
-      throw Inconsistent{"the spec's condition " + name + " is no output of the Program"};
-    if (!regions.count(condition.region))
-      throw Inconsistent{name + " is about the region " + condition.region + ", which is none"};
-    file.conditions[name] = condition;
-  }
-  for (const auto& [name, size] : program.outputs)
-    if (name.find('/') == string::npos && !file.conditions.count(name))
-      throw Inconsistent{"the Program's output " + name + " is no condition of the spec"};
-  match(file, regions);
-  return file;
+  read_regions(*model.find("regions"), file.regions);
+  read_conditions(*model.find("conditions"), program, file);
+  file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
+  match(program.constants, model, file.theorems);
+  file.outputs = outputs_of(program, file);
+  for (const Json& row : list_of(*table.find("statements"), "the statements"))
+    file.statements.push_back(statement_of(row, file.outputs));
+  if (file.statements.empty()) refuse("no statements");
+  for (const Statement& statement : file.statements) match(statement, file);
 }
 
-// ---------------------------------------------------------------------------- 12 the command
+// ---------------------------------------------------------------------------- 14 the command
 
 string read_file(const string& path) {
   string text;
@@ -2569,63 +3300,98 @@ string read_file(const string& path) {
   return text;
 }
 
-string interval_words(double low, double high) {
-  return low == high ? brief(low) : "[" + brief(low) + ", " + brief(high) + "]";
+// Conditions without statements on all of their region.
+vector<string> unclaimed(const ProofFile& file) {
+  vector<string> names;
+  for (const auto& [name, condition] : file.conditions) {
+    const vector<Box>& region = file.regions.at(condition.region);
+    const bool all = std::all_of(region.begin(), region.end(), [&, &name = name](const Box& box) {
+      return std::any_of(file.statements.begin(), file.statements.end(), [&](const Statement& s) {
+        return same(s.root_box, box) &&
+               std::any_of(s.claims.begin(), s.claims.end(),
+                           [&](const Claim& claim) { return claim.name == name; });
+      });
+    });
+    if (!all) names.push_back(name);
+  }
+  return names;
+}
+
+// What the claimed levels say, in words, if it follows from the statements.
+std::map<int, vector<string>> concluded(const ProofFile& file) {
+  std::map<int, vector<string>> found;
+  const auto& [walking, orbit] = file.theorems;
+  int level = 2;
+  try {
+    const bool third = orbit && orbit->claimed;
+    if ((walking && walking->claimed) || third) found[2] = Conclusions(file).walking();
+    level = 3;
+    if (third) found[3] = Conclusions(file).attraction();
+  } catch (const DoesNotFollow& missing) {
+    throw Inconsistent{"level " + std::to_string(level) + " does not follow: " + missing.why};
+  } catch (const NoBound&) {
+    throw Inconsistent{"level " + std::to_string(level) + " does not follow: numbers too large"};
+  }
+  return found;
+}
+
+// Checks one statement and prints it.
+Finding check(const ProofFile& file, const Statement& s) {
+  const auto start = std::chrono::steady_clock::now();
+  const Finding found = Checker(file.model, file.theorems, s).run();
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  static const char* const words[] = {"proved", "undecided", "rejected"};
+  printf("%s: phase in %s, level in %s; %ld boxes, %.2f s: %s\n", s.region.c_str(),
+         interval_words(s.root_box.low[0], s.root_box.high[0]).c_str(),
+         interval_words(s.root_box.low[1], s.root_box.high[1]).c_str(), found.boxes,
+         taken.count(), words[found.verdict]);
+  for (const Claim& claim : s.claims) {
+    const Output& output = *claim.output;
+    const string meaning = output.unknown.empty() ? output.words(claim.least().low())
+                                                  : "not known here: " + output.unknown;
+    printf("  %s: %s\n", claim.name.c_str(), meaning.c_str());
+  }
+  fflush(stdout);
+  return found;
 }
 
 int check(const ProofFile& file) {
   const Robot& robot = file.model.robot;
-  std::cout << "robot " << file.robot << ", " << robot.links << " links, "
-            << at_least(robot.weight_mass.low()) << " kg; spec " << file.spec << "; policy 2";
-  for (const Layer& layer : file.model.policy.layers) std::cout << "-" << layer.rows;
-  std::cout << ", weights sha256 " << file.weights_sha256 << "\n";
-  Verdict worst = proved;
-  string reason;
-  long boxes = 0, count = 0;
-  const auto began = std::chrono::steady_clock::now();
-  const auto seconds = [](std::chrono::steady_clock::time_point since) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
-  };
+  printf("robot %s, %d links, %s kg; spec %s; policy 2", file.robot.c_str(), robot.links,
+         at_least(robot.weight_mass.low()).c_str(), file.spec.c_str());
+  for (const Layer& layer : file.model.policy.layers) printf("-%d", layer.rows);
+  printf(", weights sha256 %s\n", file.weights_sha256.c_str());
+
+  // What is quickly seen to be wrong comes first.
+  for (const Statement& s : file.statements) leaves(s);
+  const auto levels = concluded(file);
+  const auto start = std::chrono::steady_clock::now();
+  Finding worst;
+  long boxes = 0;
+  size_t claims = 0;
   for (const Statement& s : file.statements) {
-    const auto start = std::chrono::steady_clock::now();
-    const Finding found = Checker(file.model, s).run();
+    const Finding found = check(file, s);
     boxes += found.boxes;
-    static const char* const words[] = {"proved", "undecided", "rejected"};
-    printf("%s: phase in %s, level in %s; %ld boxes, %.2f s: %s\n", s.region.c_str(),
-           interval_words(s.root_box.low[0], s.root_box.high[0]).c_str(),
-           interval_words(s.root_box.low[1], s.root_box.high[1]).c_str(), found.boxes,
-           seconds(start), words[found.verdict]);
-    for (const Claim& claim : s.claims) {
-      count += claim.condition != nullptr;
-      printf("  %s: %s\n", claim.name.c_str(),
-             claim.condition ? words_for(*claim.condition, claim.bound).c_str() : "not known here");
+    claims += s.claims.size();
+    if (found.verdict > worst.verdict) worst = found;
+    if (worst.verdict == rejected) break;
+  }
+  const vector<string> missing = unclaimed(file);
+  if (!missing.empty()) printf("no statement about: %s\n", listed(missing).c_str());
+  string answer = "proved: " + std::to_string(claims) + " claims of " +
+                  std::to_string(file.conditions.size()) + " conditions";
+  if (worst.verdict == proved) {
+    for (const auto& [level, words] : levels) {
+      printf("level %d proved\n", level);
+      for (const string& line : words) printf("  %s\n", line.c_str());
+      answer += ", level " + std::to_string(level);
     }
-    fflush(stdout);
-    if (found.verdict > worst) {
-      worst = found.verdict;
-      reason = found.reason;
-    }
-    if (worst == rejected) break;
+  } else {
+    answer = (worst.verdict == rejected ? "rejected: " : "undecided: ") + worst.reason;
   }
-  if (!file.unclaimed.empty()) {
-    printf("no statement about:");
-    for (const string& name : file.unclaimed) printf(" %s", name.c_str());
-    printf("\n");
-  }
-  for (const string& name : file.unknown) printf("not known here: %s\n", name.c_str());
-  if (worst == proved && !file.unknown.empty()) {
-    worst = undecided;
-    reason = file.unknown[0] + " cannot be checked here";
-  }
-  const double taken = seconds(began);
-  if (worst == proved) {
-    printf("proved: %ld claims of %zu conditions, %ld boxes, %.2f s\n", count,
-           file.conditions.size(), boxes, taken);
-    return 0;
-  }
-  printf("%s: %s (%ld boxes, %.2f s)\n", worst == rejected ? "rejected" : "undecided",
-         reason.c_str(), boxes, taken);
-  return worst == rejected ? 1 : 3;
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  printf("%s; %ld boxes, %.2f s\n", answer.c_str(), boxes, taken.count());
+  return worst.verdict == proved ? 0 : worst.verdict == rejected ? 1 : 3;
 }
 
 // One double of the tests' questions, written in hexadecimal.
@@ -2636,28 +3402,22 @@ double asked(std::istream& in) {
   return hexadecimal(word, "a number");
 }
 
-// For tests: enclosures of all margins over boxes "low low high high" of (phase, level).
+// For tests: enclosures of all outputs over boxes "low low high high" of (phase, level).
 int answer_bounds(const ProofFile& file, std::istream& in) {
   while (in >> std::ws, in.good()) {
     Box box{};
     for (double& x : box.low) x = asked(in);
     for (double& x : box.high) x = asked(in);
-    const TM phase = coordinate(box.low[0], box.high[0], 0);
-    std::optional<Motion<TM>> state;
-    try {
-      state.emplace(state_at(file.model, phase, coordinate(box.low[1], box.high[1], 1)));
-    } catch (const NoBound&) {  // The box is too wide for any margin.
-    }
-    for (const auto& [name, condition] : file.conditions) {
-      if (!condition.unknown.empty()) continue;
+    Place at(file.model, file.theorems, box);
+    for (const auto& [name, output] : file.outputs) {
+      if (!output.unknown.empty()) continue;
       try {
-        if (!state) throw NoBound();
         size_t element = 0;
-        for (const TM& margin : margins(condition, *state, phase)) {
+        for (const TM& margin : output.margins(at)) {
           const I r = range(margin);
           printf("%s\t%zu\t%a\t%a\n", name.c_str(), element++, r.low(), r.high());
         }
-      } catch (const NoBound&) {
+      } catch (const NoBound&) {  // The box is too wide.
         printf("%s\tno bound\n", name.c_str());
       }
     }
@@ -2707,7 +3467,8 @@ int run(const vector<string>& arguments) {
       return 70;
     }
     if (functions) return answer_functions(std::cin);
-    const ProofFile file = proof_of(table);
+    ProofFile file;
+    read_proof(table, file);
     return bounds ? answer_bounds(file, std::cin) : check(file);
   } catch (const NotAProof& problem) {
     fprintf(stderr, "expected a proof file of format 2, found in %s: %s; write it again with "
@@ -2717,7 +3478,7 @@ int run(const vector<string>& arguments) {
     printf("rejected: %s\n", problem.why.c_str());
     return 1;
   } catch (const Unknown& problem) {
-    printf("undecided: %s is not known here\n", problem.what.c_str());
+    printf("undecided: %s cannot be checked here\n", problem.what.c_str());
     return 3;
   } catch (const NoBound&) {
     printf("undecided: a number of the model is too large or a denominator zero\n");
