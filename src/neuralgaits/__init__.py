@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.certify import certify
     from neuralgaits.workflows.check_proof import check_proof
     from neuralgaits.workflows.doctor import doctor
+    from neuralgaits.workflows.fit import fit
     from neuralgaits.workflows.inspect import inspect
+    from neuralgaits.workflows.refine import refine
     from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.simulate import simulate
     from neuralgaits.workflows.train import train
@@ -35,10 +37,12 @@ _HOMES = {
     "certify": "neuralgaits.workflows.certify",
     "check_proof": "neuralgaits.workflows.check_proof",
     "doctor": "neuralgaits.workflows.doctor",
+    "fit": "neuralgaits.workflows.fit",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
     "open_run": "neuralgaits.workflows.run",
     "poincare": "neuralgaits.gait",
+    "refine": "neuralgaits.workflows.refine",
     "simulate": "neuralgaits.workflows.simulate",
     "specs": "neuralgaits.barriers",
     "train": "neuralgaits.workflows.train",
@@ -53,10 +57,12 @@ __all__ = [
     "certify",
     "check_proof",
     "doctor",
+    "fit",
     "inspect",
     "load_robot",
     "open_run",
     "poincare",
+    "refine",
     "simulate",
     "specs",
     "train",

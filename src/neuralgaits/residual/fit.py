@@ -25,6 +25,8 @@ from neuralgaits.residual.shooting import model_rate, shoot
 from neuralgaits.residual.trajectories import missed
 
 Optimizer = Literal["adam", "adamw", "nero"]
+Progress = Callable[[int, int, float], None]
+"""(steps done, steps in all, validation loss relative to the model's)."""
 # As in training: passes that cost seconds and gain nothing on kernels of microseconds.
 COMPILER = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 1}
 
@@ -183,13 +185,15 @@ class Fitter:
         return eqx.combine(jax.tree.map(np.asarray, parameters), self._template)
 
 
-def fit(fitter: Fitter) -> tuple[Residual, FitState]:
+def fit(fitter: Fitter, progress: Progress | None = None) -> tuple[Residual, FitState]:
     """Fit until done. Returns: the residual that did best in validation, and the last state."""
     state = fitter.validate(fitter.init())
     while not fitter.done(state):
         state, _ = fitter.step(state)
         if int(state.step) % fitter.config.validate_every == 0:
             state = fitter.validate(state)
+            if progress is not None:
+                progress(int(state.step), fitter.config.steps, float(state.best_loss))
     return fitter.residual(state.best), state
 
 

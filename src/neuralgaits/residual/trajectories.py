@@ -50,6 +50,11 @@ def root_mean_square(errors: Float[np.ndarray, "N k 2"], scale: Float[np.ndarray
     return float(np.sqrt(np.mean(np.sum((errors / scale) ** 2, axis=-1))))
 
 
+def largest_defects(found: Missed) -> Float[np.ndarray, "2"]:
+    """Largest rate that is missing over any first interval (m/s, N m)."""
+    return np.abs(found.defects).max(axis=0)
+
+
 def _padded(array: np.ndarray, count: int) -> np.ndarray:
     """Whole blocks, the last window repeated."""
     return np.concatenate([array, np.repeat(array[-1:], -count % BLOCK, axis=0)])

@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 
 from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
-from neuralgaits.runs.atomic import write_text
+from neuralgaits.runs.atomic import write_bytes, write_text
 from neuralgaits.runs.metrics import Row, from_csv, to_csv
 from neuralgaits.runs.plain import to_json
 from neuralgaits.runs.tree import read_tree, write_tree
@@ -48,7 +48,7 @@ class RunFolder:
     @staticmethod
     def create(
         config: Mapping[str, Any],
-        copies: Mapping[str, str],
+        copies: Mapping[str, str | bytes],
         *,
         name: str,
         seed: int,
@@ -59,7 +59,7 @@ class RunFolder:
 
         Args:
             config: resolved configuration of the run; values that JSON can hold.
-            copies: file name to text: inputs the run must be able to read again.
+            copies: file name to content: inputs the run must be able to read again.
             name: of the robot.
             seed: of the run.
             root: folder that holds the runs.
@@ -68,9 +68,13 @@ class RunFolder:
         Raises: RunError if `out` is a file or a folder that is not empty.
         """
         path = _fresh_folder(root / _file_name(name), seed) if out is None else _claim(out)
-        for file, text in copies.items():
-            write_text(path / file, text)
-        hashes = {file: _sha256(text) for file, text in copies.items()}
+        contents = {
+            file: content.encode() if isinstance(content, str) else content
+            for file, content in copies.items()
+        }
+        for file, content in contents.items():
+            write_bytes(path / file, content)
+        hashes = {file: _sha256(content) for file, content in contents.items()}
         known = {"format": FORMAT, "written_by": _versions(), "copies": hashes}
         known["created_utc"] = datetime.now(UTC).isoformat(timespec="seconds")
         if clash := sorted(set(known) & set(config)):
@@ -120,19 +124,22 @@ class RunFolder:
 
         Raises: RunError if the copy is missing or no longer has its sha256.
         """
+        return self.copied(file).read_bytes().decode()
+
+    def copied(self, file: str) -> Path:
+        """Where an input was copied to. Raises: RunError as `copy` does."""
         expected = self.config["copies"].get(file)
         path = self.path / file
         if expected is None or not path.is_file():
             raise RunError(
                 f"expected a copy of {file} in {self.path}, found none: the run is incomplete"
             )
-        text = path.read_bytes().decode()
-        if _sha256(text) != expected:
+        if _sha256(path.read_bytes()) != expected:
             raise RunError(
                 f"expected {path} as it was when the run started, found another sha256: restore "
                 "it, or train again with the changed file"
             )
-        return text
+        return path
 
     def write_tree(self, file: str, tree: Any) -> None:
         """Save a pytree's arrays, whole or not at all. See `runs.tree`."""
@@ -194,8 +201,8 @@ def _versions() -> dict[str, str]:
     return {"neuralgaits": __version__, "python": platform.python_version()} | libraries
 
 
-def _sha256(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
 
 
 def _read_json(path: Path) -> dict[str, Any]:

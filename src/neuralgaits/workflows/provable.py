@@ -6,7 +6,7 @@ import numpy as np
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.functions import foot_height, output_mismatch, rate_mismatch
 from neuralgaits.errors import SpecError
-from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.interpreters import POINT, Program, evaluate
 from neuralgaits.interpreters.tracer import trace
 from neuralgaits.robots import PlanarBiped
@@ -15,12 +15,17 @@ LEVELS = 33
 """Levels of the guard at which the impact is looked at."""
 
 
-def trace_spec(spec: GaitSpec, robot: PlanarBiped, gait: Gait) -> Program:
+NO_RESIDUALS = Residuals()
+
+
+def trace_spec(
+    spec: GaitSpec, robot: PlanarBiped, gait: Gait, residuals: Residuals = NO_RESIDUALS
+) -> Program:
     """Margins of all conditions as a Program of the chart point u.
 
     Raises: SpecError naming the operation and line that cannot be traced.
     """
-    zd = ZeroDynamics(robot, gait.policy)
+    zd = ZeroDynamics(robot, gait.policy, *residuals)
     return trace(lambda u: spec.margins(gait, zd, u), {"u": (2,)}, parameters=gait)
 
 
@@ -44,14 +49,16 @@ def refuse_untraceable(spec: GaitSpec, robot: PlanarBiped, gait: Gait) -> None:
     trace_spec(spec, robot, gait)
 
 
-def after_impact(robot: PlanarBiped, gait: Gait) -> dict[str, float] | None:
+def after_impact(
+    robot: PlanarBiped, gait: Gait, residuals: Residuals = NO_RESIDUALS
+) -> dict[str, float] | None:
     """What the real impact leaves of the outputs, the worst over the end of the tube.
 
     Zero to rounding for a hybrid-invariant policy whose end points lie inside its bounds.
 
     Returns: output_rad, rate_rad_s, foot_height_m; None if the policy cannot be traced.
     """
-    zd = ZeroDynamics(robot, gait.policy)
+    zd = ZeroDynamics(robot, gait.policy, *residuals)
 
     def errors(u):
         point = zd.point(gait.z(u))

@@ -1,6 +1,7 @@
 """A finished run, opened: robot, spec, gait and what was measured."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,9 @@ import jax
 
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
-from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.residual import stored
+from neuralgaits.residual.stored import Learned
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
@@ -20,6 +23,8 @@ WEIGHTS, STATE, ROBOT, SPEC, PROGRAM = (
     "spec.py",
     "program.json",
 )
+START, RESIDUAL = "start.safetensors", "residual.safetensors"
+"""Copies in a refined run: weights it started from, and what was learned of the robot."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +53,20 @@ class Run:
         """What `train --json` printed."""
         return self.folder.summary
 
+    @cached_property
+    def learned(self) -> Learned | None:
+        """What the run was told of its robot beyond the model; None if nothing."""
+        return learned_of(self.folder, self.robot)
+
+    @property
+    def residuals(self) -> Residuals:
+        """Residuals of flow and reset that the run was trained with."""
+        return residuals_of(self.learned)
+
     @property
     def zero_dynamics(self) -> ZeroDynamics:
-        """The hybrid zero dynamics of the run's robot under its policy."""
-        return ZeroDynamics(self.robot, self.gait.policy)
+        """The hybrid zero dynamics of the run's robot under its policy, residuals included."""
+        return ZeroDynamics(self.robot, self.gait.policy, *self.residuals)
 
 
 def open_run(run: "Run | str | Path") -> Run:
@@ -94,8 +109,24 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     return robot, spec
 
 
+def learned_of(folder: RunFolder, robot: PlanarBiped) -> Learned | None:
+    """The residual file that a run carries. Raises: RunError if it is not as it was."""
+    if RESIDUAL not in folder.config["copies"]:
+        return None
+    return stored.read(folder.copied(RESIDUAL), robot)
+
+
+def residuals_of(learned: Learned | None) -> Residuals:
+    """Residuals for zero dynamics; none if nothing was learned."""
+    return Residuals() if learned is None else learned.residuals
+
+
 def untrained(folder: RunFolder, spec: GaitSpec) -> Gait:
     """The gait the run started from, before any posture steps."""
     config = folder.config
     hidden = None if config["hidden"] is None else tuple(config["hidden"])
-    return spec.new_gait(jax.random.key(config["seed"]), config["init"], hidden)
+    gait = spec.new_gait(jax.random.key(config["seed"]), config["init"], hidden)
+    if START not in config["copies"]:
+        return gait
+    folder.copied(START)  # Refuses weights that were changed since.
+    return folder.read_tree(START, gait)

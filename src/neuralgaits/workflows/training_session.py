@@ -8,6 +8,7 @@ import jax
 import numpy as np
 
 from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.gait import Residuals
 from neuralgaits.interpreters import Program
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish, write_text
@@ -15,7 +16,14 @@ from neuralgaits.training import Trainer, TrainState, start_from_posture
 from neuralgaits.workflows.gradient_steps import GradientSteps, Progress
 from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
 from neuralgaits.workflows.provable import after_impact, trace_spec
-from neuralgaits.workflows.run import PROGRAM, STATE, WEIGHTS
+from neuralgaits.workflows.run import (
+    PROGRAM,
+    START,
+    STATE,
+    WEIGHTS,
+    learned_of,
+    residuals_of,
+)
 
 FRESH_SAMPLES_SEED = 2**31
 """Seed of the samples the summary is measured on; no run can have it."""
@@ -38,8 +46,15 @@ class TrainingSession:
         Returns: the trained gait; the folder is finished. Raises: NonFiniteError.
         """
         config = self.folder.config
+        residuals = residuals_of(learned_of(self.folder, self.robot))
         trainer = Trainer.build(
-            self.robot, self.spec, gait, steps=config["steps"], seed=config["seed"]
+            self.robot,
+            self.spec,
+            gait,
+            steps=config["steps"],
+            seed=config["seed"],
+            residuals=residuals,
+            rate=config.get("rate", 1.0),
         )
         state = self._start(trainer, gait)
         compiling = time.perf_counter()
@@ -58,7 +73,7 @@ class TrainingSession:
             rounds = ProofRounds(self.folder, self.robot, self.spec, steps, self.watch)
             gait, proof = rounds.run(trainer, gait)
         report = trainer.report(gait, seed=FRESH_SAMPLES_SEED)
-        program = self._keep_program(gait)
+        program = self._keep_program(gait, residuals)
         summary = {
             "run": str(self.folder.path),
             "robot": config["robot"],
@@ -69,7 +84,7 @@ class TrainingSession:
             "conditions": {name: violations(margins) for name, margins in report.margins.items()},
             "provable": program is not None,
             "program_hash": None if program is None else program.hash,
-            "after_impact": after_impact(self.robot, gait),
+            "after_impact": after_impact(self.robot, gait, residuals),
             "certificate": proof,
             "compile_s": training - compiling,
             "train_s": done - training,
@@ -81,11 +96,11 @@ class TrainingSession:
     def _save(self, state: TrainState) -> None:
         self.folder.write_tree(STATE, state)
 
-    def _keep_program(self, gait: Gait) -> Program | None:
+    def _keep_program(self, gait: Gait, residuals: Residuals) -> Program | None:
         """Save the Program of the trained gait: what every other interpreter reads."""
         if self.folder.config["not_provable_because"] is not None:
             return None
-        program = trace_spec(self.spec, self.robot, gait)
+        program = trace_spec(self.spec, self.robot, gait, residuals)
         write_text(self.folder.path / PROGRAM, program.to_json())
         return program
 
@@ -94,7 +109,8 @@ class TrainingSession:
         if (self.folder.path / STATE).is_file():
             return self.folder.read_tree(STATE, trainer.init(gait))
         config, recipe = self.folder.config, self.spec.recipe
-        if config["init"] == "posture" and recipe.posture_steps:
+        cold = START not in config["copies"]
+        if cold and config["init"] == "posture" and recipe.posture_steps:
             key = jax.random.fold_in(jax.random.key(config["seed"]), 1)
             gait = start_from_posture(self.robot, gait, recipe.posture_steps, key)
         return trainer.init(gait)

@@ -1,0 +1,78 @@
+"""The best that a function of z can do: a table over bins of z, which needs no training.
+
+What the table leaves of the error is not a function of z, such as ringing of the outputs.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float, ZeroState
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.logs import Windows
+from neuralgaits.residual.trajectories import missed, root_mean_square
+
+BINS = ((4, 1), (8, 1), (16, 1), (32, 1), (8, 2), (16, 2), (16, 4), (32, 4))
+"""Numbers of bins along z1 and z2 that are tried."""
+FINEST = (32, 4)
+"""All tables have this size, coarse ones with repeated entries: one compiled shape."""
+
+
+class Table(eqx.Module):
+    """A piecewise constant rate of z; beyond its edges the outermost bins count.
+
+    Attributes:
+        low, high: corners of the box of bins (m, kg m^2/s). [2]
+        values: rate in each bin (m/s, N m). [a, b, 2]
+    """
+
+    low: Float[Array, "2"]
+    high: Float[Array, "2"]
+    values: Float[Array, "a b 2"]
+
+    def __call__(self, z: ZeroState) -> ZeroState:
+        """Rate of the bin that z lies in. Returns: [2] (m/s, N m)."""
+        counts = jnp.array(self.values.shape[:2])
+        place = jnp.floor((z - self.low) / (self.high - self.low) * counts).astype(int)
+        first, second = jnp.clip(place, 0, counts - 1)
+        return jnp.asarray(self.values)[first, second]
+
+
+def binned(
+    states: Float[np.ndarray, "N 2"], defects: Float[np.ndarray, "N 2"], bins: tuple[int, int]
+) -> Table:
+    """Mean defect of each bin; bins that were not visited have none.
+
+    Args:
+        states: visited (m, kg m^2/s).
+        defects: missing rate there (m/s, N m).
+        bins: along z1 and z2; divisors of `FINEST`.
+    """
+    low, high = states.min(axis=0), states.max(axis=0)
+    # A state on the upper edge belongs to the last bin, and a box needs a width.
+    high = high + 1e-9 * np.maximum(np.abs(high), 1.0)
+    counts = np.array(bins)
+    place = np.clip(((states - low) / (high - low) * counts).astype(int), 0, counts - 1)
+    total, number = np.zeros((*bins, 2)), np.zeros(bins)
+    np.add.at(total, tuple(place.T), defects)
+    np.add.at(number, tuple(place.T), 1.0)
+    values = total / np.maximum(number, 1.0)[..., None]
+    for axis, (finest, coarse) in enumerate(zip(FINEST, bins, strict=True)):
+        values = np.repeat(values, finest // coarse, axis=axis)
+    return Table(low, high, values)
+
+
+def floor(
+    zd: ZeroDynamics, learned_from: Windows, judged_by: Windows, scale: Float[np.ndarray, "2"]
+) -> float:
+    """Error of the best table, in scaled z.
+
+    Args:
+        zd: robot and policy that walked; a residual of its own is left aside.
+        learned_from: windows whose first interval's defects fill the tables.
+        judged_by: windows whose trajectories choose the table and are reported.
+        scale: of z (m, kg m^2/s).
+    """
+    states, defects = learned_from.z[:, 0], missed(zd, None, learned_from).defects
+    tables = [binned(states, defects, bins) for bins in BINS]
+    return min(root_mean_square(missed(zd, table, judged_by).errors, scale) for table in tables)

@@ -1,0 +1,168 @@
+"""Learn what a robot does beyond the model, from logs of its walks."""
+
+import hashlib
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neuralgaits import logs as walks
+from neuralgaits._types import Float
+from neuralgaits.errors import InputError
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.logs import Split, Stride, Windows
+from neuralgaits.residual import stored
+from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer, Progress
+from neuralgaits.residual.fit import fit as fit_flow
+from neuralgaits.residual.floor import floor
+from neuralgaits.residual.network import Residual
+from neuralgaits.residual.reset import fit_reset
+from neuralgaits.residual.stored import Learned
+from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
+from neuralgaits.residual.trust import landing_errors
+from neuralgaits.runs import plain
+from neuralgaits.workflows.run import Run, open_run
+
+FOLDER = "residual"
+FILE, SUMMARY = f"{FOLDER}/residual.safetensors", f"{FOLDER}/summary.json"
+SAMPLES, STEP_S = 3, 0.01
+"""Windows that are learned from: three samples 10 ms apart (paper's code, LESSONS 19)."""
+JUDGED_SAMPLES = 11
+"""Windows that errors are reported on: 0.1 s."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What was learned.
+
+    Attributes:
+        residual: file of it.
+        learned: its content.
+        summary: what `fit --json` prints.
+    """
+
+    residual: Path
+    learned: Learned
+    summary: dict[str, Any]
+
+
+def fit(
+    run: Run | str | Path,
+    logs: Sequence[str | Path],
+    *,
+    optimizer: Optimizer = "adam",
+    seed: int = 0,
+    config: FitConfig | None = None,
+    progress: Progress | None = None,
+) -> Fit:
+    """Learn residuals of the flow and of the reset map from logs of a run's policy.
+
+    Strides are dealt to learning, validation and report before windows are cut. The residual is
+    what is missing from the rigid model; one that the run was trained with is left aside.
+
+    Args:
+        run: whose policy walked: a run, its folder, or `latest`.
+        logs: CSV files.
+        optimizer: adam, adamw or nero.
+        seed: of the deal, the weights and the batches.
+        config: further settings of the fit; they win over `optimizer`.
+        progress: called with (step, steps, validation loss) now and then.
+
+    Returns: `Fit`. Residual and summary are in the run's folder.
+    Raises: InputError naming file, row, column and remedy; nothing is written then.
+    """
+    began = time.perf_counter()
+    config = FitConfig(optimizer=optimizer) if config is None else config
+    if not 0 <= seed < 2**31:
+        raise InputError(f"expected a seed from 0 to 2147483647, found {seed}")
+    trained = open_run(run)
+    read, left_out = walks.read_all(logs, trained.robot)
+    cut = walks.cut(read, trained.robot)
+    long, short = _long_enough(cut.strides)
+    zd = ZeroDynamics(trained.robot, trained.gait.policy)
+    parts = _dealt(long, seed)
+    scale = _scale(trained, long)
+    train, validation, heldout = (_windows(part) for part in parts)
+    fitter = Fitter.build(zd, train, validation, scale, config=config, seed=seed)
+    flow, state = fit_flow(fitter, progress)
+    corrected = ZeroDynamics(zd.robot, zd.policy, flow)
+    reset = fit_reset(corrected, walks.touchdowns([*parts.train, *parts.validation], zd))
+    learned = Learned(flow, reset, largest_defects(missed(zd, flow, heldout)))
+    path = trained.path / FILE
+    stored.write(path, learned)
+    summary = {
+        "run": str(trained.path),
+        "residual": str(path),
+        "residual_sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+        "logs": [str(log) for log in logs],
+        "optimizer": config.optimizer,
+        "seed": seed,
+        "steps": int(state.step),
+        "windows": len(train.z),
+        "strides": {name: len(part) for name, part in parts._asdict().items()},
+        "walked_s": float(sum(log.t[-1] - log.t[0] for log in read)),
+        "left_out": left_out | cut.left_out | {"short strides": short},
+        "bound": flow.bound,
+        "error_bound": learned.error_bound,
+        **_errors(zd, flow, parts, scale),
+        "touchdowns": landing_errors(corrected, reset, walks.touchdowns(parts.heldout, zd)),
+        "wall_s": time.perf_counter() - began,
+    }
+    summary = plain(summary)
+    trained.folder.write_json(SUMMARY, summary)
+    return Fit(path, learned, summary)
+
+
+def _long_enough(strides: Sequence[Stride]) -> tuple[list[Stride], int]:
+    """Strides that errors can be reported on, and the number of rows of the others."""
+    long = [stride for stride in strides if len(_judged([stride]).z)]
+    return long, sum(stride.t.size for stride in strides) - sum(stride.t.size for stride in long)
+
+
+def _dealt(strides: Sequence[Stride], seed: int) -> Split:
+    if len(strides) < 3:
+        raise InputError(
+            f"logs: expected at least 3 strides of {STEP_S * JUDGED_SAMPLES:.2f} s or longer, one "
+            f"each to learn from, to choose by and to report on, found {len(strides)}: walk longer "
+            "or give more logs"
+        )
+    return walks.split(strides, seed=seed)
+
+
+def _windows(strides: Sequence[Stride]) -> Windows:
+    return walks.windows(strides, samples=SAMPLES, step=STEP_S)
+
+
+def _judged(strides: Sequence[Stride]) -> Windows:
+    return walks.windows(strides, samples=JUDGED_SAMPLES, step=STEP_S)
+
+
+def _scale(run: Run, strides: Sequence[Stride]) -> Float[np.ndarray, "2"]:
+    """Units of errors: length of a step and usual momentum (m, kg m^2/s)."""
+    start, guard = (float(end) for end in run.gait.span)
+    momenta = np.concatenate([stride.z[:, 1] for stride in strides])
+    return np.array([guard - start, np.median(np.abs(momenta))])
+
+
+def _errors(
+    zd: ZeroDynamics,
+    flow: Residual,
+    parts: Split,
+    scale: Float[np.ndarray, "2"],
+) -> dict[str, float]:
+    """Root mean square errors over 0.1 s in scaled z."""
+
+    def error(residual: Residual | None, judged: Windows) -> float:
+        return root_mean_square(missed(zd, residual, judged).errors, scale)
+
+    train, heldout = _judged(parts.train), _judged(parts.heldout)
+    return {
+        "train_error": error(flow, train),
+        "nominal_train_error": error(None, train),
+        "heldout_error": error(flow, heldout),
+        "nominal_heldout_error": error(None, heldout),
+        "binned_floor": floor(zd, _windows(parts.train), heldout, scale),
+    }

@@ -1,0 +1,87 @@
+"""Train a gait on, from where it stands, on the zero dynamics that logs have corrected."""
+
+import time
+from pathlib import Path
+
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.residual import stored
+from neuralgaits.runs import RUNS_ROOT, RunFolder
+from neuralgaits.workflows import fit
+from neuralgaits.workflows.gradient_steps import Progress
+from neuralgaits.workflows.proof_rounds import Watch
+from neuralgaits.workflows.run import RESIDUAL, ROBOT, SPEC, START, WEIGHTS, Run, open_run
+from neuralgaits.workflows.training_session import TrainingSession
+
+STEPS_SHARE = 0.7
+"""Gradient steps, as a share of the recipe's: the gait is nearly there."""
+RATE = 0.5
+"""Share of the recipe's learning rate."""
+
+
+def refine(
+    run: Run | str | Path,
+    *,
+    residual: str | Path | None = None,
+    seed: int = 0,
+    steps: int | None = None,
+    out: str | Path | None = None,
+    certify: bool = False,
+    budget: float | None = None,
+    progress: Progress | None = None,
+    watch: Watch | None = None,
+    root: Path = RUNS_ROOT,
+) -> Run:
+    """Train a run's policy on, on zero dynamics with residuals.
+
+    Args:
+        run: whose policy and tube training starts from: a run, its folder, or `latest`.
+        residual: file of `fit`; the run's own if None.
+        seed: of samples.
+        steps: gradient steps; a share of the recipe's if None.
+        out: the new run's folder; `runs/ROBOT/<UTC time>-<seed>` if None.
+        certify: prove the conditions on the corrected dynamics (level 1), and train on where
+            that fails, as `train` does.
+        budget: seconds for proofs and further training; None for as long as it takes.
+        progress: called with (step, steps, loss) now and then.
+        watch: told how the proof goes on.
+        root: folder of the runs.
+
+    Returns: the new run, which carries the residual and the weights it started from.
+    Raises: InputError on bad settings or a residual that does not fit; NonFiniteError if the loss
+        turned to NaN.
+    """
+    began = time.perf_counter()
+    parent = open_run(run)
+    file = parent.path / fit.FILE if residual is None else Path(residual)
+    if residual is None and not file.is_file():
+        raise RunError(
+            f"expected a residual of {parent.path}, found no {fit.FILE} in it: learn one with "
+            f"`neuralgaits fit {parent.path} LOG.csv`, or give --residual FILE"
+        )
+    stored.read(file, parent.robot)
+    if not 0 <= seed < 2**31:
+        raise InputError(f"expected a seed from 0 to 2147483647, found {seed}")
+    if steps is not None and steps < 1:
+        raise InputError(f"expected at least 1 gradient step, found {steps}")
+    kept = parent.folder.config
+    config = {name: kept[name] for name in ("robot", "spec", "init", "hidden", "described")} | {
+        "seed": seed,
+        "steps": round(STEPS_SHARE * parent.spec.recipe.steps) if steps is None else steps,
+        "rate": RATE,
+        "not_provable_because": kept["not_provable_because"],
+        "certify": {"budget_s": budget} if certify else None,
+        "parent": str(parent.path),
+    }
+    copies = {
+        ROBOT: parent.folder.copy(ROBOT),
+        SPEC: parent.folder.copy(SPEC),
+        START: (parent.path / WEIGHTS).read_bytes(),
+        RESIDUAL: file.read_bytes(),
+    }
+    place = None if out is None else Path(out)
+    folder = RunFolder.create(
+        config, copies, name=parent.robot.name, seed=seed, root=root, out=place
+    )
+    session = TrainingSession(folder, parent.robot, parent.spec, progress, watch or Watch(), began)
+    gait = session.run(root, parent.gait)
+    return Run(folder, parent.robot, parent.spec, gait)
