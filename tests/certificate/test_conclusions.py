@@ -8,9 +8,9 @@ from numpy.polynomial.chebyshev import chebval
 from scipy.integrate import quad
 
 from neuralgaits.certificate.conclusions import attraction, conclude, walking
+from neuralgaits.certificate.theorem_tables import Theorems
 from neuralgaits.certificate.theorems import (
     Orbit,
-    Theorems,
     WalkingSet,
     orbit_premises,
     safe_premises,
@@ -142,9 +142,9 @@ def test_without_contraction_nothing_is_concluded(change):
 
 
 def test_theorems_survive_the_file_and_nothing_else_is_read():
-    theorems = Theorems(SHAPE, ORBIT, (2, 3))
+    theorems = Theorems(SHAPE, ORBIT, claimed=(2, 3))
     assert Theorems.read(theorems.tables()) == theorems
-    assert Theorems.read(Theorems(SHAPE, None, ()).tables()) == Theorems(SHAPE, None, ())
+    assert Theorems.read(Theorems(SHAPE).tables()) == Theorems(SHAPE)
     second, third = theorems.tables()
     broken = [
         [third],

@@ -17,6 +17,7 @@ from neuralgaits.certificate.full_order_theorem import (
     premises,
 )
 
+UPPER = BarrierConstants("level-upper", 1.0, 0.16, 38.0, 0.0, 0.08, 13.0, 51.0)
 FENCE = BarrierConstants("level-lower", 2.0, 0.07, 38.0, 0.0, 0.07, 13.0, 130.0)
 TORSO = BarrierConstants("torso-lower", 20.0, 0.7, 3.0, 1.4, 0.08, 0.9, 75.0)
 SHAPE = FullOrder(
@@ -36,7 +37,7 @@ SHAPE = FullOrder(
     gain=14.0,
     landing=1e-9,
     landing_slope=5.3,
-    barriers=(FENCE, TORSO),
+    barriers=(FENCE, UPPER, TORSO),
 )
 PROVED = {(p.output, p.low, p.high): 0.1 for p in premises(SHAPE)}
 
@@ -49,6 +50,15 @@ def _with(barrier: BarrierConstants, **changes: float) -> FullOrder:
 def _verdict(shape: FullOrder):
     bounds = {(p.output, p.low, p.high): 0.1 for p in premises(shape)}
     return conclude_full_order(shape, bounds)
+
+
+@pytest.mark.parametrize(
+    "barriers", [(FENCE, TORSO), (FENCE, UPPER, replace(TORSO, name=UPPER.name))]
+)
+def test_both_fences_and_names_of_their_own_are_needed(barriers):
+    found = _verdict(replace(SHAPE, barriers=barriers))
+    assert found.verdict == "undecided"
+    assert "two fences" in str(found.reason)
 
 
 def test_constants_that_fit_and_proved_premises_are_a_proof():

@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 from flint import arb
 
-from neuralgaits.certificate.claims import Statement
+from neuralgaits.certificate.check import check
+from neuralgaits.certificate.claims import Statement, read_claims
+from neuralgaits.certificate.conclusions import proved_bounds
 from neuralgaits.certificate.full_order import output_coordinates, scaled_coordinates
+from neuralgaits.certificate.full_order_conclusion import conclude_full_order
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.interpreters import POINT, evaluate
 from neuralgaits.interpreters.ball_fibre import FibreBallAlgebra
 from neuralgaits.interpreters.prune import prune
+from neuralgaits.workflows import certify_full_order, check_proof
 from neuralgaits.workflows.full_order import full_order, model_of, prove_full_order
 from neuralgaits.workflows.full_order_check import (
     check_by_force,
@@ -175,3 +179,54 @@ def test_mujoco_walks_from_the_set(trained, result):
 def _leaves(statement) -> tuple[np.ndarray, np.ndarray]:
     fields = {name: getattr(statement, name) for name in Statement.__dataclass_fields__}
     return Statement(**fields).leaves()
+
+
+@pytest.fixture(scope="module")
+def file(trained, result, tmp_path_factory):
+    path = tmp_path_factory.mktemp("level-4") / "full-order.json"
+    certify_full_order.proof(trained, result).write(path)
+    return path
+
+
+def test_the_proof_file_says_what_was_proved_and_is_about_the_run(trained, result, file):
+    claims = read_claims(file)
+    assert (claims.theorems.full, claims.theorems.claimed) == (result.shape, (4,))
+    assert claims.program == result.program
+    assert check_proof.against(claims, trained.path) == []
+    assert file.stat().st_size < 200_000
+    # The conclusion is drawn from the file alone; its boxes are bounded again by the checker.
+    assert conclude_full_order(claims.theorems.full, proved_bounds(claims.statements)).words
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"gain": 1.0}, "set of level 4"),
+        ({"bandwidth": 60.0}, "set of level 4"),
+        ({"size": 2}, "size 2"),
+        ({"barriers": "coupling"}, "barriers of level 4"),
+        ({"guard_strip": 1e-4}, "does not follow"),
+    ],
+)
+def test_other_constants_than_the_programs_are_rejected(file, result, change, reason):
+    claims = read_claims(file)
+    if "barriers" in change:
+        first, *rest = result.shape.barriers
+        change = {"barriers": (replace(first, coupling=0.0), *rest)}
+    theorems = claims.theorems._replace(full=replace(result.shape, **change))
+    # A leaf of one statement is enough: these are seen before and after the boxes are bounded.
+    short = replace(claims.statements[0], low=(0.5, 0.5), high=(0.5, 0.5), tree="0")
+    found = check(replace(claims, theorems=theorems, statements=(short,)))
+    assert found.verdict == "rejected"
+    assert reason in str(found.reason)
+
+
+def test_points_of_the_file_are_checked_in_balls(file):
+    claims = read_claims(file)
+    name = "full/pace"
+    chosen = next(s for s in claims.statements if name in s.conditions)
+    at = {"low": (0.5, 0.5), "high": (0.5, 0.5), "tree": "0", "conditions": (name,)}
+    nothing = claims.theorems._replace(full=None, claimed=())
+    for bound, verdict in ((chosen.bounds[name], "proved"), (5.0, "rejected")):
+        one = replace(chosen, **at, bounds={name: bound}, scales={name: 1.0})
+        assert check(replace(claims, statements=(one,), theorems=nothing)).verdict == verdict

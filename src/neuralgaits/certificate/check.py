@@ -17,6 +17,7 @@ import numpy as np
 from flint import arb
 
 from neuralgaits.certificate.claims import (
+    FIBRE,
     Claims,
     Corners,
     InconsistentError,
@@ -29,8 +30,10 @@ from neuralgaits.certificate.conclusions import (
     level_one_boxes,
     proved_bounds,
 )
-from neuralgaits.certificate.theorems import series
-from neuralgaits.interpreters.ball import BallAlgebra, BallModel
+from neuralgaits.certificate.full_order_conclusion import conclude_full_order
+from neuralgaits.certificate.theorem_tables import series
+from neuralgaits.interpreters.ball import BallAlgebra
+from neuralgaits.interpreters.ball_fibre import FibreBallAlgebra
 from neuralgaits.interpreters.program import Program
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.interpreters.walk import evaluate, fold
@@ -40,6 +43,8 @@ Progress = Callable[[int, int], None]
 
 BATCH = 64
 """Boxes bounded at a time."""
+PARTS = {2: "walking", 3: "orbit", 4: "full"}
+"""What the Program's constants that are parameters of a level are named after."""
 MORE_SPLITS = 6
 """How often a leaf may be split before the check gives up on it."""
 
@@ -54,6 +59,8 @@ ASSUMPTIONS = (
     "arithmetic: the float32 evaluation on a robot, sampling and disturbances are outside",
     "levels 2 and 3 are about the projected hybrid zero dynamics: outputs are zero, and set to "
     "zero again at each impact; level 1 alone says nothing of trajectories",
+    "level 4 is about the full order under exact input-output linearisation in continuous time, "
+    "with rigid contact",
     "trusted: this checker, python-flint (Arb), NumPy's handling of arrays, Python",
 )
 
@@ -90,7 +97,7 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
     report = Report(
         verdict="proved",
         reason=None,
-        statements=tuple(line for s in claims.statements for line in in_words(s)),
+        statements=tuple(line for s in claims.statements for line in in_words(s, claims.program)),
         levels=(),
         unclaimed=tuple(o.name for o in claims.program.outputs if o.name not in claimed),
         boxes=0,
@@ -122,14 +129,15 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
 
 def _parameters_that_differ(claims: Claims) -> str | None:
     """The first parameter of a claimed theorem that is not the Program's constant of that name."""
+    full = claims.theorems.full
+    if full is not None and claims.program.inputs[-1].shape != (full.size,):
+        return f"size {full.size} of level 4 is not that of the Program's {FIBRE}"
     known = {constant.name: constant.array for constant in claims.program.constants}
-    parts = {2: ("walking", claims.theorems.walking), 3: ("orbit", claims.theorems.orbit)}
     for level in claims.theorems.claimed:
-        part, parameters = parts[level]
-        assert parameters is not None  # A level that is claimed has parameters.
-        for name, values in series(parameters):
-            if not any(values):
-                continue  # No disturbance: the Program has nothing to add.
+        part = PARTS[level]
+        for name, values in series(claims.theorems.parameters[level]):
+            if name == "disturbance" and not any(values):
+                continue  # The Program has nothing to add.
             array = known.get(f"{part}.{name}")
             if array is None or array.tolist() != list(values):
                 return f"{name} of level {level} is not the Program's {part}.{name}"
@@ -141,6 +149,8 @@ def _concluded(claims: Claims, report: Report) -> Report:
     theorems = claims.theorems
     boxes, bounds = level_one_boxes(claims.statements), proved_bounds(claims.statements)
     found = conclude(theorems.walking, theorems.orbit, boxes, bounds)
+    if theorems.full is not None:
+        found.append(conclude_full_order(theorems.full, bounds))
     levels = tuple(answer for answer in found if answer.level in theorems.claimed)
     wrong = [answer for answer in levels if answer.verdict != "proved"]
     if wrong:
@@ -149,13 +159,14 @@ def _concluded(claims: Claims, report: Report) -> Report:
     return replace(report, levels=levels)
 
 
-def in_words(statement: Statement) -> Iterator[str]:
+def in_words(statement: Statement, program: Program) -> Iterator[str]:
     """One sentence for each condition of a statement."""
+    fibre = f", and {FIBRE} of the unit ball" if len(program.inputs) > 1 else ""
     for name in statement.conditions:
         yield (
             f"{name}: the margin is at least {statement.bounds[name]!r} of its scale "
             f"{statement.scales[name]!r} at every phase in {_interval(statement, 0)} and level in "
-            f"{_interval(statement, 1)} (region {statement.region})"
+            f"{_interval(statement, 1)}{fibre} (region {statement.region})"
         )
 
 
@@ -168,8 +179,9 @@ class _Checker:
 
     def __init__(self, program: Program, statement: Statement):
         self.program, self.statement = program, statement
-        self.algebra = BallAlgebra(statement.degree)
-        self.folded: dict[int, BallModel] = fold(program, self.algebra)
+        kind: type = BallAlgebra if len(program.inputs) == 1 else FibreBallAlgebra
+        self.algebra = kind(statement.degree)
+        self.folded = fold(program, self.algebra)
         self.least = {
             name: arb(statement.bounds[name]) * arb(statement.scales[name])
             for name in statement.conditions

@@ -13,10 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.certificate.theorems import Theorems
+from neuralgaits.certificate.theorem_tables import Theorems
 from neuralgaits.errors import InputError
 from neuralgaits.interpreters.program import Program
 
+FIBRE = "xi"
+"""Second input of a Program at full order: statements are about all of its unit ball."""
 FORMAT, KIND, CHART = 2, "neuralgaits certificate", "u = (phase, level)"
 FIELDS = frozenset(
     "format kind robot weights_sha256 spec program program_hash chart statements theorems"
@@ -39,6 +41,8 @@ class InconsistentError(Exception):
 @dataclass(frozen=True, eq=False)
 class Statement:
     """Every element of each output is at least bound times scale, everywhere on the root box.
+
+    And, if the Program has the input xi, for every xi of the unit ball.
 
     Attributes:
         conditions: outputs of the Program.
@@ -91,7 +95,7 @@ class Claims:
         program: what the statements are about.
         program_hash: the hash that the file gives for it.
         statements: in the order of the file.
-        theorems: levels 2 and 3, whose premises are statements.
+        theorems: levels 2 and 3, or 4, whose premises are statements.
         model: as in the file: data for readers that derive the dynamics, or None.
     """
 
@@ -187,8 +191,9 @@ def _program(given: Any) -> Program:
         raise ValueError(str(error)) from None
     if program.to_json() != canonical:
         raise ValueError("a Program with fields that this version does not know")
-    if [(item.name, item.shape) for item in program.inputs] != [("u", (2,))]:
-        raise ValueError("a Program that is no function of u alone")
+    names, shapes = [item.name for item in program.inputs], [item.shape for item in program.inputs]
+    if names not in (["u"], ["u", FIBRE]) or shapes[0] != (2,) or len(shapes[-1]) != 1:
+        raise ValueError(f"a Program that is no function of u, or of u and {FIBRE}")
     if any(0 in output.shape for output in program.outputs):
         raise ValueError("a Program with an output without elements")
     return program

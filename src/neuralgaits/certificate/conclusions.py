@@ -27,15 +27,26 @@ Bounds = Mapping[tuple[str, Corner, Corner], float]
 
 
 @dataclass(frozen=True)
+class Constant:
+    """One number of a theorem, for a report."""
+
+    name: str
+    value: float
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True)
 class Conclusion:
     """The answer for one level.
 
     Attributes:
-        level: 2 or 3.
+        level: 2, 3 or 4.
         verdict: proved, or undecided with a reason.
         reason: what is missing; None if proved.
         words: the statement, one sentence each; empty if it is not proved.
         figures: numbers that were proved on the way, by name.
+        constants: the same with units and in words, of a level that has many; else empty.
     """
 
     level: int
@@ -43,6 +54,7 @@ class Conclusion:
     reason: str | None
     words: tuple[str, ...]
     figures: Mapping[str, float]
+    constants: tuple[Constant, ...] = ()
 
 
 class Claim(Protocol):

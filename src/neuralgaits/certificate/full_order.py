@@ -5,15 +5,26 @@ the set's radius at that phase. So the set's states are xi of the unit ball, ove
 Which margin belongs to which root box stands in `full_order_theorem`.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
-from neuralgaits.certificate.full_order_theorem import LOWER, STIFF, UPPER, FullOrder
+from neuralgaits.certificate.full_order_theorem import (
+    FENCES,
+    LOWER,
+    STIFF,
+    UPPER,
+    FullOrder,
+    constants_of_barrier,
+    constants_of_set,
+    series,
+)
 from neuralgaits.gait import Point
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.robots import PlanarBiped
@@ -22,13 +33,13 @@ Vector = Float[Array, " k"]
 Quantities = dict[str, Vector]
 
 
-def output_coordinates(xi: Vector, bandwidth: float) -> Vector:
+def output_coordinates(xi: Vector, bandwidth: float | Scalar) -> Vector:
     """Outputs eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
     rate, mixed = jnp.split(xi, 2)
     return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
 
 
-def scaled_coordinates(eta: Vector, bandwidth: float) -> Vector:
+def scaled_coordinates(eta: Vector, bandwidth: float | Scalar) -> Vector:
     """The inverse of `output_coordinates`. Returns: [2m] (rad)."""
     y, dy = jnp.split(eta, 2)
     rate = dy / bandwidth
@@ -47,7 +58,7 @@ class FullOrderModel:
     robot: PlanarBiped
     gait: Gait
     spec: GaitSpec
-    bandwidth: float
+    bandwidth: float | Scalar
 
     @property
     def size(self) -> int:
@@ -154,22 +165,44 @@ def margins(
     model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
 ) -> Quantities:
     """All margins of the theorem at one chart point and one xi of the unit ball."""
-    radius = shape.radius * jnp.exp(-shape.shrink * u[0] * u[0])
+    its = _Numbers.of(shape)
+    model = replace(model, bandwidth=its.set["bandwidth"])
+    radius = its.set["radius"] * jnp.exp(-its.set["shrink"] * u[0] * u[0])
     return (
-        _step_margins(model, shape, model.point(u, radius * xi))
-        | _decay_margins(model, shape, u, radius * xi)
-        | _guard_margins(model, shape, u, shape.guard_radius * xi)
-        | _crossing_margins(model, shape, u)
+        _step_margins(model, its, model.point(u, radius * xi))
+        | _decay_margins(model, its, u, radius * xi)
+        | _guard_margins(model, its, u, its.set["guard_radius"] * xi)
+        | _crossing_margins(model, its, u)
     )
 
 
-def _step_margins(model: FullOrderModel, shape: FullOrder, point: FullPoint) -> Quantities:
+class _Numbers(NamedTuple):
+    """Constants of the theorem as elements of arrays, so that a Program names where they are."""
+
+    set: Mapping[str, Scalar]
+    barriers: Mapping[str, Mapping[str, Scalar]]
+    """By barrier."""
+
+    @classmethod
+    def of(cls, shape: FullOrder) -> "_Numbers":
+        parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
+        rows = parts["barriers"].reshape(len(shape.barriers), -1)
+        return cls(
+            dict(zip(constants_of_set(shape), parts["set"], strict=True)),
+            {
+                barrier.name: dict(zip(constants_of_barrier(barrier), row, strict=True))
+                for barrier, row in zip(shape.barriers, rows, strict=True)
+            },
+        )
+
+
+def _step_margins(model: FullOrderModel, its: _Numbers, point: FullPoint) -> Quantities:
     """Between impacts: the robot walks on, its contact and torques are possible."""
     found = model.in_step(point)
-    least, most = shape.pace
+    least, most = its.set["slowest"], its.set["fastest"]
     return {
         "full/pace": jnp.concatenate([found["pace"] - least, most - found["pace"]]),
-        "full/inertia": found["inertia"] - shape.inertia,
+        "full/inertia": found["inertia"] - its.set["inertia"],
         "full/contact": found["contact"],
         "full/torque": found["torque"],
         "full/foot-rises": found["foot-rate"],
@@ -178,7 +211,7 @@ def _step_margins(model: FullOrderModel, shape: FullOrder, point: FullPoint) -> 
 
 
 def _decay_margins(
-    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
+    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Vector
 ) -> Quantities:
     """Between impacts: what keeps h - sigma V from becoming negative."""
     centre = model.point(u, jnp.zeros_like(xi))
@@ -186,17 +219,17 @@ def _decay_margins(
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
     reading = jax.jacfwd(lambda moved: model.readings(model.point(u, moved)))(xi)
     found = {}
-    for k, barrier in enumerate(shape.barriers):
-        name, slope = barrier.name, reading[k]
-        found[f"full/rate {name}"] = rate[k] + barrier.alpha * h[k] - barrier.epsilon
-        found[f"full/coupling {name}"] = barrier.coupling**2 - coupling[k] @ coupling[k]
-        if barrier.reading:
-            found[f"full/reading {name}"] = barrier.reading**2 - slope @ slope
+    for k, (name, of) in enumerate(its.barriers.items()):
+        slope = reading[k]
+        found[f"full/rate {name}"] = rate[k] + of["alpha"] * h[k] - of["epsilon"]
+        found[f"full/coupling {name}"] = of["coupling"] ** 2 - coupling[k] @ coupling[k]
+        if name not in FENCES:
+            found[f"full/reading {name}"] = of["reading"] ** 2 - slope @ slope
     return found
 
 
 def _guard_margins(
-    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
+    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Vector
 ) -> Quantities:
     """In the guard's strip: the guard is met once, and how far an impact moves the state."""
     point = model.point(u, xi)
@@ -207,25 +240,30 @@ def _guard_margins(
         "full/foot-falls": -point.foot_velocity[1],
         "full/impulse": model.at_impact(point)["impulse"],
         "full/guard-slope": -slopes.fall,
-        "full/drift": jnp.concatenate([shape.drift - slopes.drift, shape.drift + slopes.drift]),
-        "full/gain": shape.gain**2 - jnp.sum(along["after"]),
-        "full/landing-slope": shape.landing_slope**2 - along["landing"],
+        "full/drift": _within(its.set["drift"], slopes.drift),
+        "full/gain": its.set["gain"] ** 2 - jnp.sum(along["after"]),
+        "full/landing-slope": its.set["landing_slope"] ** 2 - along["landing"],
     }
-    for k, barrier in enumerate(shape.barriers):
-        found[f"full/reset-slope {barrier.name}"] = barrier.reset_slope**2 - along["reset"][k]
+    for k, (name, of) in enumerate(its.barriers.items()):
+        found[f"full/reset-slope {name}"] = of["reset_slope"] ** 2 - along["reset"][k]
     return found
 
 
-def _crossing_margins(model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"]) -> Quantities:
+def _crossing_margins(model: FullOrderModel, its: _Numbers, u: Float[Array, "2"]) -> Quantities:
     """What an impact from eta = 0 leaves."""
     impact = model.at_impact(model.point(u, jnp.zeros(model.size)))
     landing, after = impact["landing"], impact["after"]
     found = {
-        "full/mismatch": jnp.concatenate([shape.mismatch - after, shape.mismatch + after]),
-        "full/landing": jnp.concatenate([shape.landing - landing, shape.landing + landing]),
+        "full/mismatch": _within(its.set["mismatch"], after),
+        "full/landing": _within(its.set["landing"], landing),
         "full/crossing-before": impact["foot"],
         "full/crossing-behind": -impact["foot"],
     }
-    for k, barrier in enumerate(shape.barriers):
-        found[f"full/reset {barrier.name}"] = impact["reset"][k] - barrier.reset
+    for k, (name, of) in enumerate(its.barriers.items()):
+        found[f"full/reset {name}"] = impact["reset"][k] - of["reset"]
     return found
+
+
+def _within(most: Scalar, values: Vector) -> Vector:
+    """Not negative where no |value| is larger."""
+    return jnp.concatenate([most - values, most + values])

@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 from flint import arb, fmpq
 
-from neuralgaits.certificate.conclusions import Bounds, Conclusion
+from neuralgaits.certificate.conclusions import Bounds, Conclusion, Constant
 from neuralgaits.certificate.full_order_theorem import (
+    FENCES,
     STIFF,
     BarrierConstants,
     FullOrder,
@@ -35,15 +36,6 @@ class Inequality(NamedTuple):
         return bool(self.left < self.right)
 
 
-class Constant(NamedTuple):
-    """One number of the theorem, for a report."""
-
-    name: str
-    value: float
-    unit: str
-    meaning: str
-
-
 def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
     """Level 4: D is forward invariant, between impacts and across them.
 
@@ -51,15 +43,19 @@ def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
         shape: the set and its constants.
         bounds: what is proved, see `conclusions.proved_bounds`.
     """
-    figures = {constant.name: constant.value for constant in constants(shape)}
+    known = tuple(constants(shape))
+    figures = {constant.name: constant.value for constant in known}
     broken = [step for step in inequalities(shape) if not step.holds]
     missing = _missing(shape, bounds)
     reasons = [_obstacle(step) for step in broken] + missing
+    names = [barrier.name for barrier in shape.barriers]
+    if names[:2] != list(FENCES) or len(set(names)) < len(names):
+        reasons.insert(0, f"barriers {names}: two fences, then barriers of other names, are needed")
     if not decays(shape.bandwidth):
         reasons.insert(0, "A^T P + P A <= -gamma P does not hold")
     if reasons:
-        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures)
-    return Conclusion(LEVEL, "proved", None, _words(shape), figures)
+        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, known)
+    return Conclusion(LEVEL, "proved", None, _words(shape), figures, known)
 
 
 def inequalities(shape: FullOrder) -> list[Inequality]:

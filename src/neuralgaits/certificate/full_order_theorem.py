@@ -16,8 +16,8 @@ from fractions import Fraction
 
 from neuralgaits.certificate.theorems import Premise
 
-LOWER, UPPER = "level-lower", "level-upper"
-"""Names of the two fences as barriers."""
+FENCES = LOWER, UPPER = "level-lower", "level-upper"
+"""Names of the two fences as barriers: they read z alone."""
 
 # V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 for each joint decays at the rate DECAY w. Powers of two
 # keep the change of coordinates exact; among those tried this pair allows the largest errors
@@ -97,6 +97,25 @@ class FullOrder:
         return -self.start_strip, 1.0 + self.guard_strip
 
 
+def constants_of_set(shape: FullOrder) -> dict[str, float]:
+    """The set's numbers that the margins have in them, by name."""
+    alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
+    least, most = shape.pace
+    return {n: getattr(shape, n) for n in alone.split()} | {"slowest": least, "fastest": most}
+
+
+def constants_of_barrier(barrier: BarrierConstants) -> dict[str, float]:
+    """A barrier's numbers that the margins have in them, by name; sigma is in none."""
+    names = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
+    return {name: getattr(barrier, name) for name in names}
+
+
+def series(shape: FullOrder) -> dict[str, tuple[float, ...]]:
+    """All of them in two lists: the Program has both as constants of these names."""
+    rows = [tuple(constants_of_barrier(barrier).values()) for barrier in shape.barriers]
+    return {"set": tuple(constants_of_set(shape).values()), "barriers": sum(rows, ())}
+
+
 def lyapunov(bandwidth: float) -> tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]:
     """P of one joint: V = (y, dy) P (y, dy). Exact."""
     w = Fraction(bandwidth)
@@ -156,6 +175,6 @@ def premises(shape: FullOrder) -> list[Premise]:
             Premise(f"full/reset {name}", *crossing, sign="not negative"),
             Premise(f"full/reset-slope {name}", *strip, sign="not negative"),
         ]
-        if barrier.reading:
+        if name not in FENCES:
             found.append(Premise(f"full/reading {name}", *tube, sign="not negative"))
     return found

@@ -5,10 +5,9 @@ not be negative on a root box; the proof file has a statement for each. `conclus
 conclusion from the proved bounds. Needs no JAX.
 """
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Any, Literal, NamedTuple, TypeVar, get_args
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 Corner = tuple[float, float]
 Attraction = Literal["contraction", "nested tubes"]
@@ -162,92 +161,3 @@ def strips(
             yield name, (-shape.start_strip, low[1]), (0.0, high[1])
         if high[0] == 1.0:
             yield name, (1.0, low[1]), (1.0 + shape.guard_strip, high[1])
-
-
-T = TypeVar("T", WalkingSet, Orbit)
-
-
-def series(parameters: WalkingSet | Orbit) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Parameters that are lists of numbers, by name: the Program has them as constants."""
-    for field in fields(parameters):
-        value = getattr(parameters, field.name)
-        if isinstance(value, tuple) and value and isinstance(value[0], float):
-            yield field.name, value
-
-
-def to_table(parameters: WalkingSet | Orbit) -> dict[str, Any]:
-    """Parameters as JSON data, every number exactly."""
-    return {field.name: _plain(getattr(parameters, field.name)) for field in fields(parameters)}
-
-
-def from_table(kind: type[T], table: Mapping[str, Any]) -> T:
-    """Read what `to_table` wrote. Raises: ValueError on anything else."""
-    expected = {field.name: str(field.type) for field in fields(kind)}
-    if set(table) != set(expected):
-        raise ValueError(f"the parameters {sorted(table)} instead of {sorted(expected)}")
-    return kind(**{name: _value(table[name], expected[name], name) for name in expected})
-
-
-class Theorems(NamedTuple):
-    """Levels 2 and 3 of a proof: parameters of the sets, and whether anything is claimed of them.
-
-    Parameters of a level that is not claimed stand in the file all the same: the Program has
-    outputs that depend on them.
-    """
-
-    walking: WalkingSet | None = None
-    orbit: Orbit | None = None
-    claimed: tuple[int, ...] = ()
-
-    def tables(self) -> tuple[dict[str, Any], ...]:
-        """JSON data, lowest level first."""
-        known = {2: self.walking, 3: self.orbit}
-        return tuple(
-            {"level": level, "claimed": level in self.claimed, "parameters": to_table(part)}
-            for level, part in known.items()
-            if part is not None
-        )
-
-    @classmethod
-    def read(cls, tables: Sequence[Any]) -> "Theorems":
-        """Read what `tables` wrote. Raises: ValueError on anything else."""
-        kinds = {2: WalkingSet, 3: Orbit}
-        found: dict[int, Any] = {}
-        claimed = []
-        for level, table in enumerate(tables, start=2):
-            known = isinstance(table, dict) and set(table) == {"level", "claimed", "parameters"}
-            if not known or level not in kinds or table["level"] != level:
-                raise ValueError("theorems that are not of level 2, then 3")
-            if not isinstance(table["claimed"], bool) or not isinstance(table["parameters"], dict):
-                raise ValueError(f"the theorem {table} of level {level}")
-            found[level] = from_table(kinds[level], table["parameters"])
-            claimed += [level] * table["claimed"]
-        return cls(found.get(2), found.get(3), tuple(claimed))
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return [_plain(item) for item in value]
-    return value.hex() if isinstance(value, float) else value
-
-
-def _value(given: Any, kind: str, name: str) -> Any:
-    """A parameter of the annotated kind: float, str, or a tuple of either."""
-    if kind.startswith("tuple["):
-        inner = kind.removeprefix("tuple[").removesuffix("]").split(", ")
-        size = None if inner[-1] == "..." else len(inner)
-        if not isinstance(given, list) or (size is not None and len(given) != size):
-            raise ValueError(f"{name} that is not a list of its length")
-        return tuple(_value(item, inner[0], name) for item in given)
-    if not isinstance(given, str):
-        raise ValueError(f"{given!r} for {name}")
-    if kind == "str":
-        return given
-    if kind.startswith("typing.Literal"):
-        if given not in get_args(Attraction):
-            raise ValueError(f"{given!r} for {name}")
-        return given
-    number = float.fromhex(given)
-    if not math.isfinite(number):
-        raise ValueError(f"the number {given} for {name}")
-    return number

@@ -114,6 +114,8 @@ def show_proof(result: Result) -> None:
     _print(Text.assemble(verdict, f" at level {result['level']}{reason}"))
     facts = {"boxes": result["boxes"], "time": _seconds(result, "wall_s")}
     facts |= {name: result.get(name) for name in ("proof", "map")}
+    if "full_order_proof" in result:
+        facts["proof of level 4"] = result["full_order_proof"]
     _facts(facts, facts)
 
 
@@ -143,6 +145,12 @@ def _levels(result: Result) -> None:
         _print(Text.assemble(f"level {level['level']} ", verdict, reason))
         for sentence in level["words"]:
             _print(Text(f"  {sentence}"))
+        rows = [
+            (one["name"], _number(one["value"]), one["unit"], one["meaning"])
+            for one in level["constants"]
+        ]
+        if rows:
+            _print(_table(("constant", "value", "unit", "meaning"), rows))
 
 
 def show_robot(result: Result) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Array, Coordinates, Float, ZeroState
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy
@@ -33,7 +33,7 @@ class FullPoint(Point):
         policy: AbstractPolicy,
         z: ZeroState,
         eta: Float[Array, " two_m"],
-        bandwidth: float,
+        bandwidth: float | Scalar,
     ):
         """Fix robot, policy, z [2], eta = (y, dy) [2m] and w, the outputs' double pole [rad/s]."""
         super().__init__(robot, policy, None, z)

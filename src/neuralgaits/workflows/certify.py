@@ -1,6 +1,5 @@
-"""Prove a run: its conditions on their regions, its walking set, its orbit."""
+"""Prove a run: its conditions on their regions, its walking set, its orbit, its full order."""
 
-import hashlib
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -14,7 +13,7 @@ from neuralgaits.certificate.conclusions import Conclusion, conclude, proved_bou
 from neuralgaits.certificate.judge import judge
 from neuralgaits.certificate.model_data import model_data
 from neuralgaits.certificate.problem import Problem
-from neuralgaits.certificate.proof import Proof, Statement, prove
+from neuralgaits.certificate.proof import Statement, prove
 from neuralgaits.certificate.saved import load, save
 from neuralgaits.certificate.schedule import (
     Progress,
@@ -23,14 +22,16 @@ from neuralgaits.certificate.schedule import (
     explore,
 )
 from neuralgaits.certificate.search import Confirm, Search
-from neuralgaits.certificate.theorems import Theorems
+from neuralgaits.certificate.theorem_tables import Theorems
 from neuralgaits.certificate.verdicts import ConditionVerdict, Counterexample, Verdict
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.interpreters import Program
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certificate_figure import write_map
-from neuralgaits.workflows.run import ROBOT, SPEC, WEIGHTS, Run, open_run
+from neuralgaits.workflows.certify_full_order import certify_full_order
+from neuralgaits.workflows.proof_of import proof_of
+from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.sets import (
     Sets,
     condition_boxes,
@@ -42,8 +43,8 @@ from neuralgaits.workflows.sets import (
 
 FOLDER = "certificate"
 PROOF, SUMMARY = f"{FOLDER}/proof.json", f"{FOLDER}/summary.json"
-LEVEL = 3
-"""The highest level, and what is proved if none is asked for."""
+LEVEL, HIGHEST = 3, 4
+"""What is proved if no level is asked for, and the most that can be."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
@@ -54,7 +55,7 @@ class Certificate:
     Attributes:
         verdict: of the whole: refuted if a condition is, proved if all are and all levels.
         conditions: the verdict on each (level 1).
-        conclusions: the answers of levels 2 and 3, as far as they were asked for.
+        conclusions: the answers of the levels above 1, as far as they were asked for.
         summary: what `certify --json` prints.
     """
 
@@ -88,7 +89,8 @@ def certify(
     Args:
         run: a run, its folder, or `latest`.
         level: 1: every condition holds on its region, or a state that breaks it is found; 2: and
-            the walking set is invariant; 3: and one orbit attracts all of it.
+            the walking set is invariant; 3: and one orbit attracts all of it; 4: and the
+            robot walks on at full order, with outputs off zero, in continuous time.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         budget: seconds after which what is proved so far is kept and reported.
         resume: go on with the boxes of the run's last certificate.
@@ -124,21 +126,40 @@ def certify(
         _written(task, problems, stop.states, began, "interrupted")
         raise
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
-    return _written(task, problems, states, began, ended)
+    done = _written(task, problems, states, began, ended)
+    return done if level < HIGHEST else _at_full_order(done, trained, began, deadline, progress)
+
+
+def _at_full_order(
+    below: Certificate, run: Run, began: float, deadline: float, progress: Progress | None
+) -> Certificate:
+    """Level 4 added to a certificate of the others, which is in the run's folder already."""
+    found = certify_full_order(run, deadline, progress)
+    return _finish(
+        run,
+        HIGHEST,
+        below.conditions,
+        [*below.conclusions, found.conclusion],
+        began,
+        **{name: below.summary.get(name) for name in ("map", "proof", "reason")},
+        boxes=below.summary["boxes"] + found.boxes,
+        full_order_proof=found.file,
+    )
 
 
 def _refuse(level: int, disturbance: tuple[float, float]) -> None:
     """Raises: InputError on a level or disturbance that makes no statement."""
-    if level not in range(1, LEVEL + 1):
+    if level not in range(1, HIGHEST + 1):
         raise InputError(
-            f"expected level 1 (conditions), 2 (walking set) or {LEVEL} (orbit), found {level}"
+            "expected level 1 (conditions), 2 (walking set), 3 (orbit) or 4 (full order), "
+            f"found {level}"
         )
     if not all(0.0 <= bound < np.inf for bound in disturbance):
         raise InputError(
             f"expected a disturbance of two bounds >= 0 (m/s, N m), found {disturbance}"
         )
     if any(disturbance) and level < 2:
-        raise InputError("expected level 2 or 3 with a disturbance, found level 1: raise --level")
+        raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
 
 
 def _seconds(budget: float | None) -> float:
@@ -207,7 +228,11 @@ def _written(
     conclusions = _conclusions(task, statements)
     proof = run.path / PROOF
     if statements:
-        _proof(task, statements, conclusions).write(proof)
+        sets = task.sets
+        claimed = tuple(found.level for found in conclusions if found.verdict == "proved")
+        theorems = Theorems(sets.walking, sets.orbit, claimed=claimed)
+        model = model_data(run.robot, run.gait, run.spec, task.program)
+        proof_of(run, task.program, statements, theorems, model).write(proof)
     else:
         proof.unlink(missing_ok=True)
     verdicts, own = {}, []
@@ -224,7 +249,8 @@ def _written(
     }
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
         more["reason"] = f"{ended or 'the search ran out of boxes'}; {MORE}"
-    return _finish(run, task.level, verdicts, conclusions, began, boxes=box_count(states), **more)
+    level = min(task.level, LEVEL)  # Level 4 has a search and a file of its own.
+    return _finish(run, level, verdicts, conclusions, began, boxes=box_count(states), **more)
 
 
 def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
@@ -232,26 +258,10 @@ def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusio
     sets, boxes = task.sets, condition_boxes(task.run.spec)
     found = conclude(sets.walking, sets.orbit, boxes, proved_bounds(statements))
     first = 2 + len(found)
-    for level in range(first, task.level + 1):
+    for level in range(first, min(task.level, LEVEL) + 1):
         reason = sets.reason if level == first else f"level {level - 1} is not proved"
         found.append(Conclusion(level, "undecided", reason, (), {}))
     return found
-
-
-def _proof(
-    task: _Task, statements: tuple[Statement, ...], conclusions: Sequence[Conclusion]
-) -> Proof:
-    proved = tuple(found.level for found in conclusions if found.verdict == "proved")
-    run, config = task.run, task.run.folder.config
-    return Proof(
-        {"name": config["robot"], "sha256": config["copies"][ROBOT]},
-        {"name": config["spec"], "sha256": config["copies"][SPEC]},
-        hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
-        task.program,
-        statements,
-        theorems=Theorems(task.sets.walking, task.sets.orbit, proved).tables(),
-        model=model_data(run.robot, run.gait, run.spec, task.program),
-    )
 
 
 def _no_program(run: Run) -> dict[str, ConditionVerdict]:

@@ -37,7 +37,7 @@ def check_proof(
     """
     began = time.perf_counter()
     claims = read_claims(Path(file))
-    wrong = [] if run is None else _against(claims, run)
+    wrong = [] if run is None else against(claims, run)
     result: dict[str, Any] = {
         "proof": str(file),
         "run": None if run is None else str(run),
@@ -49,7 +49,9 @@ def check_proof(
         result |= {
             "verdict": "rejected",
             "reason": "; ".join(wrong),
-            "statements": [line for one in claims.statements for line in in_words(one)],
+            "statements": [
+                line for one in claims.statements for line in in_words(one, claims.program)
+            ],
             "levels": [],
             "unclaimed": [],
             "boxes": 0,
@@ -68,7 +70,7 @@ def check_proof(
     return result | {"assumptions": list(assumptions), "wall_s": time.perf_counter() - began}
 
 
-def _against(claims: Claims, run: str | Path) -> list[str]:
+def against(claims: Claims, run: str | Path) -> list[str]:
     """What differs between proof and run; the files first, what follows from them then."""
     # Both import JAX, which a check without a run does not need.
     from neuralgaits.runs import resolve
@@ -86,6 +88,8 @@ def _against_spec(claims: Claims, opened: Any) -> list[str]:
     from neuralgaits.workflows.sets import Sets, condition_boxes, trace_certificate
 
     spec, theorems = opened.spec, claims.theorems
+    if theorems.full is not None:
+        return _against_full_order(claims, opened)
     sets = Sets(theorems.walking, theorems.orbit)
     program = trace_certificate(spec, opened.robot, opened.gait, sets)
     if program.hash != claims.program_hash:
@@ -115,6 +119,21 @@ def _against_spec(claims: Claims, opened: Any) -> list[str]:
         name, low, high = min(boxes - found)
         wrong.append(f"{name} from {low} to {high} is claimed along trajectories, but not proved")
     return wrong
+
+
+def _against_full_order(claims: Claims, opened: Any) -> list[str]:
+    """What differs from the full-order theorem of the opened run with the file's constants."""
+    from neuralgaits.workflows.full_order import model_of, trace_full_order
+
+    shape = claims.theorems.full
+    assert shape is not None
+    model = model_of(opened, shape.bandwidth)
+    if [barrier.name for barrier in shape.barriers] != model.names:
+        return [f"the run's barriers are {', '.join(model.names)}, not those of the file"]
+    program = trace_full_order(model, shape)
+    if program.hash != claims.program_hash:
+        return [f"the run's full-order theorem has the hash {program.hash}, not the file's"]
+    return []
 
 
 def _floats(corner: Any) -> tuple[float, ...]:

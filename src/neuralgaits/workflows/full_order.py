@@ -13,7 +13,7 @@ from neuralgaits.certificate.conclusions import Conclusion, proved_bounds
 from neuralgaits.certificate.full_order import FullOrderModel, margins
 from neuralgaits.certificate.full_order_conclusion import LEVEL, conclude_full_order
 from neuralgaits.certificate.full_order_find import Look, Looks, find_full_order
-from neuralgaits.certificate.full_order_theorem import FullOrder, premises
+from neuralgaits.certificate.full_order_theorem import FullOrder, premises, series
 from neuralgaits.certificate.problem import Problem
 from neuralgaits.certificate.proof import Statement, prove
 from neuralgaits.certificate.schedule import Progress, box_count, explore
@@ -26,7 +26,7 @@ from neuralgaits.workflows.run import Run, open_run
 
 BANDWIDTH = 30.0
 """Double pole of the outputs [rad/s]: that of `control.fblin`."""
-BUDGET_S = 120.0
+BUDGET_S = 240.0
 """Seconds that all attempts together may take."""
 SHARES = (0.6, 0.3, 0.1)
 """Shares of the largest radius seen at points that are tried, one after the other."""
@@ -139,10 +139,12 @@ def prove_full_order(
 
 def trace_full_order(model: FullOrderModel, shape: FullOrder) -> Program:
     """All margins of the theorem as a Program of u and xi."""
+    gait = model.gait
+    numbers = {name: np.array(values) for name, values in series(shape).items()}
     return trace(
         lambda u, xi: margins(model, shape, u, xi),
         {"u": (2,), "xi": (model.size,)},
-        parameters=model.gait,
+        parameters={"policy": gait.policy, "tube": gait.tube, "full": numbers},
     )
 
 

@@ -13,13 +13,13 @@ from neuralgaits.certificate import orbit_set, return_map, walking_set
 from neuralgaits.certificate.find_orbit import Fences, Look, find_orbit
 from neuralgaits.certificate.find_set import find_set
 from neuralgaits.certificate.problem import Problem
+from neuralgaits.certificate.theorem_tables import series
 from neuralgaits.certificate.theorems import (
     Corner,
     Orbit,
     WalkingSet,
     orbit_premises,
     safe_premises,
-    series,
     strips,
     walking_premises,
 )

@@ -1,0 +1,58 @@
+"""Level 4 of a certificate: the full-order theorem, with a proof file of its own."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from neuralgaits.certificate.conclusions import Conclusion
+from neuralgaits.certificate.full_order_conclusion import LEVEL
+from neuralgaits.certificate.proof import Proof
+from neuralgaits.certificate.schedule import Progress
+from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.errors import SpecError
+from neuralgaits.workflows.full_order import BUDGET_S, FullOrderResult, full_order
+from neuralgaits.workflows.proof_of import proof_of
+from neuralgaits.workflows.run import Run
+
+FILE = "certificate/full-order.json"
+
+
+@dataclass(frozen=True)
+class FullOrderAnswer:
+    """Conclusion of level 4, the proof file if there is one, and how many boxes it took."""
+
+    conclusion: Conclusion
+    file: Path | None = None
+    boxes: int = 0
+
+
+def certify_full_order(run: Run, deadline: float, progress: Progress | None) -> FullOrderAnswer:
+    """Prove level 4 of a run until a deadline (of `time.monotonic`), and write what is proved.
+
+    Raises: SearchInterrupted for KeyboardInterrupt; no file is left then.
+    """
+    path = run.path / FILE
+    path.unlink(missing_ok=True)
+    budget = min(BUDGET_S, deadline - time.monotonic())
+    if not budget > 0.0:
+        return _undecided("the budget was spent on the levels before")
+    try:
+        result = full_order(run, budget=budget, progress=progress)
+    except SpecError as error:
+        return _undecided(str(error))
+    if not result.statements:
+        return FullOrderAnswer(result.conclusion, boxes=result.boxes)
+    proof(run, result).write(path)
+    return FullOrderAnswer(result.conclusion, path, result.boxes)
+
+
+def _undecided(reason: str) -> FullOrderAnswer:
+    return FullOrderAnswer(Conclusion(LEVEL, "undecided", reason, (), {}))
+
+
+def proof(run: Run, result: FullOrderResult) -> Proof:
+    """The proof file of a result with statements."""
+    assert result.program is not None  # There are statements about it.
+    claimed = (LEVEL,) if result.conclusion.verdict == "proved" else ()
+    theorems = Theorems(full=result.shape, claimed=claimed)
+    return proof_of(run, result.program, result.statements, theorems, None)

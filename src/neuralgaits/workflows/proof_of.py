@@ -1,0 +1,30 @@
+"""The proof file of a run, with the hashes of what it is about."""
+
+import hashlib
+from collections.abc import Mapping
+from typing import Any
+
+from neuralgaits.certificate.proof import Proof, Statement
+from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.interpreters import Program
+from neuralgaits.workflows.run import ROBOT, SPEC, WEIGHTS, Run
+
+
+def proof_of(
+    run: Run,
+    program: Program,
+    statements: tuple[Statement, ...],
+    theorems: Theorems,
+    model: Mapping[str, Any] | None,
+) -> Proof:
+    """A proof about a run: its robot, spec and weights by name and sha256."""
+    config = run.folder.config
+    return Proof(
+        {"name": config["robot"], "sha256": config["copies"][ROBOT]},
+        {"name": config["spec"], "sha256": config["copies"][SPEC]},
+        hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
+        program,
+        statements,
+        theorems=theorems.tables(),
+        model=model,
+    )
