@@ -17,7 +17,7 @@ from neuralgaits.certificate.full_order_theorem import (
     premises,
 )
 
-UPPER = BarrierConstants("level-upper", 1.0, 0.16, 38.0, 0.0, 0.08, 13.0, 51.0)
+UPPER = BarrierConstants("level-upper", 1.0, 0.16, 38.0, 0.0, 0.08, 13.0, 52.0)
 FENCE = BarrierConstants("level-lower", 2.0, 0.07, 38.0, 0.0, 0.07, 13.0, 130.0)
 TORSO = BarrierConstants("torso-lower", 20.0, 0.7, 3.0, 1.4, 0.08, 0.9, 75.0)
 SHAPE = FullOrder(

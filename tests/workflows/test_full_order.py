@@ -190,12 +190,14 @@ def file(trained, result, tmp_path_factory):
 
 def test_the_proof_file_says_what_was_proved_and_is_about_the_run(trained, result, file):
     claims = read_claims(file)
-    assert (claims.theorems.full, claims.theorems.claimed) == (result.shape, (4,))
+    shape = claims.theorems.full
+    assert shape is not None
+    assert (shape, claims.theorems.claimed) == (result.shape, (4,))
     assert claims.program == result.program
     assert check_proof.against(claims, trained.path) == []
     assert file.stat().st_size < 200_000
     # The conclusion is drawn from the file alone; its boxes are bounded again by the checker.
-    assert conclude_full_order(claims.theorems.full, proved_bounds(claims.statements)).words
+    assert conclude_full_order(shape, proved_bounds(claims.statements)).words
 
 
 @pytest.mark.parametrize(
