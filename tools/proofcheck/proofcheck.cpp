@@ -2341,6 +2341,8 @@ vector<TM> foot_falls(Place& at, double sign) {
   return out;
 }
 
+vector<TM> width(Place& at) { return {relative_width(at.model.tube, at.phase)}; }
+
 vector<TM> phase_rate(Place& at) {
   vector<TM> out;
   for (const auto& [dz1, dz2] : pushed(*at.theorems.walking, at.wide()))
@@ -2358,7 +2360,17 @@ vector<TM> thin_fence(Place& at, bool upper) {
   return inward(at.theorems.orbit->thin, at.phase, p, upper, {{p.dz1(), p.dz2()}});
 }
 
-TM reset_level(const Tube& tube, Motion<TM>& p) { return level_of(tube, p.hip_after(), p.z2_after()); }
+TM reset_level(const Tube& tube, Motion<TM>& p) {
+  return level_of(tube, p.hip_after(), p.z2_after());
+}
+
+// Levels do not tell forward from backward, so z2 must keep its sign as well.
+vector<TM> reset_inside(Place& at) {
+  Motion<TM>& p = at.wide();
+  vector<TM> margins = inside(reset_level(at.model.tube, p));
+  margins.push_back(p.z2_after() / p.z2);
+  return margins;
+}
 
 TM bound_less(const vector<double>& series, Place& at, const TM& rate) {
   return sum(series, chebyshev(at.phase, series.size())) - rate;
@@ -2369,8 +2381,7 @@ const std::map<string, Meant>& set_outputs() {
       {"set/forward", {"rate of the phase", "1/s", phase_rate}},
       {"set/inertia", {"transversal inertia -J s", "kg m",
                        [](Place& at) { return vector<TM>{-at.wide().transversal()}; }}},
-      {"set/width", {"width of the set in z2, of its middle", "",
-                     [](Place& at) { return vector<TM>{relative_width(at.model.tube, at.phase)}; }}},
+      {"set/width", {"width of the set in z2, of its middle", "", width}},
       {"set/fence-lower", {"flow inward over the lower fence", "tube widths a step",
                            [](Place& at) { return fence(at, false); }}},
       {"set/fence-upper", {"flow inward over the upper fence", "tube widths a step",
@@ -2387,8 +2398,8 @@ const std::map<string, Meant>& set_outputs() {
                            [](Place& at) {
                              return both_signs(phase_of(at.model.tube, at.wide().hip_after()));
                            }}},
-      {"set/reset-level", {"reset inside the fences", "tube widths",
-                           [](Place& at) { return inside(reset_level(at.model.tube, at.wide())); }}}};
+      {"set/reset-level", {"reset inside the fences and forward", "tube widths, or of z2",
+                           reset_inside}}};
   return table;
 }
 

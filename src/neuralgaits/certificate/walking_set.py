@@ -47,7 +47,8 @@ def margins(
         "set/foot-rises": falls,
         "set/foot-falls": -falls,
         "set/reset-phase": jnp.stack([phase, -phase]),
-        "set/reset-level": jnp.stack([level, 1.0 - level]),
+        # The level does not tell forward from backward: z2 must keep its sign as well.
+        "set/reset-level": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
     }
     for barrier in barriers(spec):
         found[f"set/after {barrier.name}"] = barrier.function(point.after)
