@@ -57,6 +57,16 @@ def test_strips_of_the_carried_conditions():
         ("torso", (-1e-3, 0.0), (0.0, 1.0)),
         ("torso", (1.0, 0.0), (1.0 + 2e-3, 1.0)),
     ]
+    start = ("foot", (0.0, 0.2), (0.0, 1.0))
+    assert list(strips(SHAPE, [start])) == [("foot", (-1e-3, 0.2), (1e-3, 1.0))]
+
+
+@pytest.mark.parametrize("name", ["force", "torso", "flies"])
+def test_what_is_carried_along_has_statements(name):
+    boxes = [box for box in BOXES if box[0] != name]
+    shape = replace(SHAPE, carried=(*SHAPE.carried, name))
+    answer = walking(shape, boxes, BOUNDS)
+    assert (answer.verdict, answer.reason) == ("undecided", f"there is no statement about {name}")
 
 
 def test_with_all_premises_both_levels_follow():
@@ -123,6 +133,11 @@ def test_figures_of_the_orbit_against_quadrature():
     assert high * (1.0 - 1e-12) <= found["multiplier_at_most"] <= high * np.exp(3e-3 * 2.0)
     assert found["z2_at_mid_step_at_least"] == pytest.approx(np.sqrt(2 * 90.0))
     assert found["z2_at_mid_step_at_least"] <= np.sqrt(2 * 90.0)
+
+
+def test_a_thin_tube_that_is_upside_down_has_no_width():
+    orbit = replace(ORBIT, lower=ORBIT.upper, upper=ORBIT.lower)
+    assert attraction(SHAPE, orbit, BOUNDS).reason == "the thin tube is upside down"
 
 
 @pytest.mark.parametrize(

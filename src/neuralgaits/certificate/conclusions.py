@@ -132,7 +132,10 @@ def walking(
     """
     needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
     missing = _missing([*walking_premises(shape), *needed], bounds)
-    uncarried = {name for name, *_ in boxes} - set(shape.carried)
+    stated = {name for name, *_ in boxes}
+    uncarried = stated - set(shape.carried)
+    for name in {*shape.carried, *shape.barriers} - stated:
+        missing = missing or f"there is no statement about {name}"
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
     if missing is None and not (0.0 < shape.start_strip < 0.1 and 0.0 < shape.guard_strip < 0.1):
@@ -192,7 +195,7 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     gain = -bounds["orbit/gain", *strip]
     gains = bounds["orbit/reset-gain-low", *thin], -bounds["orbit/reset-gain-high", *thin]
     width = -bounds["orbit/width", (first, 0.0), (last, 0.0)]
-    over = arb(shape.start_strip) + arb(shape.guard_strip)
+    over = arb(shape.start_strip) + (arb(last) - 1).max(1 - arb(strip[0][0]))
     contraction = arb(gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
     low = arb(gains[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
     high = arb(gains[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
@@ -226,6 +229,9 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         if not contraction < 1:
             reason = f"the return map is not shown to contract: |P'| <= {_above(contraction):.4g}"
             return Conclusion(3, "undecided", reason, (), figures)
+    if not middle[0] < middle[1]:
+        # Margins in its widths are bounded, so that these have one sign at every phase.
+        return Conclusion(3, "undecided", "the thin tube is upside down", (), figures)
     if not (low > 0 and high < 1):
         reason = f"the multiplier is enclosed in [{_below(low):.4g}, {_above(high):.4g}] only"
         return Conclusion(3, "undecided", reason, (), figures)
@@ -256,7 +262,7 @@ def _end(orbit: Orbit, shape: WalkingSet) -> arb:
 
     Where |x| <= X and X >= 1, no Chebyshev polynomial is larger than at X.
     """
-    edge = 1 + 2 * arb(max(shape.start_strip, shape.guard_strip))
+    edge = 1 + 2 * arb(shape.start_strip).max(arb(shape.ends[1]) - 1)
     worst = arb(0)
     for series in (orbit.expansion, orbit.slowest, orbit.fastest):
         worst = worst.max(_value([abs(c) for c in series], edge))

@@ -158,6 +158,8 @@ def strips(
             yield name, (ahead, low[1]), (behind, high[1])
             continue
         if low[0] == 0.0:
-            yield name, (-shape.start_strip, low[1]), (0.0, high[1])
+            # A reset lands on either side of phase 0.
+            behind = shape.start_strip if high[0] == 0.0 else 0.0
+            yield name, (-shape.start_strip, low[1]), (behind, high[1])
         if high[0] == 1.0:
             yield name, (1.0, low[1]), (1.0 + shape.guard_strip, high[1])
