@@ -26,11 +26,14 @@ from neuralgaits.barriers import (
 )
 from neuralgaits.barriers import functions as f
 from neuralgaits.certificate.model_data import model_data
+from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.certificate.theorems import Attraction, Orbit, WalkingSet
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
 from neuralgaits.interpreters import POINT, evaluate
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.workflows.provable import trace_spec
+from neuralgaits.workflows.sets import Sets, trace_certificate
 
 EVERYWHERE = Box((0.0, 0.0), (1.0, 1.0))
 
@@ -167,13 +170,57 @@ class Case:
             "program_hash": self.program.hash,
             "chart": "u = (phase, level)",
             "statements": [claim],
-            "theorems": [],
+            "theorems": self.theorems,
             "model": model_data(self.robot, self.gait, self.spec, self.program),
         }
+
+    @property
+    def theorems(self) -> list[dict[str, Any]]:
+        return []
 
     def write(self, path: Path) -> Path:
         path.write_text(json.dumps(self.table))
         return path
+
+
+@dataclass(frozen=True)
+class SetCase(Case):
+    """The outputs of levels 2 and 3, for sets around nothing in particular.
+
+    Attributes:
+        disturbance: of the walking set.
+        attraction: of the orbit.
+    """
+
+    disturbance: tuple[float, float] = (0.0, 0.0)
+    attraction: Attraction = "contraction"
+
+    @cached_property
+    def sets(self) -> Sets:
+        tube = self.gait.tube
+        low, high = (np.asarray(side) * float(tube.unit) for side in (tube.lower, tube.upper))
+        thin = [tuple((low + share * (high - low)).tolist()) for share in (0.4, 0.6)]
+        rates = [tuple(row) for row in np.random.default_rng(4).normal(size=(3, 4)).tolist()]
+        pushed = WalkingSet(0.01, 0.008, 0.1, 0.8, self.disturbance, ("lean", "bent"), ())
+        return Sets(pushed, Orbit(self.attraction, 0.99, 1.01, thin[0], thin[1], *rates))
+
+    @cached_property
+    def spec(self):
+        found = super().spec
+        own = (
+            Barrier("lean", "tube", 1.0, f.hip_height, 3.0),
+            Barrier("bent", "tube", 1.0, f.joint_angles, (2.0, 7.0)),
+            TubeWidth("width", "tube", 1.0, 0.2),
+        )
+        return replace(found, conditions=own)
+
+    @cached_property
+    def program(self):
+        return trace_certificate(self.spec, self.robot, self.gait, self.sets)
+
+    @property
+    def theorems(self) -> list[dict[str, Any]]:
+        return list(Theorems(self.sets.walking, self.sets.orbit).tables())
 
 
 def bounds(proofcheck, file: Path, low: np.ndarray, high: np.ndarray) -> list[dict[str, Any]]:

@@ -6,20 +6,19 @@ are forward duals over the box's polynomials.
 
 import numpy as np
 import pytest
-from checker_case import Case, bounds
+from checker_case import Case, SetCase, bounds
 
 CASES = {
-    case.name: case
-    for case in (
-        Case("amber3m"),
-        Case("rabbit"),
-        Case("torso-2", "softplus"),
-        Case("legs-2"),
-        Case("torso-3"),
-    )
+    "amber3m": Case("amber3m"),
+    "rabbit": Case("rabbit"),
+    "torso of 2": Case("torso-2", "softplus"),
+    "legs of 2": Case("legs-2"),
+    "torso of 3": Case("torso-3"),
+    "sets of amber3m": SetCase("amber3m", attraction="nested tubes"),
+    "sets of legs": SetCase("legs-2", disturbance=(0.02, 0.3)),
 }
-TIGHT = dict.fromkeys(CASES, 1e-9) | {"torso-3": 1e-6}
-"""Width of an enclosure at a point. Elimination in seven unknowns costs digits."""
+TIGHT = {"torso of 3": 1e-6}
+"""Width of an enclosure at a point; 1e-9 elsewhere. Elimination in seven unknowns costs digits."""
 POINTS, BOXES, SAMPLES = 12, 12, 40
 
 
@@ -28,20 +27,25 @@ def case(request):
     return CASES[request.param]
 
 
+@pytest.fixture
+def tight(request):
+    return TIGHT.get(request.node.callspec.params["case"], 1e-9)
+
+
 @pytest.fixture(scope="module")
 def file(case, tmp_path_factory):
     return case.write(tmp_path_factory.mktemp("case") / "proof.json")
 
 
-def test_values_at_points(proofcheck, case, file):
+def test_values_at_points(proofcheck, case, file, tight):
     u = np.random.default_rng(1).uniform(size=(POINTS, 2))
     found = bounds(proofcheck, file, u, u)
     expected = case.values(u)
-    assert set(found[0]) == set(expected) == {c.name for c in case.spec.conditions}
+    assert set(found[0]) == set(expected) >= {c.name for c in case.spec.conditions}
     for name, values in expected.items():
         enclosed = np.stack([one[name] for one in found])
         scale = np.maximum(1.0, np.abs(values))
-        assert np.all(enclosed[..., 1] - enclosed[..., 0] <= TIGHT[case.name] * scale), name
+        assert np.all(enclosed[..., 1] - enclosed[..., 0] <= tight * scale), name
         middle = 0.5 * (enclosed[..., 0] + enclosed[..., 1])
         np.testing.assert_allclose(middle / scale, values / scale, atol=1e-9, rtol=0, err_msg=name)
 
@@ -66,7 +70,7 @@ def test_boxes_contain_their_points(proofcheck, case, file):
     assert bounded > 0.7 * BOXES * len(found[0])
 
 
-def test_bounds_are_of_second_order(proofcheck, case, file):
+def test_bounds_are_of_second_order(proofcheck, case, file, tight):
     """What bounds exceed the values by shrinks with the square of the box's size or faster."""
     centre, sizes, excess = np.array([[0.45, 0.55]]), (0.01, 0.0025), []
     lines = np.linspace(-0.5, 0.5, 15)
@@ -79,4 +83,4 @@ def test_bounds_are_of_second_order(proofcheck, case, file):
         )
     for name, wide in excess[0].items():
         # A quarter of the size: 16 times less or, where a margin is monotone, 64.
-        assert excess[1][name] <= wide / 15.0 + TIGHT[case.name], name
+        assert excess[1][name] <= wide / 15.0 + tight, name
