@@ -74,7 +74,7 @@ class Simulate:
     episodes: Annotated[int, arg(metavar="N")] = 1
     """Number of walks."""
     log: Annotated[Path | None, arg(metavar="FILE.csv")] = None
-    """Write the first walk's log."""
+    """Write the first walk's log; of further walks, FILE-1.csv, FILE-2.csv, ... beside it."""
     video: Annotated[Path | None, arg(metavar="FILE.mp4")] = None
     """Write a video of the first walk; needs the video extra."""
     output: Annotated[Output, arg(name="")] = Output()
@@ -110,6 +110,42 @@ class CheckProof:
 
 
 @dataclass(frozen=True)
+class Fit:
+    """Learn what a robot does beyond its model, from logs of a run's policy."""
+
+    run: Run
+    """Run folder, or latest."""
+    logs: Annotated[Positional[tuple[Path, ...]], arg(metavar="LOG.csv...")]
+    """Logs of walks, falls included; see docs/learning.md."""
+    optimizer: Literal["adam", "adamw", "nero"] = "adam"
+    """Optimiser of the fit; nero is the paper's."""
+    seed: Annotated[int, arg(metavar="N")] = 0
+    """Seed of the split of strides, initial weights and batches."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class Refine:
+    """Train a run's policy on, on dynamics corrected by what was learned."""
+
+    run: Run
+    """Run folder, or latest."""
+    residual: Annotated[Path | None, arg(metavar="FILE")] = None
+    """File that fit wrote; the run's own if not given."""
+    seed: Annotated[int, arg(metavar="N")] = 0
+    """Seed of samples."""
+    steps: Annotated[int | None, arg(metavar="N")] = None
+    """Gradient steps; a share of the spec's own number if not given."""
+    certify: bool = False
+    """Prove the conditions (level 1) on the corrected dynamics, as train --certify does."""
+    budget: Annotated[float | None, arg(metavar="SECONDS")] = None
+    """With --certify: time for proofs and further training."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Inspect:
     """Show what a robot file holds and what is wrong with it."""
 
@@ -132,13 +168,15 @@ class Doctor:
     output: Annotated[Output, arg(name="")] = Output()
 
 
-Verb = Train | Simulate | Certify | CheckProof | Inspect | Robots | Doctor
+Verb = Train | Simulate | Certify | CheckProof | Fit | Refine | Inspect | Robots | Doctor
 
 _NAMED = (
     Annotated[Train, subcommand("train")]
     | Annotated[Simulate, subcommand("simulate")]
     | Annotated[Certify, subcommand("certify")]
     | Annotated[CheckProof, subcommand("check-proof")]
+    | Annotated[Fit, subcommand("fit")]
+    | Annotated[Refine, subcommand("refine")]
     | Annotated[Inspect, subcommand("inspect")]
     | Annotated[Robots, subcommand("robots")]
     | Annotated[Doctor, subcommand("doctor")]

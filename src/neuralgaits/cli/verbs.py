@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.cli import screen
+from neuralgaits.cli import learning_screen, screen
 from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
     Doctor,
+    Fit,
     Inspect,
+    Refine,
     Robots,
     Simulate,
     Train,
@@ -55,6 +57,10 @@ def carry_out(verb: Verb) -> Outcome:
             return _certify(verb)
         case CheckProof():
             return _check_proof(verb)
+        case Fit():
+            return _fit(verb)
+        case Refine():
+            return _refine(verb)
         case Inspect():
             return _inspect(verb)
         case Robots():
@@ -166,6 +172,40 @@ def _check_proof(verb: CheckProof) -> Outcome:
         result = check_proof(verb.file, run=verb.run)
     verdict = result["verdict"]
     return Outcome(result, verdict == "proved", screen.show_check, verdict == "undecided")
+
+
+def _fit(verb: Fit) -> Outcome:
+    from neuralgaits.cli.progress import TrainingProgress
+    from neuralgaits.workflows.fit import fit
+
+    with TrainingProgress() as progress:
+        done = fit(
+            verb.run, verb.logs, optimizer=verb.optimizer, seed=verb.seed, progress=progress
+        ).summary
+    better = done["heldout_error"] < done["nominal_heldout_error"]
+    return Outcome(done, better, learning_screen.show_fit)
+
+
+def _refine(verb: Refine) -> Outcome:
+    from neuralgaits.cli.progress import TrainingProgress
+    from neuralgaits.workflows.proof_rounds import Watch
+    from neuralgaits.workflows.refine import refine
+
+    with TrainingProgress() as progress:
+        run = refine(
+            verb.run,
+            residual=verb.residual,
+            seed=verb.seed,
+            steps=verb.steps,
+            certify=verb.certify,
+            budget=verb.budget,
+            out=verb.out,
+            progress=progress,
+            watch=Watch(progress.proved, progress.round_ended),
+        )
+    proof = run.summary["certificate"]
+    proved = proof is None or proof["verdict"] == "proved"
+    return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
 
 
 def _inspect(verb: Inspect) -> Outcome:
