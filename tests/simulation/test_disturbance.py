@@ -2,6 +2,7 @@ import pytest
 
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.disturbance import Disturbance, existing, parse
+from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
 
 
 def test_names_and_values_are_read():
@@ -38,3 +39,18 @@ def test_what_cannot_be_meant_is_refused_in_one_line(text, says):
 
 def test_the_list_of_what_exists_has_units():
     assert "delay_ms: delay of the torques [ms]" in existing()
+
+
+def test_the_set_has_every_kind_of_disturbance_and_each_changes_one_thing():
+    usual = vars(Disturbance())
+    changed = [
+        {name: value for name, value in vars(entry).items() if value != usual[name]}
+        for entry in DISTURBANCE_SET.values()
+    ]
+    noisy = [one for one in changed if len(one) > 1]
+    assert noisy == [{"encoder_noise": 0.002, "rate_noise": 0.1}]
+    assert {name for one in changed for name in one} == set(usual)
+    assert min(one.get("mass_scale", 1.0) for one in changed) == 0.85
+    assert min(one.get("torso_shift_m", 0.0) for one in changed) == -0.03
+    assert {one["delay_ms"] for one in changed if "delay_ms" in one} == {1, 2, 4}
+    assert {one["slope_deg"] for one in changed if "slope_deg" in one} == {-3.0, 3.0}

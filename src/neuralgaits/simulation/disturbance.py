@@ -29,6 +29,8 @@ class Disturbance:
         joint_friction: dry friction of every actuated joint [N m].
         encoder_noise: standard deviation of every measured angle, pitch included [rad].
         rate_noise: standard deviation of every measured rate, pitch included [rad/s].
+        encoder_step: resolution of every measured angle, pitch included; noise comes before
+            rounding [rad].
     """
 
     friction: float | None = _quantity(None, 0.0, 10.0, "friction coefficient of the feet")
@@ -41,6 +43,7 @@ class Disturbance:
     joint_friction: float = _quantity(0.0, 0.0, 1e3, "dry friction of every joint [N m]")
     encoder_noise: float = _quantity(0.0, 0.0, 1.0, "noise of angles, standard deviation [rad]")
     rate_noise: float = _quantity(0.0, 0.0, 10.0, "noise of rates, standard deviation [rad/s]")
+    encoder_step: float = _quantity(0.0, 0.0, 1.0, "resolution of angles [rad]")
 
     def __post_init__(self):
         """Check every value against its range."""

@@ -85,6 +85,7 @@ class Scene(eqx.Module):
         plant_robot: the plant's own numbers, disturbances left out.
         slope: rise of the floor per metre forward.
         noise: standard deviation of angles and of rates [rad], [rad/s]. [2]
+        encoder_step: resolution of angles, 0 for exact ones [rad].
         steps: walking steps of an episode.
         layout: of the plant's file.
         sizes: of the plant's qpos and ctrl.
@@ -96,6 +97,7 @@ class Scene(eqx.Module):
     plant_robot: PlanarBiped
     slope: Float[Array, ""]
     noise: Float[Array, "2"]
+    encoder_step: Float[Array, ""]
     steps: Int[Array, ""]
     layout: MjcfLayout = eqx.field(static=True)
     sizes: tuple[int, int] = eqx.field(static=True)
@@ -111,6 +113,7 @@ class Scene(eqx.Module):
             plant_robot=plant.robot,
             slope=np.asarray(plant.slope),
             noise=np.array([disturbance.encoder_noise, disturbance.rate_noise]),
+            encoder_step=np.asarray(disturbance.encoder_step),
             steps=np.asarray(steps, dtype=np.int32),
             layout=wires.layout,
             sizes=(wires.nq, wires.nu),
@@ -162,7 +165,8 @@ def tick(scene: Scene, carry: Carry, reading: Reading) -> tuple[Carry, Verdict, 
     sensors = wires.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
     arm, swept = hip_arm(wires, sensors.pitch)
     truth = measure(sensors, swept, time, reading.touch)
-    state, command = step(controller, carry.controller, _noisy(truth, reading.noise, scene.noise))
+    seen = _rounded(_noisy(truth, reading.noise, scene.noise), scene.encoder_step)
+    state, command = step(controller, carry.controller, seen)
     age = jnp.where(command.touchdown, 0.0, carry.age + period)
     hip = sensors.base + arm
     gauge = gauges.update(
@@ -209,6 +213,17 @@ def _noisy(
         angles=truth.angles + angles[1:].reshape(shape),
         rates=truth.rates + rates[1:].reshape(shape),
     )
+
+
+def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
+    """Angles as an encoder counts them."""
+    exact = resolution == 0.0
+    unit = jnp.where(exact, 1.0, resolution)
+
+    def counted(angle):
+        return jnp.where(exact, angle, unit * jnp.round(angle / unit))
+
+    return measured._replace(pitch=counted(measured.pitch), angles=counted(measured.angles))
 
 
 def _true_z(scene: Scene, truth: Measurement, command: Command) -> ZeroState:

@@ -18,6 +18,7 @@ from neuralgaits.simulation import video as films
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, walk
 from neuralgaits.workflows.run import Run, open_run
@@ -65,7 +66,7 @@ def simulate(
         disturb: `NAME=VALUE,...` or a mapping; see `simulation.disturbance`.
         seed: of starts and disturbances.
         episodes: number of walks.
-        log: CSV file for the first walk.
+        log: CSV file for the first walk; of further walks, FILE-1.csv, FILE-2.csv, ... beside it.
         video: MP4 file for the first walk; needs the `video` extra.
 
     Returns: `Simulation`; its summary is also in the run folder.
@@ -79,6 +80,8 @@ def simulate(
     if not isinstance(seed, int) or seed < 0:
         raise InputError(f"expected a seed of at least 0, found {seed!r}")
     _check_outputs(log, video)
+    files = [] if log is None else log_files(Path(log), episodes)
+    recorder = Recorder() if files else None
     walked = walk(
         robot,
         gait.policy,
@@ -90,14 +93,26 @@ def simulate(
         disturbance=disturbance,
         push=0.0 if push is None else push,
         seed=seed,
-        record=log is not None or video is not None,
+        record=video is not None,
+        watch=recorder,
     )
-    settings = _settings(trained, walked, controller, start, push, seed) | {"steps": steps}
+    settings = _settings(trained, walked, controller, start, push, seed)
+    settings |= {"steps": steps, "logs": [str(file) for file in files]}
     result = plain(settings | summary(walked, periodic_orbit(robot, gait)))
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     trained.folder.write_json(SUMMARY, result)
-    _write_outputs(walked, log, video)
+    if recorder is not None:
+        for number, file in enumerate(files):
+            logs.write(file, log_of(robot, recorder.record(number), f"episode {number}"))
+    if video is not None:
+        films.write(Path(video), walked.plant, walked.episodes.states, walked.episodes.floors)
     return Simulation(walked, result)
+
+
+def log_files(first: Path, episodes: int) -> list[Path]:
+    """Where the logs of all walks go: a file each, since each has a clock of its own."""
+    more = (first.with_stem(f"{first.stem}-{number}") for number in range(1, episodes))
+    return [first, *more]
 
 
 def _settings(
@@ -152,11 +167,3 @@ def _check_writable(path: Path) -> None:
         raise InputError(
             f"expected a file that can be written, found {path}: {error.strerror}; name another"
         ) from None
-
-
-def _write_outputs(walked: Walk, log: str | Path | None, film: str | Path | None) -> None:
-    episodes = walked.episodes
-    if log is not None and episodes.record is not None:
-        logs.write(Path(log), log_of(walked.robot, episodes.record, "episode 0"))
-    if film is not None:
-        films.write(Path(film), walked.plant, episodes.states, episodes.floors)

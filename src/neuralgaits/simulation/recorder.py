@@ -1,0 +1,25 @@
+"""Keeps what every episode of a walk recorded: `walk` calls it after each tick."""
+
+import jax
+import numpy as np
+
+from neuralgaits._types import Int
+from neuralgaits.simulation.tick import Record
+
+
+class Recorder:
+    """Records of all episodes, given to `walk` as its `watch`."""
+
+    def __init__(self):
+        self._ticks: list[Record] = []
+        self._active: list[Int[np.ndarray, " a"]] = []
+
+    def __call__(self, record: Record, active: Int[np.ndarray, " a"]) -> None:
+        """Keep one tick of all episodes, `active` being those that are still running."""
+        self._ticks.append(record)
+        self._active.append(active)
+
+    def record(self, episode: int) -> Record:
+        """Record of one episode up to its end; every leaf has a leading axis of ticks."""
+        ran = [tick for tick, who in zip(self._ticks, self._active, strict=True) if episode in who]
+        return jax.tree.map(lambda *leaves: np.stack([leaf[episode] for leaf in leaves]), *ran)
