@@ -55,8 +55,9 @@ DERIVED_ELSEWHERE = (
 ASSUMPTIONS = (
     "the Program was traced rightly from the formulas of robot, policy and spec: derivatives by "
     "JAX's forward mode and the activations' own rules, which are not derived again here",
-    "the model is the rigid-body zero dynamics with the stored float64 numbers, in exact real "
-    "arithmetic: the float32 evaluation on a robot, sampling and disturbances are outside",
+    "the model is the rigid-body zero dynamics, with the residuals that the run carries if there "
+    "are any, with the stored float64 numbers, in exact real arithmetic: the float32 evaluation on "
+    "a robot, sampling and disturbances are outside",
     "levels 2 and 3 are about the projected hybrid zero dynamics: outputs are zero, and set to "
     "zero again at each impact; level 1 alone says nothing of trajectories",
     "level 4 is about the full order under exact input-output linearisation in continuous time, "

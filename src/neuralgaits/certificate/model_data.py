@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
+from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Residuals
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.interpreters import Program
 from neuralgaits.robots import PlanarBiped
@@ -25,10 +25,15 @@ _ARRAYS = {
     MLPPolicy: (*_NETWORK_POLICY, "start_and_guard"),
 }
 """Fields that desired outputs depend on, beside the network."""
+NO_RESIDUALS = Residuals()
 
 
 def model_data(
-    robot: PlanarBiped, gait: Gait, spec: GaitSpec, program: Program
+    robot: PlanarBiped,
+    gait: Gait,
+    spec: GaitSpec,
+    program: Program,
+    residuals: Residuals = NO_RESIDUALS,
 ) -> dict[str, Any] | None:
     """The object "model" of a proof file.
 
@@ -38,8 +43,11 @@ def model_data(
     "policy", "tube": arrays, each {"shape", "values"} or {"constant": name in the Program}.
     "regions": boxes of the chart. "conditions": by name, as in `GaitSpec.describe`.
 
-    Returns: plain data; None for a policy that is not one of this package's.
+    Returns: plain data; None for a policy that is not one of this package's, and for dynamics with
+        residuals, which do not follow from robot and policy.
     """
+    if residuals.flow is not None or residuals.reset is not None:
+        return None
     policy = _policy(gait.policy, program)
     if policy is None:
         return None

@@ -106,7 +106,8 @@ def certify(
     trained = open_run(run)
     try:
         sets = find_sets(trained, level, disturbance)
-        program = trace_certificate(trained.spec, trained.robot, trained.gait, sets)
+        parts = trained.spec, trained.robot, trained.gait, sets, trained.residuals
+        program = trace_certificate(*parts)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         (trained.path / PROOF).unlink(missing_ok=True)
@@ -231,7 +232,7 @@ def _written(
         sets = task.sets
         claimed = tuple(found.level for found in conclusions if found.verdict == "proved")
         theorems = Theorems(sets.walking, sets.orbit, claimed=claimed)
-        model = model_data(run.robot, run.gait, run.spec, task.program)
+        model = model_data(run.robot, run.gait, run.spec, task.program, run.residuals)
         proof_of(run, task.program, statements, theorems, model).write(proof)
     else:
         proof.unlink(missing_ok=True)

@@ -34,6 +34,8 @@ def certify_full_order(run: Run, deadline: float, progress: Progress | None) -> 
     path = run.path / FILE
     path.unlink(missing_ok=True)
     budget = min(BUDGET_S, deadline - time.monotonic())
+    if run.learned is not None:
+        return _undecided("it is about the rigid model, and the run's dynamics carry a residual")
     if not budget > 0.0:
         return _undecided("the budget was spent on the levels before")
     try:

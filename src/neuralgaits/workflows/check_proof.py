@@ -91,7 +91,7 @@ def _against_spec(claims: Claims, opened: Any) -> list[str]:
     if theorems.full is not None:
         return _against_full_order(claims, opened)
     sets = Sets(theorems.walking, theorems.orbit)
-    program = trace_certificate(spec, opened.robot, opened.gait, sets)
+    program = trace_certificate(spec, opened.robot, opened.gait, sets, opened.residuals)
     if program.hash != claims.program_hash:
         return [f"the run's conditions have the hash {program.hash}, not {claims.program_hash}"]
     scales = {condition.name: condition.scale for condition in spec.conditions}

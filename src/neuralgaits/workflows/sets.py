@@ -23,7 +23,7 @@ from neuralgaits.certificate.theorems import (
     strips,
     walking_premises,
 )
-from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.interpreters import POINT, Program, evaluate, fold
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.interpreters.tracer import trace
@@ -33,6 +33,7 @@ from neuralgaits.workflows.run import Run
 CLAIMED = 0.4
 """Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
 SET = "walking set"
+NO_RESIDUALS = Residuals()
 
 
 @dataclass(frozen=True)
@@ -107,12 +108,18 @@ def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str,
     }
 
 
-def trace_certificate(spec: GaitSpec, robot: PlanarBiped, gait: Gait, sets: Sets) -> Program:
+def trace_certificate(
+    spec: GaitSpec,
+    robot: PlanarBiped,
+    gait: Gait,
+    sets: Sets,
+    residuals: Residuals = NO_RESIDUALS,
+) -> Program:
     """Margins of the spec's conditions and of the sets, as one Program of the chart point u.
 
     Raises: SpecError naming the operation and line that cannot be traced.
     """
-    zd = ZeroDynamics(robot, gait.policy)
+    zd = ZeroDynamics(robot, gait.policy, *residuals)
 
     def margins(u):
         return spec.margins(gait, zd, u) | set_margins(spec, gait, zd, sets, u)
