@@ -21,7 +21,6 @@ UPPER = BarrierConstants("level-upper", 1.0, 0.16, 38.0, 0.0, 0.08, 13.0, 52.0)
 FENCE = BarrierConstants("level-lower", 2.0, 0.07, 38.0, 0.0, 0.07, 13.0, 130.0)
 TORSO = BarrierConstants("torso-lower", 20.0, 0.7, 3.0, 1.4, 0.08, 0.9, 75.0)
 SHAPE = FullOrder(
-    size=8,
     bandwidth=30.0,
     radius=0.009,
     shrink=3.2,
@@ -85,7 +84,13 @@ def test_no_premise_can_be_left_out(premise):
         (replace(SHAPE, shrink=3.5), "decays faster"),
         (replace(SHAPE, shrink=1.0), "guard_radius"),
         (replace(SHAPE, guard_radius=3e-4), "guard_radius"),
+        (replace(SHAPE, shrink=-0.5), "largest at phase 0"),
         (replace(SHAPE, gain=25.0), "sqrt(V+) < radius"),
+        (replace(SHAPE, gain=-25.0), "sqrt(V+) < radius"),
+        (replace(SHAPE, mismatch=-0.01), "sqrt(V+) < radius"),
+        (replace(SHAPE, drift=-1e7), "sqrt(V+) < radius"),
+        (replace(SHAPE, landing_slope=-9.0), "lands in the tube"),
+        (_with(FENCE, reset_slope=-200.0), "across impacts"),
         (replace(SHAPE, mismatch=0.01), "sqrt(V+) < radius"),
         (replace(SHAPE, drift=1e7), "sqrt(V+) < radius"),
         (replace(SHAPE, landing=0.01), "lands in the tube"),
@@ -112,6 +117,19 @@ def test_a_constant_that_does_not_fit_is_the_obstacle(shape, reason):
     assert found.reason is not None
     assert reason in found.reason
     assert " against " in found.reason
+
+
+def test_outputs_shrink_from_impact_to_impact_as_the_figures_say():
+    """The worst that the constants allow, r+ = sqrt(v_sym) + L_D exp(-gamma T / 2) r."""
+    figures = conclude_full_order(SHAPE, PROVED).figures
+    least_time = (1.0 - SHAPE.guard_strip - SHAPE.start_strip) / SHAPE.pace[1]
+    assert figures["T_min"] == pytest.approx(least_time, rel=1e-12)
+    assert figures["T_min"] < least_time
+    root = SHAPE.radius
+    for _ in range(20):
+        root = figures["sqrt v_sym"] + SHAPE.gain * np.exp(-22.5 * least_time) * root
+    assert root == pytest.approx(figures["r_end"], rel=1e-9)
+    assert root <= figures["r_end"]
 
 
 @pytest.mark.parametrize("bandwidth", [30.0, 7.3, 1e3])

@@ -5,8 +5,9 @@ the set's radius at that phase. So the set's states are xi of the unit ball, ove
 Which margin belongs to which root box stands in `full_order_theorem`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -18,10 +19,10 @@ from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.certificate.full_order_theorem import (
     FENCES,
     LOWER,
+    OF_BARRIER,
     STIFF,
     UPPER,
     FullOrder,
-    constants_of_barrier,
     constants_of_set,
     series,
 )
@@ -67,13 +68,18 @@ class FullOrderModel:
 
     @property
     def tightened(self) -> list[Barrier]:
-        """The spec's barrier conditions on the tube: they read outputs, so they are tightened."""
+        """The spec's barrier conditions: they read outputs, so they are tightened."""
         return [c for c in self.spec.conditions if isinstance(c, Barrier)]
 
     @property
     def names(self) -> list[str]:
-        """All barriers of the theorem."""
-        return [LOWER, UPPER, *(condition.name for condition in self.tightened)]
+        """All barriers of the theorem; each element of a vector is one of its own."""
+        found = [LOWER, UPPER]
+        for condition in self.tightened:
+            size = jax.eval_shape(partial(self._own, condition), np.zeros(2)).size
+            alone = [condition.name]
+            found += alone if size == 1 else [f"{condition.name}[{k}]" for k in range(size)]
+        return found
 
     def point(self, u: Float[Array, "2"], xi: Vector) -> FullPoint:
         """The robot at a chart point with scaled outputs."""
@@ -83,9 +89,13 @@ class FullOrderModel:
     def barriers(self, z: ZeroState) -> Vector:
         """h_Z of every barrier. [I]."""
         level = self.gait.level(z)
+        own = [self._own(condition, z) for condition in self.tightened]
+        return jnp.concatenate([jnp.stack([level, 1.0 - level]), *own])
+
+    def _own(self, condition: Barrier, z: ZeroState) -> Vector:
+        """Of a barrier condition, h on the zero dynamics manifold."""
         point = Point(self.robot, self.gait.policy, None, z)
-        own = [condition.function(point) for condition in self.tightened]
-        return jnp.stack([level, 1.0 - level, *own])
+        return jnp.ravel(condition.function(point))
 
     def rates(self, point: FullPoint) -> Vector:
         """dh_Z/dt of every barrier in a full state [h/s]. [I]."""
@@ -93,8 +103,8 @@ class FullOrderModel:
 
     def readings(self, point: FullPoint) -> Vector:
         """What every barrier reads on the robot [h]: a fence reads z alone. [I]."""
-        own = [condition.function(point) for condition in self.tightened]
-        return jnp.stack([jnp.zeros(()), jnp.zeros(()), *own])
+        own = [jnp.ravel(condition.function(point)) for condition in self.tightened]
+        return jnp.concatenate([jnp.zeros(2), *own])
 
     def in_step(self, point: FullPoint) -> Quantities:
         """Quantities between impacts, each as a vector.
@@ -121,7 +131,7 @@ class FullOrderModel:
         """Quantities of an impact in this state, each as a vector.
 
         foot [m], impulse [N s]: normal and both slacks of the friction cone, after: xi after it
-        [rad], landing: phase after it, reset: all barriers after it [h].
+        [rad], momentum: z2 after it, landing: phase after it, reset: all barriers after it [h].
         """
         tangential, normal = point.impact.impulse
         cone = float(self.robot.friction) * normal
@@ -129,10 +139,20 @@ class FullOrderModel:
             "foot": point.foot[1],
             "impulse": jnp.stack([normal, cone - tangential, cone + tangential]),
             "after": scaled_coordinates(point.eta_after, self.bandwidth),
+            "momentum": point.z_after[1],
             "landing": self.gait.phase(point.z_after[0]),
             "reset": self.barriers(point.z_after),
         }
         return {name: jnp.atleast_1d(value) for name, value in found.items()}
+
+    def at_crossing(self, u: Float[Array, "2"]) -> tuple[Quantities, Vector]:
+        """`at_impact` from eta = 0, and the slope of xi after it in the phase [rad]."""
+
+        def moved(phase: Scalar) -> Quantities:
+            return self.at_impact(self.point(jnp.stack([phase, u[1]]), jnp.zeros(self.size)))
+
+        found, slopes = jax.jvp(moved, (u[0],), (jnp.ones_like(u[0]),))
+        return found, slopes["after"]
 
     def guard_slopes(self, u: Float[Array, "2"], xi: Vector) -> "GuardSlopes":
         """d/d xi of `at_impact` along the guard: the phase gives way so that the foot stays."""
@@ -145,7 +165,7 @@ class FullOrderModel:
         foot = slopes.pop("foot")[0]
         gives = -foot[1:] / foot[0]
         along = {name: d[:, 1:] + d[:, :1] * gives[None, :] for name, d in slopes.items()}
-        return GuardSlopes(foot[0], foot[1:], slopes["after"][:, 0], along)
+        return GuardSlopes(foot[0], foot[1:], along)
 
 
 class GuardSlopes(NamedTuple):
@@ -155,8 +175,6 @@ class GuardSlopes(NamedTuple):
     """Of the foot height in the phase [m]."""
     foot: Vector
     """Of the foot height in xi at a fixed phase [m/rad]. [2m]"""
-    drift: Vector
-    """Of xi after the impact in the phase [rad]. [2m]"""
     along: Quantities
     """Of every other quantity in xi along the guard. [k, 2m] each"""
 
@@ -165,7 +183,7 @@ def margins(
     model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
 ) -> Quantities:
     """All margins of the theorem at one chart point and one xi of the unit ball."""
-    its = _Numbers.of(shape)
+    its = _Numbers.of(shape, model.names)
     model = replace(model, bandwidth=its.set["bandwidth"])
     radius = its.set["radius"] * jnp.exp(-its.set["shrink"] * u[0] * u[0])
     return (
@@ -184,14 +202,15 @@ class _Numbers(NamedTuple):
     """By barrier."""
 
     @classmethod
-    def of(cls, shape: FullOrder) -> "_Numbers":
+    def of(cls, shape: FullOrder, names: Sequence[str]) -> "_Numbers":
+        """Of a set whose barriers have these names, the model's."""
         parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
-        rows = parts["barriers"].reshape(len(shape.barriers), -1)
+        rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
         return cls(
             dict(zip(constants_of_set(shape), parts["set"], strict=True)),
             {
-                barrier.name: dict(zip(constants_of_barrier(barrier), row, strict=True))
-                for barrier, row in zip(shape.barriers, rows, strict=True)
+                name: dict(zip(OF_BARRIER, row, strict=True))
+                for name, row in zip(names, rows, strict=True)
             },
         )
 
@@ -233,14 +252,14 @@ def _guard_margins(
 ) -> Quantities:
     """In the guard's strip: the guard is met once, and how far an impact moves the state."""
     point = model.point(u, xi)
-    slopes = model.guard_slopes(u, xi)
+    impact, slopes = model.at_impact(point), model.guard_slopes(u, xi)
     along = {name: jnp.sum(d * d, axis=1) for name, d in slopes.along.items()}
     found = {
         "full/foot-below": -point.foot[1],
         "full/foot-falls": -point.foot_velocity[1],
-        "full/impulse": model.at_impact(point)["impulse"],
+        "full/impulse": impact["impulse"],
+        "full/momentum-after": impact["momentum"],
         "full/guard-slope": -slopes.fall,
-        "full/drift": _within(its.set["drift"], slopes.drift),
         "full/gain": its.set["gain"] ** 2 - jnp.sum(along["after"]),
         "full/landing-slope": its.set["landing_slope"] ** 2 - along["landing"],
     }
@@ -251,19 +270,17 @@ def _guard_margins(
 
 def _crossing_margins(model: FullOrderModel, its: _Numbers, u: Float[Array, "2"]) -> Quantities:
     """What an impact from eta = 0 leaves."""
-    impact = model.at_impact(model.point(u, jnp.zeros(model.size)))
+    impact, drift = model.at_crossing(u)
     landing, after = impact["landing"], impact["after"]
     found = {
-        "full/mismatch": _within(its.set["mismatch"], after),
-        "full/landing": _within(its.set["landing"], landing),
+        "full/mismatch": its.set["mismatch"] ** 2 - after @ after,
+        "full/drift": its.set["drift"] ** 2 - drift @ drift,
+        "full/landing": jnp.concatenate(
+            [its.set["landing"] - landing, its.set["landing"] + landing]
+        ),
         "full/crossing-before": impact["foot"],
         "full/crossing-behind": -impact["foot"],
     }
     for k, (name, of) in enumerate(its.barriers.items()):
         found[f"full/reset {name}"] = impact["reset"][k] - of["reset"]
     return found
-
-
-def _within(most: Scalar, values: Vector) -> Vector:
-    """Not negative where no |value| is larger."""
-    return jnp.concatenate([most - values, most + values])

@@ -21,6 +21,8 @@ from neuralgaits.certificate.full_order_theorem import (
 )
 
 LEVEL = 4
+SHOWN = 4
+"""Premises that are named where more of them are not proved."""
 
 
 class Inequality(NamedTuple):
@@ -43,7 +45,7 @@ def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
         shape: the set and its constants.
         bounds: what is proved, see `conclusions.proved_bounds`.
     """
-    known = tuple(constants(shape))
+    known = tuple(constants(shape, bounds))
     figures = {constant.name: constant.value for constant in known}
     broken = [step for step in inequalities(shape) if not step.holds]
     missing = _missing(shape, bounds)
@@ -66,7 +68,7 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
     shrink, radius = arb(shape.shrink), arb(shape.radius)
     kept = radius * (-shrink * arb(shape.start_strip) ** 2).exp()
     at_guard = radius * (-shrink * ends[1] ** 2).exp()
-    landing = arb(shape.landing) + arb(shape.landing_slope) * arb(shape.guard_radius)
+    landing = arb(shape.landing) + _size(shape.landing_slope) * arb(shape.guard_radius)
     found = [
         Inequality("the phase moves on: 0 < its least rate", zero, least),
         Inequality("the dynamics have a denominator: 0 < inertia", zero, arb(shape.inertia)),
@@ -78,10 +80,10 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
         Inequality("crossing < guard_strip", arb(shape.crossing), arb(shape.guard_strip)),
         Inequality("0 < risen", zero, arb(shape.risen)),
         Inequality("risen < 1 - guard_strip", arb(shape.risen), ends[1]),
-        Inequality("no radius shrinks outwards: -1 < shrink", arb(-1), shrink),
+        Inequality("the bound on sqrt(V) is largest at phase 0: 0 < shrink", zero, shrink),
         Inequality(
             "V decays faster than its bound shrinks: 4 shrink (1 + guard_strip) most pace < gamma",
-            4 * abs(shrink) * ends[0] * most,
+            4 * shrink * ends[0] * most,
             gamma,
         ),
         Inequality("the bound at the guard < guard_radius", at_guard, arb(shape.guard_radius)),
@@ -107,7 +109,8 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
         ]
     tightened = tightening(barrier)
     lost = arb(barrier.coupling) ** 2 / (4 * sigma * (gamma - alpha))
-    inlet = arb(barrier.reset) - arb(barrier.reset_slope) * arb(shape.guard_radius) - tightened
+    moved = _size(barrier.reset_slope) * arb(shape.guard_radius)
+    inlet = arb(barrier.reset) - moved - tightened
     return [
         Inequality(f"{name}: 0 < alpha", zero, alpha),
         Inequality(f"{name}: alpha < gamma", alpha, gamma),
@@ -127,8 +130,8 @@ def tightening(barrier: BarrierConstants) -> arb:
     return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
 
 
-def constants(shape: FullOrder) -> list[Constant]:
-    """Every constant of the theorem."""
+def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
+    """Every constant of the theorem, and what was proved of contact, torques and foot in D."""
     w, rate = shape.bandwidth, float(lyapunov_rate(shape.bandwidth))
     after = _above(_after(shape))
     found = [
@@ -140,11 +143,13 @@ def constants(shape: FullOrder) -> list[Constant]:
         Constant("guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"),
         Constant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
         Constant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
-        Constant("T_min", 1.0 / shape.pace[1], "s", "time of a step, at least"),
+        Constant("T_min", _below(_least_time(shape)), "s", "time of a step, at least"),
         Constant("inertia", shape.inertia, "kg m", "-J.s, at least"),
         Constant("sqrt v_sym", _above(_mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"),
         Constant("L_D", shape.gain, "1", "growth of sqrt(V) across an impact, at most"),
         Constant("r_bar", after, "rad", "sqrt(V+) after any impact of the set, at most"),
+        Constant("step factor", _above(_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
+        Constant("r_end", _above(_end(shape)), "rad", "what sqrt(V+) falls to, step by step"),
         Constant("L_z", shape.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
         Constant("start strip", shape.start_strip, "phase", "the set begins so far before phase 0"),
         Constant("guard strip", shape.guard_strip, "phase", "the guard is met so near to phase 1"),
@@ -152,7 +157,25 @@ def constants(shape: FullOrder) -> list[Constant]:
     ]
     for barrier in shape.barriers:
         found += _constants_of(barrier, after)
-    return found
+    return found + ([] if bounds is None else _slacks(shape, bounds))
+
+
+def _slacks(shape: FullOrder, bounds: Bounds) -> list[Constant]:
+    """Bounds proved of premises that are inequalities of the robot, everywhere in D."""
+    named = {
+        "full/contact": ("contact slack", "weights", "normal force, both sides of the cone"),
+        "full/torque": ("torque slack", "limits", "to both limits of each joint"),
+        "full/foot-rises": ("foot lift", "m/s", "the foot rises by at least this at first"),
+        "full/foot-above": ("foot clearance", "m", "then it is up by this until the guard's strip"),
+        "full/foot-falls": ("foot fall", "m/s", "and falls by at least this in the strip"),
+        "full/impulse": ("impulse slack", "N s", "normal impulse, both sides of the cone"),
+    }
+    return [
+        Constant(name, bounds[output, low, high], unit, f"{meaning}, at least")
+        for output, low, high, _ in premises(shape)
+        if (output, low, high) in bounds and output in named
+        for name, unit, meaning in [named[output]]
+    ]
 
 
 def _constants_of(barrier: BarrierConstants, after: float) -> list[Constant]:
@@ -185,14 +208,36 @@ def _gamma(shape: FullOrder) -> arb:
     return arb(fmpq(rate.numerator, rate.denominator))
 
 
-def _mismatch(shape: FullOrder) -> arb:
-    """sqrt(v_sym): bound on sqrt(V+) after an impact from eta = 0."""
-    return arb(shape.size).sqrt() * (arb(shape.mismatch) + arb(shape.drift) * arb(shape.crossing))
-
-
 def _after(shape: FullOrder) -> arb:
     """Bound on sqrt(V) after any impact of the set."""
-    return _mismatch(shape) + arb(shape.gain) * arb(shape.guard_radius)
+    return _mismatch(shape) + _size(shape.gain) * arb(shape.guard_radius)
+
+
+def _mismatch(shape: FullOrder) -> arb:
+    """sqrt(v_sym): bound on sqrt(V) after an impact from eta = 0."""
+    return _size(shape.mismatch) + _size(shape.drift) * arb(shape.crossing)
+
+
+def _size(bound: float) -> arb:
+    """A constant of which the premises speak by its square: its sign is free there."""
+    return abs(arb(bound))
+
+
+def _least_time(shape: FullOrder) -> arb:
+    """Of a step: from the end of the start's strip to the beginning of the guard's [s]."""
+    return (1 - arb(shape.guard_strip) - arb(shape.start_strip)) / arb(shape.pace[1])
+
+
+def _factor(shape: FullOrder) -> arb:
+    """sqrt(V) after an impact is at most this times its value after the last one, and v_sym."""
+    return _size(shape.gain) * (-_gamma(shape) * _least_time(shape) / 2).exp()
+
+
+def _end(shape: FullOrder) -> arb:
+    """Limit of r+ = sqrt(v_sym) + factor r, and never more than after any one impact."""
+    factor = _factor(shape)
+    limit = _mismatch(shape) / (1 - factor)
+    return limit if factor < 1 and limit < _after(shape) else _after(shape)
 
 
 def _obstacle(step: Inequality) -> str:
@@ -207,27 +252,38 @@ def _missing(shape: FullOrder, bounds: Bounds) -> list[str]:
         bound = bounds.get((output, low, high), float("nan"))
         if not (bound > 0.0 if sign == "positive" else bound >= 0.0):
             found.append(f"{output} from {low} to {high} is not proved")
+    if len(found) > SHOWN:
+        found[SHOWN:] = [f"and {len(found) - SHOWN} more premises"]
     return found
 
 
 def _words(shape: FullOrder) -> tuple[str, ...]:
     first, last = shape.ends
     names = [barrier.name for barrier in shape.barriers]
-    steps = "; ".join(
-        f"{b.name} - {_above(tightening(b)):.4g} >= {b.sigma:.5g} V" for b in shape.barriers
-    )
+    steps = "; ".join(f"{_tightened(b)} >= {b.sigma!r} V" for b in shape.barriers)
+    square = float(STIFF) ** 2
     return (
-        f"D is every full state with phase from {first:.5g} to {last:.5g}, swing foot on or above "
-        f"the ground, sqrt(V) <= {shape.radius:.4g} exp(-{shape.shrink:.4g} phase^2) rad, and "
-        f"{steps}",
-        "under exact input-output linearisation with a double pole at "
-        f"{shape.bandwidth:g} rad/s, in continuous time, every trajectory that starts in D stays "
-        "in D between impacts, meets the ground once and transversally in each step, and is in D "
-        "after the impact: it walks for ever",
+        f"D is every full state with z2 > 0, phase from {first!r} to {last!r}, swing foot on or "
+        f"above the ground, sqrt(V) <= {shape.radius!r} exp(-{shape.shrink!r} phase^2), and "
+        f"{steps}; V is the sum of (dy/w)^2 + {square:g} (y + dy/w)^2 over the outputs, "
+        f"w = {shape.bandwidth!r} rad/s",
+        "under exact input-output linearisation, ddy = -w^2 y - 2 w dy, in continuous time, every "
+        "trajectory that starts in D stays in D between impacts, meets the ground once and "
+        "transversally in each step, and is in D after the impact: it walks for ever",
         f"all along, {', '.join(names)} are not negative on the robot itself, outputs included; "
         "the contact force stays in the friction cone, so does every impulse, and torques stay "
         "within the robot's limits",
     )
+
+
+def _tightened(barrier: BarrierConstants) -> str:
+    if barrier.reading == 0.0:
+        return barrier.name
+    return f"{barrier.name} - {barrier.reading!r}^2/(4 * {barrier.sigma!r})"
+
+
+def _below(x: arb) -> float:
+    return float(x.lower()) * (1.0 - 2.0**-50)
 
 
 def _above(x: arb) -> float:

@@ -86,7 +86,6 @@ def find_full_order(
     guard_radius = _at(radius, shrink, 1.0 - strip) * (1.0 + 1e-12)
     impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius)
     return FullOrder(
-        size=looks.size,
         bandwidth=bandwidth,
         radius=radius,
         shrink=shrink,
@@ -131,11 +130,11 @@ class _Impacts:
 
     @property
     def mismatch(self) -> float:
-        return 1.5 * float(np.abs(self.line["after"]).max()) + ROUNDING
+        return ABOVE * float(np.linalg.norm(self.line["after"], axis=1).max()) + ROUNDING
 
     @property
     def drift(self) -> float:
-        return 2.0 * AMPLE * float(np.abs(self.rim["drift"]).max()) + ROUNDING
+        return AMPLE * float(np.linalg.norm(self.crossing["drift"], axis=1).max())
 
     @property
     def gain(self) -> float:

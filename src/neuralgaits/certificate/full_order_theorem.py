@@ -19,6 +19,9 @@ from neuralgaits.certificate.theorems import Premise
 FENCES = LOWER, UPPER = "level-lower", "level-upper"
 """Names of the two fences as barriers: they read z alone."""
 
+OF_BARRIER = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
+"""A barrier's numbers that the margins have in them; sigma is in none."""
+
 # V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 for each joint decays at the rate DECAY w. Powers of two
 # keep the change of coordinates exact; among those tried this pair allows the largest errors
 # that the contact and torque limits of the default gaits stand.
@@ -55,7 +58,6 @@ class FullOrder:
     """The set D, and every constant of the theorem.
 
     Attributes:
-        size: number of elements of eta.
         bandwidth: w, the double pole of the outputs [rad/s].
         radius: bound on sqrt(V) at phase 0 [rad].
         shrink: at other phases the bound is radius exp(-shrink phase^2) [1].
@@ -65,15 +67,14 @@ class FullOrder:
         risen: until this phase the swing foot rises; from it to the guard it is up.
         pace: least and most rate of the phase [1/s].
         inertia: least -J.s, the denominator of the dynamics [kg m].
-        mismatch: largest element of xi after an impact from eta = 0 at phase 1 [rad].
-        drift: its largest change with the phase of the impact, in the guard's strip [rad].
+        mismatch: sqrt(V) after an impact from eta = 0 at phase 1, at most [rad].
+        drift: its largest change per phase, within `crossing` of phase 1 [rad].
         gain: L_D, growth of sqrt(V) across an impact.
         landing: largest |phase| after an impact from eta = 0.
         landing_slope: its change per sqrt(V) along the guard [1/rad].
         barriers: constants of each.
     """
 
-    size: int
     bandwidth: float
     radius: float
     shrink: float
@@ -104,16 +105,10 @@ def constants_of_set(shape: FullOrder) -> dict[str, float]:
     return {n: getattr(shape, n) for n in alone.split()} | {"slowest": least, "fastest": most}
 
 
-def constants_of_barrier(barrier: BarrierConstants) -> dict[str, float]:
-    """A barrier's numbers that the margins have in them, by name; sigma is in none."""
-    names = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
-    return {name: getattr(barrier, name) for name in names}
-
-
 def series(shape: FullOrder) -> dict[str, tuple[float, ...]]:
     """All of them in two lists: the Program has both as constants of these names."""
-    rows = [tuple(constants_of_barrier(barrier).values()) for barrier in shape.barriers]
-    return {"set": tuple(constants_of_set(shape).values()), "barriers": sum(rows, ())}
+    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
+    return {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
 
 
 def lyapunov(bandwidth: float) -> tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]:
@@ -163,8 +158,9 @@ def premises(shape: FullOrder) -> list[Premise]:
         Premise("full/impulse", *strip),
         Premise("full/gain", *strip, sign="not negative"),
         Premise("full/landing-slope", *strip, sign="not negative"),
-        Premise("full/drift", *strip, sign="not negative"),
+        Premise("full/momentum-after", *strip),
         Premise("full/mismatch", (1.0, 0.0), (1.0, 1.0), sign="not negative"),
+        Premise("full/drift", *crossing, sign="not negative"),
         Premise("full/landing", *crossing, sign="not negative"),
     ]
     for barrier in shape.barriers:

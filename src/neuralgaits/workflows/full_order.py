@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import jax
@@ -38,7 +38,6 @@ _TOGETHER = {
     "full/contact": "forces",
     "full/torque": "forces",
     "full/gain": "impact",
-    "full/drift": "impact",
     "full/landing-slope": "impact",
     "full/reset-slope": "impact",
     "full/coupling": "coupling",
@@ -91,11 +90,10 @@ def full_order(
     for number, share in enumerate(SHARES):
         shape = find_full_order(looks, model.names, bandwidth, share)
         if isinstance(shape, str):
-            nothing = Conclusion(LEVEL, "undecided", shape, (), {})
-            found = FullOrderResult(nothing, None, None, (), 0, 0.0)
+            found = _nothing(shape, began)
         else:
             spent = time.perf_counter() - began
-            turn = max(budget - spent, 0.0) / (len(SHARES) - number)
+            turn = max(budget - spent, 0.0) * (0.5 if number + 1 < len(SHARES) else 1.0)
             found = prove_full_order(model, shape, time.monotonic() + turn, progress)
         best = found if best is None or found.conclusion.verdict == "proved" else best
         if best.conclusion.verdict == "proved" or found.shape is None:
@@ -105,6 +103,12 @@ def full_order(
     return FullOrderResult(
         best.conclusion, best.shape, best.program, best.statements, best.boxes, seconds
     )
+
+
+def _nothing(reason: str, began: float) -> FullOrderResult:
+    """Undecided, with no set to speak of."""
+    conclusion = Conclusion(LEVEL, "undecided", reason, (), {})
+    return FullOrderResult(conclusion, None, None, (), 0, time.perf_counter() - began)
 
 
 def model_of(run: Run, bandwidth: float = BANDWIDTH) -> FullOrderModel:
@@ -133,6 +137,8 @@ def prove_full_order(
     pairs = zip(problems, states, strict=True)
     statements = tuple(statement for pair in pairs for statement in prove(*pair))
     conclusion = conclude_full_order(shape, proved_bounds(statements))
+    if conclusion.reason is not None and time.monotonic() >= deadline:
+        conclusion = replace(conclusion, reason=f"time was up; {conclusion.reason}")
     seconds = time.perf_counter() - began
     return FullOrderResult(conclusion, shape, program, statements, box_count(states), seconds)
 
@@ -186,7 +192,8 @@ def looks_of(model: FullOrderModel) -> Looks:
         slopes = model.guard_slopes(u, xi)
         found = model.at_impact(model.point(u, xi))
         found |= {f"{name}/slope": d for name, d in slopes.along.items()}
-        return found | {"fall": slopes.fall, "drift": slopes.drift, "foot/slope": slopes.foot}
+        found |= {"fall": slopes.fall, "foot/slope": slopes.foot}
+        return found | {"drift": model.at_crossing(u)[1]}
 
     return Looks(_look(step, model), _look(guard, model), model.size)
 
