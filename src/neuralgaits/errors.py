@@ -24,5 +24,9 @@ class RunError(InputError):
     """A run folder is missing, half-written, from another version, or inconsistent."""
 
 
+class MismatchError(NeuralGaitsError):
+    """Exported code does not compile, or does not do what Python does."""
+
+
 class NonFiniteError(NeuralGaitsError):
     """A computation met NaN or infinity; the message names the file that reproduces it."""

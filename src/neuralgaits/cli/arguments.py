@@ -146,6 +146,21 @@ class Refine:
 
 
 @dataclass(frozen=True)
+class Export:
+    """Write the gait as a controller in C, compile it and compare it with Python."""
+
+    run: Run
+    """Run folder, or latest."""
+    out: Annotated[Path, arg(metavar="DIR")]
+    """Folder to write to; new or empty unless --force."""
+    format: Literal["c"] = "c"
+    """C99 without dependencies."""
+    force: bool = False
+    """Replace the files of an earlier export."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Inspect:
     """Show what a robot file holds and what is wrong with it."""
 
@@ -168,7 +183,7 @@ class Doctor:
     output: Annotated[Output, arg(name="")] = Output()
 
 
-Verb = Train | Simulate | Certify | CheckProof | Fit | Refine | Inspect | Robots | Doctor
+Verb = Train | Simulate | Certify | CheckProof | Fit | Refine | Export | Inspect | Robots | Doctor
 
 _NAMED = (
     Annotated[Train, subcommand("train")]
@@ -177,6 +192,7 @@ _NAMED = (
     | Annotated[CheckProof, subcommand("check-proof")]
     | Annotated[Fit, subcommand("fit")]
     | Annotated[Refine, subcommand("refine")]
+    | Annotated[Export, subcommand("export")]
     | Annotated[Inspect, subcommand("inspect")]
     | Annotated[Robots, subcommand("robots")]
     | Annotated[Doctor, subcommand("doctor")]

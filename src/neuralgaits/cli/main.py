@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Iterator
 
 from neuralgaits.cli import environment
-from neuralgaits.errors import NeuralGaitsError, NonFiniteError
+from neuralgaits.errors import MismatchError, NeuralGaitsError, NonFiniteError
 
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 _AFTER_INTERRUPT = {
@@ -40,7 +40,7 @@ def main(arguments: list[str]) -> int:
         # The reader of our output has gone; Python would complain again while it exits.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return GOOD
-    except NonFiniteError as error:
+    except (NonFiniteError, MismatchError) as error:
         return _fail(str(error), error, NO, verbose)
     except (NeuralGaitsError, OSError) as error:
         return _fail(str(error), error, BAD_INPUT, verbose)

@@ -11,6 +11,7 @@ from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
     Doctor,
+    Export,
     Fit,
     Inspect,
     Refine,
@@ -61,6 +62,8 @@ def carry_out(verb: Verb) -> Outcome:
             return _fit(verb)
         case Refine():
             return _refine(verb)
+        case Export():
+            return _export(verb)
         case Inspect():
             return _inspect(verb)
         case Robots():
@@ -206,6 +209,16 @@ def _refine(verb: Refine) -> Outcome:
     proof = run.summary["certificate"]
     proved = proof is None or proof["verdict"] == "proved"
     return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
+
+
+def _export(verb: Export) -> Outcome:
+    from neuralgaits.cli.export_screen import show_export
+    from neuralgaits.cli.progress import waiting
+    from neuralgaits.workflows.export import export
+
+    with waiting("writing C, compiling it, comparing it with Python"):
+        done = export(verb.run, verb.out, format=verb.format, force=verb.force)
+    return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
 
 
 def _inspect(verb: Inspect) -> Outcome:

@@ -1,0 +1,125 @@
+"""Compiling the controller and looking at what came out."""
+
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from neuralgaits.errors import MismatchError
+
+COMPILERS = ("gcc", "clang")
+STRICT = ("-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic")
+PLAIN = ("-O2",)
+NATIVE = ("-O3", "-march=native")
+PRECISIONS = {"double": (), "float": ("-DNG_FLOAT",)}
+CORE = ("gait.c", "controller.c")
+"""What runs on the robot, the self-test left out."""
+CHECKED = (*CORE, "selftest.c", "check.c")
+_TIMEOUT_S = 300.0
+_FREESTANDING = frozenset(("memcpy", "memset", "memmove"))
+"""What a C compiler may call on its own account, even without a library."""
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What the compiled files hold.
+
+    Attributes:
+        flash_bytes: code and constants.
+        static_bytes: memory that outlives a call; must be 0.
+        foreign: functions called that are neither ours nor freestanding; must be empty.
+        stack_bytes: of the deepest chain of calls, None where the compiler does not say.
+    """
+
+    flash_bytes: int
+    static_bytes: int
+    foreign: tuple[str, ...]
+    stack_bytes: int | None
+
+
+def compilers() -> list[str]:
+    """Those of COMPILERS that this machine has."""
+    return [name for name in COMPILERS if shutil.which(name)]
+
+
+def build(
+    compiler: str, folder: Path, name: str, sources: tuple[str, ...], flags: tuple[str, ...]
+) -> Path:
+    """Compile sources of a folder into a program. Returns: its path.
+
+    Raises: MismatchError with the compiler's first complaint.
+    """
+    program = folder / name
+    files = [str(folder / source) for source in sources]
+    _run([compiler, *STRICT, *flags, *files, "-I", str(folder), "-o", str(program)])
+    return program
+
+
+def inspect(compiler: str, folder: Path, flags: tuple[str, ...]) -> Inspection:
+    """Compile the core alone and look at its objects.
+
+    Raises: MismatchError if it does not compile.
+    """
+    deep = ("-fcallgraph-info=su",) if compiler == "gcc" else ()
+    flash = static = 0
+    undefined, defined = set(), set()
+    for source in CORE:
+        target = folder / f"{Path(source).stem}.o"
+        # Without -fno-pie, constants that hold addresses count as memory that is written.
+        options = [*STRICT, *flags, *deep, "-fno-pie", "-c"]
+        _run([compiler, *options, str(folder / source), "-o", str(target)])
+        text, data, bss = (int(word) for word in _run(["size", str(target)]).split()[6:9])
+        flash, static = flash + text, static + data + bss
+        for line in _run(["nm", str(target)]).splitlines():
+            *_, kind, symbol = line.split()
+            (undefined if kind == "U" else defined).add(symbol)
+    graphs = [(folder / f"{Path(source).stem}.ci") for source in CORE]
+    known = all(graph.is_file() for graph in graphs)
+    stack = deepest("\n".join(graph.read_text() for graph in graphs)) if known else None
+    foreign = undefined - defined - _FREESTANDING
+    return Inspection(flash, static, tuple(sorted(foreign)), stack)
+
+
+def deepest(graph: str) -> int:
+    """Stack of the deepest chain of calls (bytes), from what -fcallgraph-info=su writes."""
+    own: dict[str, int] = {}
+    for title, label in re.findall(r'node: \{ title: "([^"]+)" label: "([^"]*)"', graph):
+        size = re.search(r"(\d+) bytes", label)
+        own[title] = max(own.get(title, 0), int(size.group(1)) if size else 0)
+    calls: dict[str, set[str]] = {}
+    for source, target in re.findall(r'sourcename: "([^"]+)" targetname: "([^"]+)"', graph):
+        calls.setdefault(source, set()).add(target)
+    known: dict[str, int] = {}
+
+    def total(name: str) -> int:
+        if name not in known:
+            known[name] = own.get(name, 0) + max(map(total, calls.get(name, ())), default=0)
+        return known[name]
+
+    return max((total(name) for name in own), default=0)
+
+
+def run(program: Path, *arguments: str) -> bytes:
+    """Output of a compiled program. Raises: MismatchError if it fails."""
+    done = subprocess.run(
+        [str(program), *arguments], capture_output=True, timeout=_TIMEOUT_S, check=False
+    )
+    if done.returncode != 0:
+        said = (done.stderr or done.stdout).decode(errors="replace").strip().splitlines()
+        raise MismatchError(
+            f"{program.name} {arguments[0]}: expected exit 0, found {done.returncode}"
+            f" ({said[-1][:200] if said else 'silent'}): do not use this controller, report it"
+        )
+    return done.stdout
+
+
+def _run(command: list[str]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S, check=False)
+    if done.returncode != 0:
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or ["silent"]
+        raise MismatchError(
+            f"{command[0]}: expected C that compiles without warnings, found {lines[0][:300]}: "
+            "report it"
+        )
+    return done.stdout

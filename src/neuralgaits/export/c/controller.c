@@ -1,0 +1,434 @@
+/* See controller.h. Source of the mathematics: neuralgaits.control, which this file repeats. */
+#include "controller.h"
+
+/*
+ * Actuated joints, stance leg first and upwards, then the swing leg downwards. Values by leg are
+ * passed by row: with both bounds declared, gcc 12 takes a copy of both rows for an overflow.
+ */
+static void stance_first(const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
+                         ng_real actuated[NG_ACTUATED])
+{
+    const int skipped = 2 * NG_LEG_JOINTS - NG_ACTUATED; /* a shared hip stands in both legs */
+    for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+        actuated[i] = by_leg[leg][i];
+    }
+    for (int i = NG_LEG_JOINTS; i < NG_ACTUATED; ++i) {
+        actuated[i] = by_leg[1 - leg][2 * NG_LEG_JOINTS - 1 - skipped - i];
+    }
+}
+
+static void by_legs(const ng_real actuated[NG_ACTUATED], int leg,
+                    ng_real by_leg[NG_LEGS][NG_LEG_JOINTS])
+{
+    for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+        by_leg[leg][i] = actuated[i];
+    }
+#if NG_HAS_TORSO
+    for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+        by_leg[1 - leg][i] = actuated[NG_ACTUATED - 1 - i];
+    }
+#else
+    for (int i = 0; i < NG_LEG_JOINTS - 1; ++i) {
+        by_leg[1 - leg][i] = actuated[NG_ACTUATED - 1 - i];
+    }
+    by_leg[1 - leg][NG_LEG_JOINTS - 1] = -actuated[NG_LEG_JOINTS - 1];
+#endif
+}
+
+/* Coordinates (or rates) of the robot standing on `leg`. */
+static void coordinates(ng_real pitch, const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
+                        ng_real q[NG_COORDINATES])
+{
+    stance_first(by_leg, leg, q + 1);
+    q[0] = pitch;
+    for (int i = 1; i < NG_COORDINATES; ++i) {
+        q[0] -= ng_pitch_row[leg][i] * q[i];
+    }
+}
+
+/* Let one period pass. Returns whether the swing foot has touched down. */
+static int advance_stance(ng_state *state, const ng_measurement *reading)
+{
+    state->since_touchdown += NG_PERIOD;
+    if (reading->normal_force[1 - state->leg] > NG_TOUCHDOWN_FORCE &&
+        state->since_touchdown >= NG_LOCKOUT) {
+        ng_real q[NG_COORDINATES], foot[2], hip[2];
+        coordinates(reading->pitch, reading->angles, state->leg, q);
+        ng_feet(q, foot, hip);
+        if (foot[0] > NG_TOUCHDOWN_ADVANCE) {
+            state->leg = 1 - state->leg;
+            state->since_touchdown = NG(0.0);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* z inside the policy's bounds, levelling off smoothly outside; with first two derivatives. */
+static void bounded(const ng_real z[2], ng_real value[2], ng_real first[2], ng_real second[2])
+{
+    for (int i = 0; i < 2; ++i) {
+        const ng_real margin = ng_z_margin[i];
+        const ng_real over = z[i] > ng_z_upper[i] ? z[i] - ng_z_upper[i] : NG(0.0);
+        const ng_real under = z[i] < ng_z_lower[i] ? ng_z_lower[i] - z[i] : NG(0.0);
+        const ng_real t = ng_tanh(over / margin) - ng_tanh(under / margin);
+        value[i] = z[i] - over + under + margin * t;
+        first[i] = NG(1.0) - t * t;
+        second[i] = NG(-2.0) * t * first[i] / margin;
+    }
+}
+
+/* Ask the policy at the measured z. */
+static void ask(const ng_law *law, const ng_real z[2], const ng_real dz[2], ng_real ddz2,
+                ng_desired *held)
+{
+    ng_real at[2], first[2], second[2], along[2], curved[2], slope[NG_ACTUATED];
+    bounded(z, at, first, second);
+    for (int i = 0; i < 2; ++i) {
+        along[i] = first[i] * dz[i];
+        curved[i] = second[i] * dz[i] * dz[i];
+    }
+    curved[1] += first[1] * ddz2;
+    if (!law->measure_z2) {
+        at[1] = along[1] = curved[1] = NG(0.0);
+    }
+    if (law->kind == NG_JOINT_PD) {
+        ng_policy_rate(along, at, held->dy, held->y);
+        return;
+    }
+    ng_policy_path(curved, along, at, held->drift, held->dy, slope, held->y);
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        held->slope[i] = slope[i] * first[0];
+    }
+}
+
+static void pd(const ng_law *law, const ng_real q[NG_COORDINATES],
+               const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
+               ng_real torque[NG_ACTUATED])
+{
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        torque[i] = -law->stiffness * (q[i + 1] - wanted->y[i]) -
+                    law->damping * (dq[i + 1] - wanted->dy[i]);
+    }
+}
+
+/* Torques of ddq_a = slope ddz1 + known, where ddz1 follows from no torque at the foot. */
+static void linearising(const ng_law *law, const ng_real q[NG_COORDINATES],
+                        const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
+                        ng_real torque[NG_ACTUATED])
+{
+    const ng_real w = law->bandwidth;
+    ng_real mass[NG_COORDINATES * NG_COORDINATES], bias[NG_COORDINATES];
+    ng_real along[NG_COORDINATES], rest[NG_COORDINATES];
+    along[0] = NG(1.0);
+    rest[0] = NG(0.0);
+    for (int i = 1; i < NG_COORDINATES; ++i) {
+        const ng_real error = q[i] - wanted->y[i - 1], rate = dq[i] - wanted->dy[i - 1];
+        along[i] = wanted->slope[i - 1];
+        rest[i] = wanted->drift[i - 1] - w * w * error - NG(2.0) * w * rate;
+        along[0] -= ng_hip_gradient[i] * along[i];
+        rest[0] -= ng_hip_gradient[i] * rest[i];
+    }
+    along[0] /= ng_hip_gradient[0];
+    rest[0] /= ng_hip_gradient[0];
+    ng_dynamics(dq, q, bias, mass);
+    ng_real denominator = NG(0.0), ddz1 = bias[0];
+    for (int i = 0; i < NG_COORDINATES; ++i) {
+        denominator += mass[i] * along[i];
+        ddz1 += mass[i] * rest[i];
+    }
+    ng_real size = ng_abs(denominator);
+    size = size < NG_SMALLEST_DENOMINATOR ? NG_SMALLEST_DENOMINATOR : size;
+    ddz1 /= denominator < NG(0.0) ? size : -size;
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        torque[i] = bias[i + 1];
+    }
+    for (int j = 0; j < NG_COORDINATES; ++j) {
+        const ng_real ddq = along[j] * ddz1 + rest[j];
+        for (int i = 0; i < NG_ACTUATED; ++i) {
+            torque[i] += mass[(i + 1) * NG_COORDINATES + j] * ddq;
+        }
+    }
+}
+
+/* Clip to the limits. Returns whether anything was clipped. */
+static int saturate(const ng_config *config, ng_real torque[NG_ACTUATED])
+{
+    int clipped = 0;
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        const ng_real limit = config->torque_limit[i];
+        clipped |= ng_abs(torque[i]) > limit;
+        torque[i] = ng_clamp(torque[i], -limit, limit);
+    }
+    return clipped;
+}
+
+static int outside(ng_real value, ng_real largest) { return !(ng_abs(value) <= largest); }
+
+static ng_fault check_joints(const ng_config *config, const ng_measurement *reading)
+{
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            const ng_real angle = reading->angles[leg][i];
+            if (!(angle >= ng_joint_lower[leg][i] - config->angle_margin &&
+                  angle <= ng_joint_upper[leg][i] + config->angle_margin)) {
+                return NG_FAULT_ANGLE;
+            }
+            if (outside(reading->rates[leg][i], config->largest_rate)) {
+                return NG_FAULT_RATE;
+            }
+        }
+        if (outside(reading->normal_force[leg], config->largest_force)) {
+            return NG_FAULT_FORCE;
+        }
+    }
+    return NG_NO_FAULT;
+}
+
+static int all_finite(const ng_measurement *reading)
+{
+    int finite = ng_finite(reading->pitch) & ng_finite(reading->dpitch);
+    for (int i = 0; i < 2; ++i) {
+        finite &= ng_finite(reading->hip_velocity[i]);
+    }
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        finite &= ng_finite(reading->normal_force[leg]);
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            finite &= ng_finite(reading->angles[leg][i]) & ng_finite(reading->rates[leg][i]);
+        }
+    }
+    return finite;
+}
+
+/* Whether a reading can be trusted. */
+static ng_fault check(const ng_config *config, const ng_state *state,
+                      const ng_measurement *reading)
+{
+    const uint32_t gap = reading->time_us - state->last_us; /* backwards: very long */
+    if (!all_finite(reading)) {
+        return NG_FAULT_NOT_FINITE;
+    }
+    if (outside(reading->pitch, config->largest_pitch)) {
+        return NG_FAULT_PITCH;
+    }
+    if (outside(reading->dpitch, config->largest_rate)) {
+        return NG_FAULT_RATE;
+    }
+    if (outside(reading->hip_velocity[0], config->largest_speed) ||
+        outside(reading->hip_velocity[1], config->largest_speed)) {
+        return NG_FAULT_SPEED;
+    }
+    if (state->running && (gap == 0u || gap > config->gap_us)) {
+        return NG_FAULT_TIME;
+    }
+    return check_joints(config, reading);
+}
+
+/* Time in the air. */
+static ng_fault check_contact(const ng_config *config, ng_state *state,
+                              const ng_measurement *reading)
+{
+    const int touching = reading->normal_force[0] >= config->contact_force ||
+                         reading->normal_force[1] >= config->contact_force;
+    state->airborne = touching ? NG(0.0) : state->airborne + NG_PERIOD;
+    return state->airborne > config->airborne_s ? NG_FAULT_LOST_CONTACT : NG_NO_FAULT;
+}
+
+/* From holding the first posture to the law, with limited torque rates. */
+static ng_fault guard(const ng_config *config, ng_state *state, const ng_measurement *reading,
+                      ng_real wanted[NG_LEGS][NG_LEG_JOINTS])
+{
+    const int blending = state->elapsed < config->blend_s;
+    const ng_real s = blending ? state->elapsed / config->blend_s : NG(1.0);
+    const ng_real share = s * s * (NG(3.0) - NG(2.0) * s);
+    const ng_real change = config->torque_rate * NG_PERIOD;
+    ng_real limits[NG_LEGS][NG_LEG_JOINTS];
+    by_legs(config->torque_limit, 0, limits);
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            const ng_real limit = ng_abs(limits[leg][i]), before = state->torque[leg][i];
+            ng_real torque = wanted[leg][i];
+            if (blending) {
+                const ng_real away = reading->angles[leg][i] - state->posture[leg][i];
+                const ng_real hold = -config->hold_stiffness * away -
+                                     config->hold_damping * reading->rates[leg][i];
+                torque = (NG(1.0) - share) * ng_clamp(hold, -limit, limit) + share * torque;
+            }
+            torque = ng_clamp(torque, before - change, before + change);
+            if (!ng_finite(torque)) {
+                return NG_FAULT_TORQUE;
+            }
+            state->torque[leg][i] = torque;
+        }
+    }
+    state->elapsed = blending ? state->elapsed + NG_PERIOD : state->elapsed;
+    return NG_NO_FAULT;
+}
+
+/* Zero torque from now on. */
+static void stop(ng_state *state, ng_fault fault, ng_command *command)
+{
+    const ng_command nothing = {0};
+    *command = nothing;
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            state->torque[leg][i] = NG(0.0);
+        }
+    }
+    state->fault = command->fault = fault;
+    command->leg = state->leg;
+}
+
+/* What the law wants; the state of stance and policy moves on. */
+static void follow(const ng_config *config, ng_state *state, const ng_measurement *reading,
+                   ng_command *command)
+{
+    const ng_law *law = config->law;
+    ng_real dz[2], ddz2[1];
+    command->touchdown = advance_stance(state, reading);
+    coordinates(reading->pitch, reading->angles, state->leg, command->q);
+    coordinates(reading->dpitch, reading->rates, state->leg, command->dq);
+    ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, command->z);
+    /* After a touchdown the held outputs belong to the wrong legs. */
+    if (command->touchdown || state->ticks_to_policy <= 0) {
+        ask(law, command->z, dz, ddz2[0], &state->held);
+        state->ticks_to_policy = law->hold_ticks;
+    }
+    state->ticks_to_policy -= 1;
+    if (law->kind == NG_JOINT_PD) {
+        pd(law, command->q, command->dq, &state->held, command->actuated);
+    } else {
+        linearising(law, command->q, command->dq, &state->held, command->actuated);
+    }
+    command->saturated = saturate(config, command->actuated);
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        command->y_d[i] = state->held.y[i];
+        command->dy_d[i] = state->held.dy[i];
+    }
+    command->leg = state->leg;
+    command->since_touchdown = state->since_touchdown;
+}
+
+void ng_step(const ng_config *config, ng_state *state, const ng_measurement *reading,
+             ng_command *command)
+{
+    ng_real wanted[NG_LEGS][NG_LEG_JOINTS];
+    ng_fault fault = state->fault != NG_NO_FAULT ? state->fault : check(config, state, reading);
+    if (fault == NG_NO_FAULT) {
+        fault = check_contact(config, state, reading);
+    }
+    if (fault != NG_NO_FAULT) {
+        stop(state, fault, command);
+        return;
+    }
+    if (!state->running) {
+        for (int leg = 0; leg < NG_LEGS; ++leg) {
+            for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+                state->posture[leg][i] = reading->angles[leg][i];
+            }
+        }
+        state->running = 1;
+    }
+    state->last_us = reading->time_us;
+    follow(config, state, reading, command);
+    by_legs(command->actuated, state->leg, wanted);
+    fault = guard(config, state, reading, wanted);
+    if (fault != NG_NO_FAULT) {
+        stop(state, fault, command);
+        return;
+    }
+    command->fault = NG_NO_FAULT;
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            command->torque[leg][i] = state->torque[leg][i];
+        }
+    }
+}
+
+void ng_start(ng_state *state, int leg)
+{
+    const ng_state fresh = {0};
+    *state = fresh;
+    state->leg = leg != 0;
+    state->since_touchdown = NG_NEVER;
+}
+
+ng_config ng_config_of(const ng_law *law)
+{
+    ng_config config = {
+        .law = law,
+        .torque_rate = NG_TORQUE_RATE,
+        .blend_s = NG(0.0),
+        .hold_stiffness = NG_HOLD_STIFFNESS,
+        .hold_damping = NG_HOLD_DAMPING,
+        .largest_pitch = NG_LARGEST_PITCH,
+        .angle_margin = NG_ANGLE_MARGIN,
+        .largest_rate = NG_LARGEST_RATE,
+        .largest_speed = NG_LARGEST_SPEED,
+        .largest_force = NG_LARGEST_FORCE,
+        .contact_force = NG_CONTACT_FORCE,
+        .airborne_s = NG_AIRBORNE,
+        .gap_us = NG_GAP_US,
+    };
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        config.torque_limit[i] = ng_torque_limit[i];
+    }
+    return config;
+}
+
+void ng_measure(const ng_encoders *encoders, ng_measurement *reading)
+{
+    const ng_real sine = ng_sin(NG_PITCH_SIGN * encoders->pitch);
+    const ng_real cosine = ng_cos(NG_PITCH_SIGN * encoders->pitch);
+    const ng_real arm_x = NG_ROOT_TO_HIP_X * cosine - NG_ROOT_TO_HIP_Z * sine;
+    const ng_real arm_z = NG_ROOT_TO_HIP_X * sine + NG_ROOT_TO_HIP_Z * cosine;
+    reading->time_us = encoders->time_us;
+    reading->pitch = NG_PITCH_SIGN * encoders->pitch + NG_ROOT_ANGLE;
+    reading->dpitch = NG_PITCH_SIGN * encoders->dpitch;
+    reading->hip_velocity[0] = encoders->base_velocity[0] - reading->dpitch * arm_z;
+    reading->hip_velocity[1] = encoders->base_velocity[1] + reading->dpitch * arm_x;
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        reading->normal_force[leg] = encoders->normal_force[leg];
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            const ng_real sign = ng_joint_sign[leg][i];
+            reading->angles[leg][i] = sign * encoders->joints[leg][i] + ng_joint_offset[leg][i];
+            reading->rates[leg][i] = sign * encoders->djoints[leg][i];
+        }
+    }
+}
+
+void ng_drive(const ng_command *command, ng_real motors[NG_LEGS][NG_LEG_JOINTS])
+{
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            motors[leg][i] = command->torque[leg][i] / ng_gear[leg][i];
+        }
+    }
+}
+
+const char *ng_fault_text(ng_fault fault)
+{
+    switch (fault) {
+    case NG_NO_FAULT:
+        return "no fault";
+    case NG_FAULT_NOT_FINITE:
+        return "a reading is NaN or infinite";
+    case NG_FAULT_PITCH:
+        return "the torso has tipped over";
+    case NG_FAULT_ANGLE:
+        return "a joint angle is far outside its range";
+    case NG_FAULT_RATE:
+        return "a joint or pitch rate is too large";
+    case NG_FAULT_SPEED:
+        return "the hip speed is too large";
+    case NG_FAULT_FORCE:
+        return "a ground force is too large";
+    case NG_FAULT_TIME:
+        return "readings are too far apart or out of order";
+    case NG_FAULT_LOST_CONTACT:
+        return "both feet are off the ground";
+    case NG_FAULT_TORQUE:
+        return "a torque is not finite";
+    }
+    return "unknown fault";
+}

@@ -1,0 +1,148 @@
+/*
+ * One control tick as a function: sensors in, joint torques and the next state out.
+ *
+ * The caller owns all memory; nothing here allocates or keeps a state of its own. Call ng_start
+ * once, then ng_step once every NG_PERIOD. Joint orders, signs and limits: gait.h.
+ */
+#ifndef NG_CONTROLLER_H
+#define NG_CONTROLLER_H
+
+#include "gait.h"
+#include "ng_math.h"
+
+/* How torques follow from what the policy wants. */
+typedef enum {
+    NG_JOINT_PD,   /* torque = -stiffness (q_a - y_d) - damping (dq_a - dy_d) */
+    NG_LINEARISING /* outputs obey ddy = -w^2 y - 2 w dy on the model's dynamics */
+} ng_law_kind;
+
+typedef struct {
+    const char *name;
+    ng_law_kind kind;
+    ng_real stiffness;  /* of NG_JOINT_PD [N m/rad] */
+    ng_real damping;    /* of NG_JOINT_PD [N m s/rad] */
+    ng_real bandwidth;  /* w of NG_LINEARISING [rad/s] */
+    int hold_ticks;     /* ticks between two questions to the policy */
+    int measure_z2;     /* 0: the policy is told z2 = 0 */
+} ng_law;
+
+extern const ng_law ng_laws[NG_LAW_COUNT]; /* see NG_LAW_... in gait.h */
+
+/* Why torques are zero. The first fault stays until ng_start. */
+typedef enum {
+    NG_NO_FAULT,
+    NG_FAULT_NOT_FINITE,   /* a reading is NaN or infinite */
+    NG_FAULT_PITCH,        /* torso tipped over, or not a possible pitch */
+    NG_FAULT_ANGLE,        /* a joint angle far outside its range */
+    NG_FAULT_RATE,         /* a joint or pitch rate no robot has */
+    NG_FAULT_SPEED,        /* a hip speed no robot has */
+    NG_FAULT_FORCE,        /* a ground force no foot feels */
+    NG_FAULT_TIME,         /* readings too far apart, or not in order */
+    NG_FAULT_LOST_CONTACT, /* both feet off the ground for too long */
+    NG_FAULT_TORQUE        /* the law gave a torque that is not finite */
+} ng_fault;
+
+/* What the sensors of the robot file's own joints say, in that file's signs and zeros. */
+typedef struct {
+    uint32_t time_us;                       /* of the reading; may wrap around [us] */
+    ng_real pitch;                          /* root hinge [rad] */
+    ng_real dpitch;                         /* its rate [rad/s] */
+    ng_real base_velocity[2];               /* of the root's pitch axis, (x, z) [m/s] */
+    ng_real joints[NG_LEGS][NG_LEG_JOINTS]; /* [rad] */
+    ng_real djoints[NG_LEGS][NG_LEG_JOINTS];/* [rad/s] */
+    ng_real normal_force[NG_LEGS];          /* of the ground on each foot [N] */
+} ng_encoders;
+
+/* The same in the signs and zeros of the theory. */
+typedef struct {
+    uint32_t time_us;                       /* [us] */
+    ng_real pitch;                          /* up-angle of the root link [rad] */
+    ng_real dpitch;                         /* [rad/s] */
+    ng_real angles[NG_LEGS][NG_LEG_JOINTS]; /* lowest joint first, hip last [rad] */
+    ng_real rates[NG_LEGS][NG_LEG_JOINTS];  /* [rad/s] */
+    ng_real hip_velocity[2];                /* in the world, (x, z) [m/s] */
+    ng_real normal_force[NG_LEGS];          /* [N] */
+} ng_measurement;
+
+/* What the policy wants, held between two questions to it; actuated joints, stance leg first. */
+typedef struct {
+    ng_real y[NG_ACTUATED];     /* desired angles [rad] */
+    ng_real dy[NG_ACTUATED];    /* their rates [rad/s] */
+    ng_real slope[NG_ACTUATED]; /* d y / d z1; of NG_LINEARISING [rad/m] */
+    ng_real drift[NG_ACTUATED]; /* desired accelerations at ddz1 = 0; likewise [rad/s^2] */
+} ng_desired;
+
+/* What may differ from one use of the same gait to the next. */
+typedef struct {
+    const ng_law *law;
+    ng_real torque_limit[NG_ACTUATED]; /* stance leg first [N m] */
+    ng_real torque_rate;               /* largest change of a joint's torque [N m/s] */
+    ng_real blend_s;                   /* time from holding the first posture to the gait [s] */
+    ng_real hold_stiffness;            /* while blending [N m/rad] */
+    ng_real hold_damping;              /* while blending [N m s/rad] */
+    ng_real largest_pitch;             /* [rad] */
+    ng_real angle_margin;              /* beyond the ranges of the joints [rad] */
+    ng_real largest_rate;              /* [rad/s] */
+    ng_real largest_speed;             /* [m/s] */
+    ng_real largest_force;             /* [N] */
+    ng_real contact_force;             /* a foot that feels less is off the ground [N] */
+    ng_real airborne_s;                /* both feet off the ground [s] */
+    uint32_t gap_us;                   /* between two readings [us] */
+} ng_config;
+
+/* What is remembered from tick to tick. */
+typedef struct {
+    int leg;                                /* stance leg, 0 or 1 */
+    ng_real since_touchdown;                /* NG_NEVER before the first [s] */
+    int ticks_to_policy;                    /* until the policy is asked again */
+    ng_desired held;                        /* its last answer */
+    int running;                            /* 0 before the first reading */
+    uint32_t last_us;                       /* time of the last reading [us] */
+    ng_real elapsed;                        /* since the first reading, up to blend_s [s] */
+    ng_real posture[NG_LEGS][NG_LEG_JOINTS];/* found at the first reading [rad] */
+    ng_real torque[NG_LEGS][NG_LEG_JOINTS]; /* of the last tick [N m] */
+    ng_real airborne;                       /* time since a foot felt the ground [s] */
+    ng_fault fault;
+} ng_state;
+
+/* What a tick decided, and what it saw. After a fault only torque, leg and fault are set. */
+typedef struct {
+    ng_real torque[NG_LEGS][NG_LEG_JOINTS]; /* for the joints [N m] */
+    ng_real actuated[NG_ACTUATED];          /* what the law wants, within limits [N m] */
+    ng_real q[NG_COORDINATES];              /* [rad] */
+    ng_real dq[NG_COORDINATES];             /* [rad/s] */
+    ng_real y_d[NG_ACTUATED];               /* [rad] */
+    ng_real dy_d[NG_ACTUATED];              /* [rad/s] */
+    ng_real z[2];                           /* hip ahead of the foot [m], momentum [kg m^2/s] */
+    int leg;
+    ng_real since_touchdown;                /* [s] */
+    int touchdown;                          /* whether the stance leg has just changed */
+    int saturated;                          /* whether any torque of the law was clipped */
+    ng_fault fault;
+} ng_command;
+
+#define NG_NEVER NG(1.0e30)
+
+/* The robot's limits; no startup blending. */
+ng_config ng_config_of(const ng_law *law);
+
+/* Before the first tick, standing on `leg`. Clears a fault. */
+void ng_start(ng_state *state, int leg);
+
+/* One tick. */
+void ng_step(const ng_config *config, ng_state *state, const ng_measurement *reading,
+             ng_command *command);
+
+/* From the robot file's joints to the signs and zeros of the theory. */
+void ng_measure(const ng_encoders *encoders, ng_measurement *reading);
+
+/* Motor commands in the order of the joints: torque over gear. */
+void ng_drive(const ng_command *command, ng_real motors[NG_LEGS][NG_LEG_JOINTS]);
+
+/* The reason of a fault in words. */
+const char *ng_fault_text(ng_fault fault);
+
+/* Runs the table of gait_selftest.c. Returns 0, or the number of the first line that fails. */
+int ng_selftest(void);
+
+#endif

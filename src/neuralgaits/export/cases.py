@@ -1,0 +1,296 @@
+"""States and readings on which C and Python are compared, as one record of numbers each.
+
+Every number is one that single precision holds, so both builds are given the same inputs.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from neuralgaits._types import Array, Float, Int
+from neuralgaits.control.measurement import Measurement
+from neuralgaits.control.safeguard import Fault, joint_ranges
+from neuralgaits.export.facts import Design
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.robots.mjcf_state import StateMap
+
+NO_RATE_LIMIT = 1e9
+"""Torque rate [N m/s] that never binds."""
+NEVER = 1e30
+"""Time since the last touchdown before there was one [s], as `NG_NEVER`."""
+_OUTPUT_ERROR, _RATE_ERROR = 0.05, 0.5
+"""Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`."""
+_CLEAR_OF_THRESHOLD = 1e-4
+"""How far from a threshold a drawn number stays [m], [s]: rounding decides nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """N cases; fields in the order of a record, see `read_case` in `c/check.c`."""
+
+    law: Int[np.ndarray, " N"]
+    blend_s: Float[np.ndarray, " N"]
+    torque_rate: Float[np.ndarray, " N"]
+    leg: Int[np.ndarray, " N"]
+    since: Float[np.ndarray, " N"]
+    ticks: Int[np.ndarray, " N"]
+    running: Int[np.ndarray, " N"]
+    last_us: Int[np.ndarray, " N"]
+    elapsed: Float[np.ndarray, " N"]
+    airborne: Float[np.ndarray, " N"]
+    fault: Int[np.ndarray, " N"]
+    time_us: Int[np.ndarray, " N"]
+    pitch: Float[np.ndarray, " N"]
+    dpitch: Float[np.ndarray, " N"]
+    held_y: Float[np.ndarray, "N m"]
+    held_dy: Float[np.ndarray, "N m"]
+    held_slope: Float[np.ndarray, "N m"]
+    held_drift: Float[np.ndarray, "N m"]
+    posture: Float[np.ndarray, "N 2 k"]
+    torque: Float[np.ndarray, "N 2 k"]
+    base_velocity: Float[np.ndarray, "N 2"]
+    force: Float[np.ndarray, "N 2"]
+    joints: Float[np.ndarray, "N 2 k"]
+    djoints: Float[np.ndarray, "N 2 k"]
+
+    @property
+    def count(self) -> int:
+        """N."""
+        return len(self.law)
+
+    def records(self) -> Float[np.ndarray, "N c"]:
+        """One row a case."""
+        columns = [getattr(self, field.name).reshape(self.count, -1) for field in fields(self)]
+        return np.ascontiguousarray(np.concatenate(columns, axis=1), dtype=np.float64)
+
+    def take(self, which: Array) -> "Cases":
+        """Some of the cases."""
+        return Cases(**{field.name: getattr(self, field.name)[which] for field in fields(self)})
+
+    def replaced(self, **columns: np.ndarray) -> "Cases":
+        """The same cases with other columns."""
+        return Cases(
+            **({field.name: getattr(self, field.name) for field in fields(self)} | columns)
+        )
+
+    @staticmethod
+    def joined(parts: "list[Cases]") -> "Cases":
+        """Several sets, one after the other."""
+        names = [field.name for field in fields(Cases)]
+        return Cases(**{n: np.concatenate([getattr(p, n) for p in parts]) for n in names})
+
+    def measurement(self, design: Design) -> Measurement:
+        """The readings in the signs and zeros of the theory, as a simulation has them."""
+        layout = design.robot.layout
+        turn = layout.pitch_sign * self.pitch
+        x, z = layout.root_to_hip
+        dpitch = layout.pitch_sign * self.dpitch
+        with np.errstate(invalid="ignore"):  # NaN and infinities are among the cases.
+            sine, cosine = np.sin(turn), np.cos(turn)
+            swept = np.stack([-(x * sine + z * cosine), x * cosine - z * sine], axis=-1)
+            hip_velocity = self.base_velocity + dpitch[:, None] * swept
+        signs = np.array(layout.leg_joint_signs)
+        return Measurement(
+            time=1e-6 * self.time_us,
+            pitch=turn + layout.root_angle,
+            dpitch=dpitch,
+            angles=signs * self.joints + np.array(layout.leg_joint_offsets),
+            rates=signs * self.djoints,
+            hip_velocity=hip_velocity,
+            normal_force=self.force,
+        )
+
+
+def of_region(design: Design, count: int, seed: int) -> Cases:
+    """Random states of the gait's region and around it, mostly well tracked."""
+    rng = np.random.default_rng(seed)
+    inside = rng.uniform(size=(count, 2))
+    around = np.stack([rng.uniform(-0.1, 1.1, count), rng.uniform(-0.3, 1.3, count)], axis=1)
+    chart = np.where(rng.uniform(size=count)[:, None] < 0.85, inside, around)
+    cases = _at(design, chart, rng)
+    away = _clear(design, cases)
+    return cases.replaced(force=np.where(away[:, None], cases.force, 0.0))
+
+
+def of_guard(design: Design, seed: int) -> Cases:
+    """The switching of the stance leg: every combination of what it depends on."""
+    weight = float(design.robot.mass * design.robot.gravity)
+    stance = design.controller.stance
+    combinations = np.array(
+        np.meshgrid(
+            [0.3, 0.5, 1.0],  # phase: the swing foot is behind, beside, ahead
+            np.linspace(0.0, 1.0, 4),
+            [0, 1],
+            [0.0, 0.8 * stance.force_share, 1.2 * stance.force_share],
+            [0.0, 0.5 * stance.lockout_s, 1.5 * stance.lockout_s, NEVER],
+            [0, 1],
+            range(len(design.controllers)),
+            indexing="ij",
+        )
+    ).reshape(7, -1)
+    phase, level, leg, share, since, ticks, law = combinations
+    rng = np.random.default_rng(seed)
+    cases = _at(design, np.stack([phase, level], axis=1), rng, leg.astype(int))
+    force = np.where(np.arange(2) == leg[:, None], weight, share[:, None] * weight)
+    return cases.replaced(
+        force=_single(force),
+        since=_single(since),
+        ticks=ticks.astype(int),
+        law=law.astype(int),
+    )
+
+
+def of_faults(design: Design, seed: int) -> Cases:
+    """Readings that must stop the robot, and their neighbours that must not."""
+    chart = np.tile([0.5, 0.5], (1, 1))
+    base = _at(design, chart, np.random.default_rng(seed), np.zeros(1, dtype=int))
+    base = base.replaced(time_us=base.last_us + 1000, running=np.ones(1, dtype=int))
+    found = [base]
+    for name, flat, values in _spoils(design):
+        for value in values:
+            column = getattr(base, name).astype(np.float64).copy()
+            column.reshape(-1)[flat] = value
+            found.append(base.replaced(**{name: column}))
+    safe = design.safeguard
+    for gap in (1000, 0.9e6 * safe.gap_s, 1.1e6 * safe.gap_s, 0, -1000):
+        found.append(base.replaced(time_us=base.last_us + round(gap)))
+    for share in (0.9, 1.1):
+        longest = np.full(1, share * safe.airborne_s)
+        found.append(base.replaced(airborne=_single(longest), force=np.zeros((1, 2))))
+    found += [base.replaced(fault=np.full(1, int(fault))) for fault in Fault]
+    return Cases.joined(found)
+
+
+def _spoils(design: Design) -> Iterator[tuple[str, int, list[float]]]:
+    """Columns of a reading, the place in them, and values to put there."""
+    safe, layout = design.safeguard, design.robot.layout
+    weight = float(design.robot.mass * design.robot.gravity)
+    low, high = (np.asarray(limit) for limit in joint_ranges(design.robot))
+    bad = [np.nan, np.inf, -np.inf, 1e6, -1e6, 1e-40]
+
+    def around(bound: float) -> list[float]:
+        return [factor * bound for factor in (0.9, 1.1, -0.9, -1.1)]
+
+    yield "pitch", 0, bad + around(safe.largest_pitch)
+    yield "dpitch", 0, bad + around(safe.largest_rate)
+    for i in range(2):
+        yield "base_velocity", i, bad + around(safe.largest_speed)
+        yield "force", i, bad + around(safe.force_share * weight)
+    signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
+    for i, (lower, upper) in enumerate(zip(low.reshape(-1), high.reshape(-1), strict=True)):
+        edge = safe.angle_margin
+        angles = np.array([lower - edge - 0.05, lower - edge + 0.05, upper + edge + 0.05])
+        yield "joints", i, bad + list((angles - offsets.reshape(-1)[i]) * signs.reshape(-1)[i])
+        yield "djoints", i, bad + around(safe.largest_rate)
+
+
+def _at(
+    design: Design,
+    chart: Float[np.ndarray, "N 2"],
+    rng: np.random.Generator,
+    leg: Int[np.ndarray, " N"] | None = None,
+) -> Cases:
+    """Cases at chart points, everything else drawn."""
+    robot, count, m = design.robot, len(chart), design.robot.n - 1
+    k, weight = design.leg_joints, float(robot.mass * robot.gravity)
+    limit = np.asarray(design.controller.torque_limit)
+    leg = rng.integers(0, 2, count) if leg is None else leg
+    eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * np.repeat([_OUTPUT_ERROR, _RATE_ERROR], m)
+    x, outputs, slopes = _lifted(design, chart, eta)
+    q, dq = np.split(x, 2, axis=1)
+    foot_velocity = rng.uniform(-0.05, 0.05, (count, 2))
+    wires = StateMap.build(mujoco.MjModel.from_xml_string(robot.layout.xml), robot.layout)
+    qpos, qvel = wires.to_mjcf(q, dq, leg, (0.0, 0.0), foot_velocity)
+    stands = np.arange(2) == leg[:, None]
+    swinging = rng.uniform(0.0, 0.5, (count, 1)) * (rng.uniform(size=(count, 1)) < 0.3)
+    force = weight * np.where(stands, rng.uniform(0.3, 1.5, (count, 1)), swinging)
+    time_us = rng.integers(0, 2**31, count)
+    blend_s = np.where(rng.uniform(size=count) < 0.7, 0.0, 0.25)
+    rate_limit = np.where(rng.uniform(size=count) < 0.5, NO_RATE_LIMIT, 1e4)
+    joints = qpos[:, wires.joints]
+    away = rng.uniform(-0.05, 0.05, (count, 2, k))
+    signs, offsets = (
+        np.array(robot.layout.leg_joint_signs),
+        np.array(robot.layout.leg_joint_offsets),
+    )
+    return Cases(
+        law=rng.integers(0, len(design.controllers), count),
+        blend_s=blend_s,
+        torque_rate=rate_limit,
+        leg=leg,
+        since=_single(np.where(rng.uniform(size=count) < 0.3, NEVER, rng.uniform(0, 0.6, count))),
+        ticks=rng.integers(0, 2, count),
+        running=(rng.uniform(size=count) < 0.9).astype(int),
+        last_us=time_us - 1000,
+        elapsed=_single(rng.uniform(0.0, 0.24, count) * (blend_s > 0.0)),
+        airborne=np.zeros(count),
+        fault=np.zeros(count, dtype=int),
+        time_us=time_us,
+        pitch=_single(qpos[:, wires.root[2]]),
+        dpitch=_single(qvel[:, wires.root[2]]),
+        held_y=_single(outputs + rng.uniform(-0.01, 0.01, outputs.shape)),
+        held_dy=_single(dq[:, 1:] + rng.uniform(-0.1, 0.1, outputs.shape)),
+        held_slope=_single(slopes),
+        held_drift=_single(rng.uniform(-20.0, 20.0, outputs.shape)),
+        posture=_single(signs * joints + offsets + away),
+        torque=_single(rng.uniform(-1.0, 1.0, (count, 2, k)) * np.min(limit)),
+        base_velocity=_single(qvel[:, wires.root[:2]]),
+        force=_single(force),
+        joints=_single(joints),
+        djoints=_single(qvel[:, wires.joints]),
+    )
+
+
+def _lifted(
+    design: Design, chart: Float[np.ndarray, "N 2"], eta: Float[np.ndarray, "N two_m"]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Full states, desired outputs and their slopes in z1. [N, 2n], [N, m], [N, m]."""
+    gait = design.gait
+    zd = ZeroDynamics(design.robot, gait.policy)
+
+    @jax.jit
+    @jax.vmap
+    def lift(u, error):
+        low, high = gait.tube.fences(u[0])
+        start, guard = gait.span
+        zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
+        z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
+        y, slope = jax.jvp(gait.policy, (z,), (jnp.array([1.0, 0.0]),))
+        return zd.phi_inv(z, error), y, slope
+
+    return tuple(np.asarray(part) for part in lift(chart, eta))  # type: ignore[return-value]
+
+
+def _clear(design: Design, cases: Cases) -> np.ndarray:
+    """Whether no decision of the stance machine hangs on rounding. [N]."""
+    from neuralgaits.control.measurement import coordinates
+
+    robot, stance = design.robot, design.controller.stance
+
+    @jax.jit
+    @jax.vmap
+    def ahead(measurement, leg):
+        q, _ = coordinates(robot, measurement, leg)
+        return swing_foot(robot, q)[0]
+
+    measurement = jax.tree.map(jnp.asarray, cases.measurement(design))
+    foot = np.asarray(ahead(measurement, jnp.asarray(cases.leg)))
+    near = np.abs(foot - stance.advance_share * robot.leg_length) < _CLEAR_OF_THRESHOLD
+    late = cases.since + design.controller.period_s - stance.lockout_s
+    near |= np.abs(late) < _CLEAR_OF_THRESHOLD
+    weight = float(robot.mass * robot.gravity)
+    swing = cases.force[np.arange(cases.count), 1 - cases.leg]
+    return ~near & (np.abs(swing - stance.force_share * weight) > _CLEAR_OF_THRESHOLD)
+
+
+def _single(values: np.ndarray) -> np.ndarray:
+    """The nearest numbers of single precision, as doubles."""
+    return np.asarray(values, dtype=np.float64).astype(np.float32).astype(np.float64)

@@ -1,0 +1,214 @@
+"""C against Python: the same inputs into both, and how far apart the outputs are."""
+
+import tempfile
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.errors import MismatchError
+from neuralgaits.export import build
+from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region
+from neuralgaits.export.facts import Design
+from neuralgaits.export.float_bound import largest_errors
+from neuralgaits.export.programs import Part
+from neuralgaits.export.reference import Reference, Results, policy_path, results_of
+
+STATES = 100_000
+"""Random states of the region on which C and Python are compared."""
+SEED = 20220117
+_WIDE = 64
+"""Widest hidden layer for which the tighter limit of single precision holds."""
+_NEAR_LIMIT = 1e-4
+"""Share of a torque limit within which the two precisions may disagree on being clipped."""
+_CUTS = {"z": (64, 32), "dz": (2, 2)}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far C may be from Python.
+
+    Attributes:
+        output: of y_d and its rate, shares of their ranges.
+        torque: share of the torque limit.
+    """
+
+    output: float
+    torque: float
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Largest distances of one build from Python.
+
+    Attributes:
+        output: of the policy's outputs, a share of each one's range.
+        rate: of their rates, likewise.
+        slope: of their slopes and accelerations, likewise.
+        torque: of the whole control step from encoders, a share of the torque limit.
+        absolute: of any torque or output (N m, rad, rad/s).
+    """
+
+    output: float
+    rate: float
+    slope: float
+    torque: float
+    absolute: float
+
+
+@dataclass
+class Build:
+    """What is known of one compiler, precision and optimisation."""
+
+    compiler: str
+    precision: str
+    flags: str
+    agreement: Agreement | None = None
+    latency_us: dict[str, dict[str, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Questions:
+    """What C is asked, and Python's answers.
+
+    Attributes:
+        cases: control ticks; those of the region come first.
+        ticks: what Python makes of them.
+        points: z, dz, ddz of the policy. [N, 6]
+        policy: what Python makes of them. [N, 4, m]
+    """
+
+    cases: Cases
+    ticks: Results
+    points: Float[np.ndarray, "N 6"]
+    policy: Float[np.ndarray, "N 4 m"]
+
+
+def limits(design: Design, precision: str) -> Limits:
+    """What is asked of a build."""
+    network = getattr(design.gait.policy, "network", None)
+    widths = [len(bias) for bias in network.biases[:-1]] if network is not None else [0]
+    if precision == "double":
+        return Limits(1e-12, 1e-12)
+    return Limits(2e-6 if max(widths) <= _WIDE else 1e-5, 5e-5)
+
+
+def questions(design: Design, reference: Reference, states: int = STATES) -> Questions:
+    """Draw the cases and ask Python."""
+    cases = Cases.joined(
+        [of_region(design, states, SEED), of_guard(design, SEED), of_faults(design, SEED)]
+    )
+    ticks = reference.evaluate(cases)
+    rng = np.random.default_rng(SEED)
+    bounds = design.controller.bounds
+    z = rng.uniform(bounds.lower, bounds.upper, (states, 2))
+    dz = rng.uniform([-0.5, -60.0], [1.5, 60.0], (states, 2))
+    ddz = np.stack([np.zeros(states), rng.uniform(-400.0, 400.0, states)], axis=1)
+    points = np.concatenate([z, dz, ddz], axis=1).astype(np.float32).astype(np.float64)
+    answers = policy_path(design, *np.split(points, 3, axis=1))
+    return Questions(cases, ticks, points, answers)
+
+
+def agree(design: Design, asked: Questions, program: Path, precision: str) -> Agreement:
+    """Ask a compiled controller the same. Raises: MismatchError if it is too far off."""
+    with tempfile.TemporaryDirectory() as folder:
+        cases, points = Path(folder) / "cases", Path(folder) / "points"
+        asked.cases.records().tofile(cases)
+        asked.points.tofile(points)
+        rows = np.frombuffer(build.run(program, "compare", str(cases)))
+        answers = np.frombuffer(build.run(program, "policy", str(points)))
+    m = design.robot.n - 1
+    found = results_of(rows.reshape(asked.cases.count, -1), m)
+    _same_decisions(design, asked, found)
+    agreement = _distances(design, asked, found, answers.reshape(-1, 6, m))
+    asking = limits(design, precision)
+    worst = {
+        "outputs": (max(agreement.output, agreement.rate), asking.output),
+        "torques": (agreement.torque, asking.torque),
+    }
+    for name, (distance, limit) in worst.items():
+        if not distance <= limit:
+            raise MismatchError(
+                f"C and Python disagree: expected {name} within {limit:g} of their range in "
+                f"{precision} precision, found {distance:.3g}: do not use this controller"
+            )
+    build.run(program, "selftest")
+    return agreement
+
+
+def latency(asked: Questions, program: Path) -> dict[str, dict[str, float]]:
+    """Times of calls (us): the policy alone, and whole control steps by law."""
+    with tempfile.TemporaryDirectory() as folder:
+        cases = Path(folder) / "cases"
+        asked.cases.records().tofile(cases)
+        text = build.run(program, "latency", str(cases)).decode()
+    rows = [line.split() for line in text.splitlines()]
+    return {name: {"p50": float(p50), "p99": float(p99)} for name, p50, p99 in rows}
+
+
+def float_bound(design: Design, rates: Part, asked: Questions) -> dict[str, float]:
+    """A bound on the error of y_d and its rate in single precision, over the whole region.
+
+    Returns: `output` and `rate`, shares of their ranges.
+    """
+    bounds = design.controller.bounds
+    dz = asked.points[:, 2:4]
+    lows = {"z": np.asarray(bounds.lower), "dz": dz.min(axis=0)}
+    highs = {"z": np.asarray(bounds.upper), "dz": dz.max(axis=0)}
+    errors = largest_errors(rates.program, lows, highs, _CUTS)
+    ranges = np.ptp(asked.policy, axis=0)
+    return {
+        "output": float(np.max(errors["y"] / ranges[0])),
+        "rate": float(np.max(errors["dy"] / ranges[1])),
+    }
+
+
+def summary(agreement: Agreement) -> dict[str, Any]:
+    """As a dict of numbers."""
+    return asdict(agreement)
+
+
+def _same_decisions(design: Design, asked: Questions, found: Results) -> None:
+    """Faults, stance leg, touchdowns and clipping are equal. Raises: MismatchError."""
+    expected = asked.ticks
+    going = expected.fault == 0
+    limit = np.asarray(design.controller.torque_limit)
+    close = np.abs(np.abs(expected.actuated) - limit) < _NEAR_LIMIT * limit
+    sure = going & ~np.any(close, axis=1)
+    checks = {"fault": slice(None), "leg": slice(None), "touchdown": going, "ticks": going}
+    for name, where in (*checks.items(), ("saturated", sure)):
+        wrong = np.flatnonzero(getattr(found, name)[where] != getattr(expected, name)[where])
+        if wrong.size:
+            raise MismatchError(
+                f"C and Python disagree on {name} in {wrong.size} of {asked.cases.count} cases: "
+                "do not use this controller, report it"
+            )
+
+
+def _distances(
+    design: Design, asked: Questions, found: Results, answers: Float[np.ndarray, "N 6 m"]
+) -> Agreement:
+    going = asked.ticks.fault == 0
+    limit = np.max(np.asarray(design.controller.torque_limit))
+    torque = np.abs(found.torque - asked.ticks.torque)
+    torque = max(float(torque.max()), float(_apart(found.actuated, asked.ticks.actuated, going)))
+    # The function for rates repeats y and dy.
+    expected = np.concatenate([asked.policy, asked.policy[:, :2]], axis=1)
+    gaps = np.max(np.abs(answers - expected), axis=0)
+    ranges = np.ptp(expected, axis=0)
+    # A policy of z1 alone may have an output that never moves.
+    shares = np.max(gaps / np.where(ranges > 0.0, ranges, 1.0), axis=1)
+    outputs = max(_apart(found.y_d, asked.ticks.y_d, going), float(gaps[[0, 4]].max()))
+    return Agreement(
+        output=float(max(shares[0], shares[4])),
+        rate=float(max(shares[1], shares[5])),
+        slope=float(max(shares[2], shares[3])),
+        torque=torque / limit,
+        absolute=max(torque, outputs, _apart(found.dy_d, asked.ticks.dy_d, going)),
+    )
+
+
+def _apart(found: np.ndarray, expected: np.ndarray, where: np.ndarray) -> float:
+    return float(np.max(np.abs(found - expected)[where]))

@@ -1,0 +1,94 @@
+"""What an exported controller is made of, and where it comes from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Actuated, Float
+from neuralgaits.barriers import Gait
+from neuralgaits.control import AbstractLaw, Controller
+from neuralgaits.control.measurement import leg_joints
+from neuralgaits.control.safeguard import SafeguardConfig
+from neuralgaits.robots import PlanarBiped
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Hashes and names that tie C to a run.
+
+    Attributes:
+        robot_sha256: of the robot file's text.
+        policy_sha256: of the weights' file.
+        proof_sha256: of the proof file, None without one.
+        proof_verdict: what that proof says, as in `proved at level 3`; None without one.
+        spec: name of the gait specification.
+        version: of this package.
+    """
+
+    robot_sha256: str
+    policy_sha256: str
+    proof_sha256: str | None
+    proof_verdict: str | None
+    spec: str
+    version: str
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """Everything an exported controller is made of.
+
+    Attributes:
+        robot: the model the controller believes in.
+        gait: policy and region.
+        controllers: by name of the law; alike but for the law.
+        safeguard: thresholds of faults.
+        origin: where it comes from.
+    """
+
+    robot: PlanarBiped
+    gait: Gait
+    controllers: Mapping[str, Controller]
+    safeguard: SafeguardConfig
+    origin: Origin
+
+    @classmethod
+    def of(
+        cls,
+        robot: PlanarBiped,
+        gait: Gait,
+        laws: Mapping[str, AbstractLaw],
+        z2_range: tuple[float, float],
+        origin: Origin,
+        safeguard: SafeguardConfig | None = None,
+    ) -> "Design":
+        """The design of a gait under some laws.
+
+        Args:
+            robot: the model the controller believes in.
+            gait: policy and region.
+            laws: by name.
+            z2_range: momenta of the region (kg m^2/s).
+            origin: where it comes from.
+            safeguard: thresholds, the defaults if None.
+        """
+        controllers = {
+            name: Controller.init(robot, gait.policy, law, z2_range=z2_range)
+            for name, law in laws.items()
+        }
+        return cls(robot, gait, controllers, safeguard or SafeguardConfig(), origin)
+
+    @property
+    def controller(self) -> Controller:
+        """Any of the controllers, for what they share."""
+        return next(iter(self.controllers.values()))
+
+    @property
+    def leg_joints(self) -> int:
+        """Joints of a leg, its hip included."""
+        return self.robot.n // 2
+
+    def by_leg(self, actuated: Actuated) -> Float[np.ndarray, "2 k"]:
+        """Values of actuated coordinates by leg, leg 0 in stance."""
+        return np.asarray(leg_joints(self.robot, jnp.asarray(actuated), jnp.zeros((), jnp.int32)))

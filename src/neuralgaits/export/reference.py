@@ -1,0 +1,157 @@
+"""What the Python controller does with the cases: the other side of every comparison."""
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array
+from neuralgaits.control import ControllerState, step
+from neuralgaits.control.controller import Controller
+from neuralgaits.control.law import Desired
+from neuralgaits.control.measurement import Measurement
+from neuralgaits.control.safeguard import Fault, SafeguardConfig, SafeguardState, check, guard
+from neuralgaits.control.stance import StanceState
+from neuralgaits.export.cases import NEVER, Cases
+from neuralgaits.export.facts import Design
+from neuralgaits.export.programs import path
+
+_ROWS = 4096
+"""Cases evaluated at once; another number would be compiled again."""
+
+
+Ticks = Callable[..., dict[str, Array]]
+"""(columns of cases, measurements) to columns of `Results`."""
+
+
+class Results(NamedTuple):
+    """What a tick gave, in the order of `write_result` in `c/check.c`; N rows."""
+
+    fault: np.ndarray
+    leg: np.ndarray
+    touchdown: np.ndarray
+    saturated: np.ndarray
+    since: np.ndarray
+    ticks: np.ndarray
+    elapsed: np.ndarray
+    airborne: np.ndarray
+    z: np.ndarray
+    y_d: np.ndarray
+    dy_d: np.ndarray
+    actuated: np.ndarray
+    torque: np.ndarray
+    motors: np.ndarray
+
+
+def results_of(rows: np.ndarray, m: int) -> Results:
+    """Split rows that C wrote. `m` is the number of actuated joints."""
+    joints = (rows.shape[1] - 10 - 3 * m) // 2
+    widths = [1] * 8 + [2, m, m, m, joints, joints]
+    parts = np.split(rows, np.cumsum(widths)[:-1], axis=1)
+    return Results(*(part[:, 0] if part.shape[1] == 1 else part for part in parts))
+
+
+class Reference:
+    """The Python side of a design, compiled once for rows of a fixed number."""
+
+    def __init__(self, design: Design):
+        """Nothing is compiled before it is asked for."""
+        self._design = design
+        self._ticks = {
+            number: _compiled(design, controller)
+            for number, controller in enumerate(design.controllers.values())
+        }
+
+    def evaluate(self, cases: Cases) -> Results:
+        """Run the controller and its safeguard on every case."""
+        parts, order = [], []
+        for number, tick in self._ticks.items():
+            which = np.flatnonzero(cases.law == number)
+            for start in range(0, which.size, _ROWS):
+                chosen = which[start : start + _ROWS]
+                order.append(chosen)
+                parts.append(self._some(tick, cases.take(np.resize(chosen, _ROWS)), chosen.size))
+        back = np.argsort(np.concatenate(order))
+        return Results(*(np.concatenate(columns)[back] for columns in zip(*parts, strict=True)))
+
+    def _some(self, tick: Ticks, cases: Cases, wanted: int) -> Results:
+        arrays = {field.name: getattr(cases, field.name) for field in fields(cases)}
+        found = tick(arrays, cases.measurement(self._design))
+        rows = {name: np.asarray(column)[:wanted] for name, column in found.items()}
+        result = Results(**{name: column.astype(np.float64) for name, column in rows.items()})
+        torque = result.torque.reshape(wanted, -1)
+        gears = np.reshape(self._design.robot.layout.gears, -1)
+        return result._replace(torque=torque, motors=torque / gears)
+
+
+def policy_path(design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray) -> np.ndarray:
+    """Outputs, rates, slopes and drift of the policy. Returns: [N, 4, m]."""
+
+    @jax.jit
+    @jax.vmap
+    def ask(*points):
+        found = path(design.gait.policy)(*points)
+        return jnp.stack([found[name] for name in ("y", "dy", "slope", "drift")])
+
+    return np.asarray(ask(z, dz, ddz))
+
+
+def _compiled(design: Design, controller: Controller) -> Ticks:
+    """The guarded tick of one law, for many cases."""
+
+    @jax.jit
+    @jax.vmap
+    def tick(case: dict[str, jax.Array], measurement: Measurement) -> dict[str, Array]:
+        state = ControllerState(
+            StanceState(case["leg"].astype(jnp.int32), case["since"]),
+            case["ticks"].astype(jnp.int32),
+            Desired(case["held_y"], case["held_dy"], case["held_slope"], case["held_drift"]),
+        )
+        safe = SafeguardState(
+            case["running"] != 0,
+            1e-6 * case["last_us"],
+            case["elapsed"],
+            case["posture"],
+            case["torque"],
+            case["airborne"],
+            case["fault"].astype(jnp.int32),
+        )
+        limit = float(np.max(controller.torque_limit))
+        swing = 2.0 * limit / case["torque_rate"]
+        config = replace(design.safeguard, blend_s=case["blend_s"], torque_swing_s=swing)
+        return _tick(controller, config, state, safe, measurement)
+
+    return tick
+
+
+def _tick(
+    controller: Controller,
+    config: SafeguardConfig,
+    state: ControllerState,
+    safe: SafeguardState,
+    measurement: Measurement,
+) -> dict[str, Array]:
+    """Columns of `Results`; after a fault only torque, leg and fault mean something."""
+    safe, fault = check(controller, config, safe, measurement)
+    after, command = step(controller, state, measurement)
+    safe, torque = guard(controller, config, safe, measurement, command)
+    stopped = fault != Fault.NONE
+    return dict(
+        fault=fault,
+        leg=jnp.where(stopped, state.stance.leg, command.leg),
+        touchdown=command.touchdown,
+        saturated=command.saturated,
+        since=jnp.minimum(command.since_touchdown, NEVER),
+        ticks=after.ticks_to_policy,
+        elapsed=safe.elapsed,
+        airborne=safe.airborne,
+        z=command.z,
+        y_d=command.y_d,
+        dy_d=command.dy_d,
+        actuated=command.actuated,
+        torque=torque,
+        motors=torque,
+    )

@@ -1,0 +1,78 @@
+"""Recorded operations on their way to C."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+LOOPED = frozenset("add sub mul div neg square sin cos tanh logistic exp log1p".split())
+"""Operations of one element each: they share loops."""
+GATHERED = frozenset(("sum", "inner"))
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """One recorded value.
+
+    Attributes:
+        number: of the value, in the order of evaluation.
+        kind: of the operation, or `input` or `constant`.
+        operands: earlier values.
+        size: number of elements.
+        index: of `move`, positions in the concatenated operands.
+        columns: of `affine`, columns of the right-hand matrix.
+        name: of an input or a constant.
+        array: of a constant.
+    """
+
+    number: int
+    kind: str
+    operands: tuple["Node", ...]
+    size: int
+    index: tuple[int, ...] = ()
+    columns: int = 1
+    name: str | None = None
+    array: np.ndarray | None = None
+
+    @property
+    def data(self) -> np.ndarray:
+        """Numbers of a constant. [size]."""
+        assert self.array is not None
+        return self.array
+
+    @property
+    def lasting(self) -> bool:
+        """Whether the value stands in an argument or a table."""
+        return self.kind in ("input", "constant")
+
+    def sources(self) -> Iterator[tuple["Node", int]]:
+        """Of a `move`: for each element, the operand it comes from and its place there."""
+        ends = np.cumsum([operand.size for operand in self.operands])
+        for i in self.index:
+            which = int(np.searchsorted(ends, i, side="right"))
+            operand = self.operands[which]
+            yield operand, i - int(ends[which]) + operand.size
+
+    def slice(self) -> tuple["Node", int] | None:
+        """Of a `move`: the operand and first place if it is a contiguous part of one."""
+        found = list(self.sources())
+        source, start = found[0]
+        same = all(operand is source for operand, _ in found)
+        places = [place for _, place in found]
+        return (source, start) if same and places == [*range(start, start + self.size)] else None
+
+    @property
+    def view(self) -> bool:
+        """Whether the value is read where its only operand stands, not computed."""
+        return self.kind == "move" and len({id(operand) for operand, _ in self.sources()}) == 1
+
+    def bases(self) -> Iterator[tuple["Node", bool]]:
+        """What is read for this value as an operand: nodes, and whether at the same element."""
+        if not self.view:
+            yield self, True
+            return
+        start = self.slice()
+        straight = start is not None and start[1] == 0 and self.size > 1
+        source = next(self.sources())[0]
+        for base, same in source.bases():
+            yield base, same and straight
