@@ -146,6 +146,31 @@ class Refine:
 
 
 @dataclass(frozen=True)
+class Episodes:
+    """Walk, learn what the model misses, refine the policy, and walk again."""
+
+    robot: Robot
+    """The model: name of a built-in robot, or path of an MJCF file."""
+    plant: Annotated[str | None, arg(metavar="ROBOT")] = None
+    """Robot that walks, in simulation."""
+    disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
+    """Further differences between plant and model, as in torso_shift_m=-0.02."""
+    controller: Annotated[Literal["pd", "fblin"] | None, arg(metavar="{pd,fblin}")] = None
+    """Joint PD (if not given), or input-output linearisation with the model."""
+    logs: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Folder of a robot's own logs in place of a plant: DIR/round-0/*.csv and so on."""
+    rounds: Annotated[int | None, arg(metavar="N")] = None
+    """Rounds of learning and refining; 2 if not given."""
+    seed: Annotated[int | None, arg(metavar="N")] = None
+    """Seed of everything random; 0 if not given."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Folder to make, instead of runs/episodes/ROBOT/<time>-<seed>."""
+    resume: Annotated[str | None, arg(metavar="RUN")] = None
+    """Episodes to go on with (their folder, or latest), or a trained run to begin with."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Export:
     """Write the gait as a controller in C, compile it and compare it with Python."""
 
@@ -183,7 +208,19 @@ class Doctor:
     output: Annotated[Output, arg(name="")] = Output()
 
 
-Verb = Train | Simulate | Certify | CheckProof | Fit | Refine | Export | Inspect | Robots | Doctor
+Verb = (
+    Train
+    | Simulate
+    | Certify
+    | CheckProof
+    | Fit
+    | Refine
+    | Episodes
+    | Export
+    | Inspect
+    | Robots
+    | Doctor
+)
 
 _NAMED = (
     Annotated[Train, subcommand("train")]
@@ -192,6 +229,7 @@ _NAMED = (
     | Annotated[CheckProof, subcommand("check-proof")]
     | Annotated[Fit, subcommand("fit")]
     | Annotated[Refine, subcommand("refine")]
+    | Annotated[Episodes, subcommand("episodes")]
     | Annotated[Export, subcommand("export")]
     | Annotated[Inspect, subcommand("inspect")]
     | Annotated[Robots, subcommand("robots")]

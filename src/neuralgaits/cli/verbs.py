@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.cli import learning_screen, screen
+from neuralgaits.cli import episodes_screen, learning_screen, screen
 from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
     Doctor,
+    Episodes,
     Export,
     Fit,
     Inspect,
@@ -62,6 +63,8 @@ def carry_out(verb: Verb) -> Outcome:
             return _fit(verb)
         case Refine():
             return _refine(verb)
+        case Episodes():
+            return _episodes(verb)
         case Export():
             return _export(verb)
         case Inspect():
@@ -209,6 +212,25 @@ def _refine(verb: Refine) -> Outcome:
     proof = run.summary["certificate"]
     proved = proof is None or proof["verdict"] == "proved"
     return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
+
+
+def _episodes(verb: Episodes) -> Outcome:
+    from neuralgaits.cli.progress import TrainingProgress
+    from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.episodes import episodes
+
+    names = ("disturb", "controller", "logs", "seed", "out", "plant")
+    given = {name: value for name in names if (value := getattr(verb, name)) is not None}
+    robot = load_robot(verb.robot)
+
+    def tell(number: int, what: str) -> None:
+        print(f"round {number}: {what}", file=sys.stderr)
+
+    with TrainingProgress() as progress:
+        done = episodes(
+            robot, rounds=verb.rounds, resume=verb.resume, progress=progress, tell=tell, **given
+        )
+    return Outcome(done.summary, done.walks is not False, episodes_screen.show_episodes)
 
 
 def _export(verb: Export) -> Outcome:

@@ -10,14 +10,17 @@ from neuralgaits.simulation.tick import Record
 class Recorder:
     """Records of all episodes, given to `walk` as its `watch`."""
 
-    def __init__(self):
+    def __init__(self, longest: int | None = None):
+        """Keep the first `longest` ticks of each episode, all of them if None."""
+        self._longest = longest
         self._ticks: list[Record] = []
         self._active: list[Int[np.ndarray, " a"]] = []
 
     def __call__(self, record: Record, active: Int[np.ndarray, " a"]) -> None:
         """Keep one tick of all episodes, `active` being those that are still running."""
-        self._ticks.append(record)
-        self._active.append(active)
+        if self._longest is None or len(self._ticks) < self._longest:
+            self._ticks.append(record)
+            self._active.append(active)
 
     def record(self, episode: int) -> Record:
         """Record of one episode up to its end; every leaf has a leading axis of ticks."""

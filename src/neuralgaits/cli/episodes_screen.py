@@ -1,0 +1,75 @@
+"""Rounds of episodes as a table for a person, on stdout."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+_HEAD = (
+    "round",
+    "steps walked",
+    "stay up",
+    "from 0.8-1.2 of the speed",
+    "speeds held m/s",
+    "in tube",
+    "held-out error",
+    "model's error",
+    "loss",
+)
+
+
+def show_episodes(result: Mapping[str, Any]) -> None:
+    """A line a round, and what to do next."""
+    rounds = result["rounds"]
+    if rounds and rounds[-1]["share_that_walks"] is not None:
+        share = rounds[-1]["share_that_walks"]
+        verdict = Text("walks", "green") if share >= 0.9 else Text("falls", "red")
+        text = f": {_percent(share)} of the walks of round {rounds[-1]['round']} stayed up"
+        _print(Text.assemble(verdict, text))
+    table = Table(*_HEAD, box=None, pad_edge=False, header_style="bold")
+    for entry in rounds:
+        table.add_row(
+            str(entry["round"]),
+            _span(entry["steps_walked"]),
+            _percent(entry["share_that_walks"]),
+            _percent(entry["share_of_speeds"]),
+            _range(entry["speed_range_m_s"]),
+            _percent(entry["barriers"]["tube"]),
+            _number(entry["heldout_error"]),
+            _number(entry["nominal_heldout_error"]),
+            _number(entry["loss"]),
+        )
+    _print(table)
+    for entry in rounds:
+        if entry["reason"]:
+            _print(Text(f"round {entry['round']}: nothing learned: {entry['reason']}"))
+    facts = Table(box=None, pad_edge=False, show_header=False)
+    for name in ("figure", "run"):
+        facts.add_row(name, result[name])
+    if result["waiting_for"]:
+        facts.add_row("next", f"walk {result['run']} on the robot, put its logs into")
+        facts.add_row("", f"{result['waiting_for']}, then --resume {result['episodes']}")
+    _print(facts)
+
+
+def _print(item: Table | Text) -> None:
+    Console(highlight=False).print(item)
+
+
+def _span(steps: list[int]) -> str:
+    low, high = min(steps), max(steps)
+    return f"{low}" if low == high else f"{low} to {high}"
+
+
+def _range(speeds: list[float] | None) -> str:
+    return "-" if speeds is None else f"{speeds[0]:.2f} to {speeds[1]:.2f}"
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100.0 * share:.0f} %"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"

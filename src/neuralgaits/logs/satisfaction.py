@@ -1,0 +1,159 @@
+"""Conditions of a spec judged on what was measured: on rows of logs, not on the zero dynamics.
+
+Only quantities that a log knows are judged: posture, rates, torques, the swing foot and z, but
+neither contact forces nor impulses. Of a barrier it is asked that h >= 0 where the robot was.
+"""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any, NamedTuple, cast
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Bool, Coordinates, Float, Planar, ZeroState
+from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwise
+from neuralgaits.gait import Point
+from neuralgaits.gait.coordinates import zero_coordinates
+from neuralgaits.logs.strides import SETTLING_S
+from neuralgaits.logs.table import Log
+from neuralgaits.robots import PlanarBiped, dynamics
+
+BLOCK = 2048
+"""Rows judged at once: one compiled shape for logs of any length."""
+
+
+class Satisfaction(NamedTuple):
+    """Shares of the judged rows, all logs together."""
+
+    rows: int
+    """Judged: from SETTLING_S after each touchdown."""
+    tube: float
+    """Between the fences and between start of the step and guard."""
+    all: float
+    """There, with every condition that a log can judge held as well."""
+    conditions: dict[str, float]
+    """Of the rows at the phases of a condition's region, those where it held."""
+
+
+class _NotLogged(Exception):
+    """A quantity that no log holds."""
+
+
+class _Row:
+    """What a log knows of one row, under the names that conditions read of a `Point`."""
+
+    def __init__(self, robot: PlanarBiped, gait: Gait, q: Coordinates, dq: Coordinates, torque):
+        self.robot, self.policy = robot, gait.policy
+        self.q, self.dq, self.torque = q, dq, torque
+        self.z = zero_coordinates(robot, q, dq)
+
+    @cached_property
+    def theta(self) -> Coordinates:
+        return self.robot.link_angles @ self.q
+
+    @cached_property
+    def dz(self) -> ZeroState:
+        fall = self.robot.mass * self.robot.gravity * self.robot.centre_of_mass(self.q)[0]
+        return jnp.stack([self.robot.hip_gradient @ self.dq, fall])
+
+    @cached_property
+    def foot(self) -> Planar:
+        return dynamics.swing_foot(self.robot, self.q)
+
+    @cached_property
+    def foot_velocity(self) -> Planar:
+        return dynamics.swing_foot_velocity(self.robot, self.q, self.dq)
+
+    def __getattr__(self, name: str) -> Any:
+        raise _NotLogged(name)
+
+
+def satisfaction(
+    logs: Sequence[Log], robot: PlanarBiped, gait: Gait, spec: GaitSpec
+) -> Satisfaction:
+    """Judge logged walks by the conditions their gait was trained for.
+
+    Args:
+        logs: walks of the robot's joints.
+        robot: the run's own model, which says what z is.
+        gait: that walked.
+        spec: its conditions; those on the guard and on the fences are left out.
+    """
+    chosen = [log.only(_settled(log)) for log in logs]
+    parts = [np.concatenate([log.q, log.dq, log.tau], axis=1) for log in chosen]
+    rows = np.concatenate([np.zeros((0, 3 * robot.n - 1)), *parts])
+    conditions = _judged(robot, gait, spec)
+    if not len(rows):
+        return Satisfaction(0, 0.0, 0.0, {})
+    judge = _judge_of(tuple(conditions))
+    padded = np.concatenate([rows, np.repeat(rows[-1:], -len(rows) % BLOCK, axis=0)])
+    found = [judge(robot, gait, part) for part in padded.reshape(-1, BLOCK, rows.shape[1])]
+    charts, held = (np.concatenate(part)[: len(rows)] for part in zip(*found, strict=True))
+    phase, level = charts.T
+    inside = (phase >= 0.0) & (phase <= 1.0) & (level >= 0.0) & (level <= 1.0)
+    shares, good = {}, inside.copy()
+    for column, condition in enumerate(conditions):
+        due = _due(spec, condition, phase)
+        good &= held[:, column] | ~due
+        if due.any():
+            shares[condition.name] = float(np.mean(held[due, column]))
+    return Satisfaction(len(rows), float(np.mean(inside)), float(np.mean(good)), shares)
+
+
+def _settled(log: Log) -> Bool[np.ndarray, " k"]:
+    """Rows from SETTLING_S after the last change of the stance leg."""
+    begins = np.concatenate([[True], log.stance[1:] != log.stance[:-1]])
+    return log.t - np.maximum.accumulate(np.where(begins, log.t, -np.inf)) >= SETTLING_S
+
+
+def _due(spec: GaitSpec, condition: AbstractCondition, phase: Float[np.ndarray, " k"]):
+    """Rows at the phases of a condition's region."""
+    boxes = spec.regions[condition.region]
+    return np.any([(phase >= box.low[0]) & (phase <= box.high[0]) for box in boxes], axis=0)
+
+
+def _judged(robot: PlanarBiped, gait: Gait, spec: GaitSpec) -> list[Pointwise | Barrier]:
+    """Conditions on a region with area whose quantity a log knows."""
+    chosen = []
+    for condition in spec.conditions:
+        boxes = spec.regions[condition.region]
+        curve = any(low == high for box in boxes for low, high in zip(*box, strict=True))
+        if not curve and isinstance(condition, Pointwise | Barrier):
+            if _is_logged(condition, robot, gait):
+                chosen.append(condition)
+    return chosen
+
+
+def _is_logged(condition: Pointwise | Barrier, robot: PlanarBiped, gait: Gait) -> bool:
+    still = np.zeros(robot.n)
+    try:
+        jax.eval_shape(lambda: _value(condition, _Row(robot, gait, still, still, still[1:])))
+    except _NotLogged:
+        return False
+    return True
+
+
+def _value(condition: Pointwise | Barrier, row: _Row) -> Array:
+    """G or h of a condition. A row stands in for the point data as far as a log knows them."""
+    return condition.function(cast(Point, row))
+
+
+def _judge_of(conditions: tuple[Pointwise | Barrier, ...]):
+    """(robot, gait, rows [b, 3n - 1]) to charts [b, 2] and what holds [b, conditions]."""
+
+    @eqx.filter_jit
+    def judge(robot: PlanarBiped, gait: Gait, rows: Array) -> tuple[Array, Array]:
+        def one(values: Array) -> tuple[Array, Array]:
+            q, dq, torque = jnp.split(values, [robot.n, 2 * robot.n])
+            row = _Row(robot, gait, q, dq, torque)
+            held = [jnp.all(_value(condition, row) >= 0.0) for condition in conditions]
+            chart = jnp.stack([gait.phase(row.z[0]), gait.level(row.z)])
+            return chart, jnp.stack(held)
+
+        return jax.vmap(one)(rows)
+
+    return judge

@@ -1,0 +1,94 @@
+"""Figure of episodes: what changed from round to round."""
+
+import json
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from neuralgaits.runs import write_bytes
+
+_BLUE, _GREY, _GREEN, _ORANGE = "#2166ac", "#878787", "#1b7837", "#e08214"
+
+
+def draw_file(summary: Path, figure: Path) -> Path:
+    """Draw a saved summary of episodes. Returns: the path of the PNG file."""
+    drawn = draw(json.loads(summary.read_text()))
+    buffer = BytesIO()
+    FigureCanvasAgg(drawn).print_png(buffer)
+    write_bytes(figure, buffer.getvalue())
+    return figure
+
+
+def draw(summary: dict[str, Any]) -> Figure:
+    """Steps walked, speeds held, barriers held and held-out error, over the rounds."""
+    rounds = summary["rounds"]
+    numbers = [entry["round"] for entry in rounds]
+    figure = Figure(figsize=(9.0, 6.5), dpi=150, layout="constrained")
+    axes = figure.subplots(2, 2)
+    _steps(axes[0, 0], rounds)
+    _speeds(axes[0, 1], rounds)
+    _barriers(axes[1, 0], rounds)
+    _errors(axes[1, 1], rounds)
+    for part in axes.flat:
+        part.set(xlabel="round (0: trained on the model alone)", xticks=numbers)
+        part.set_xlim(min(numbers, default=0) - 0.5, max(numbers, default=0) + 0.5)
+    figure.suptitle(_title(summary), fontsize=11)
+    return figure
+
+
+def _title(summary: dict[str, Any]) -> str:
+    where = summary["plant"] or f"logs of {summary['logs']}"
+    return f"policy for {summary['robot']}, walked on {where}, controller {summary['controller']}"
+
+
+def _steps(axes: Axes, rounds: list[dict[str, Any]]) -> None:
+    for entry in rounds:
+        walked = np.asarray(entry["steps_walked"])
+        spread = np.linspace(-0.2, 0.2, len(walked))
+        axes.plot(entry["round"] + spread, walked, "o", color=_BLUE, markersize=4)
+    axes.set(title="one dot a walk", ylabel="steps walked")
+    axes.set_ylim(bottom=0)
+
+
+def _speeds(axes: Axes, rounds: list[dict[str, Any]]) -> None:
+    for entry in rounds:
+        span = entry["speed_range_m_s"]
+        if span is not None:
+            axes.plot([entry["round"]] * 2, span, "-_", color=_GREEN, linewidth=4, markersize=14)
+        else:
+            axes.annotate("none", (entry["round"], 0.02), ha="center", color=_GREY)
+    axes.set(title="speeds at mid-step it walks on from", ylabel="hip speed dz1 [m/s]")
+    axes.set_ylim(bottom=0)
+
+
+def _barriers(axes: Axes, rounds: list[dict[str, Any]]) -> None:
+    numbers = [entry["round"] for entry in rounds]
+    lowest = [min(entry["barriers"]["conditions"].values(), default=0.0) for entry in rounds]
+    for label, colour, shares in (
+        ("inside the tube", _BLUE, [entry["barriers"]["tube"] for entry in rounds]),
+        ("and every logged condition", _GREEN, [entry["barriers"]["all"] for entry in rounds]),
+        ("the worst condition", _ORANGE, lowest),
+    ):
+        axes.plot(numbers, 100.0 * np.asarray(shares), "o-", color=colour, label=label)
+    axes.set(title="measured on the robot", ylabel="share of logged time [%]", ylim=(0, 105))
+    axes.legend(fontsize=8, loc="lower right")
+
+
+def _errors(axes: Axes, rounds: list[dict[str, Any]]) -> None:
+    for name, label, colour in (
+        ("nominal_heldout_error", "model alone", _GREY),
+        ("binned_floor", "best table over z", _ORANGE),
+        ("heldout_error", "with what was learned", _BLUE),
+    ):
+        known = [(entry["round"], entry[name]) for entry in rounds if entry[name] is not None]
+        if known:
+            axes.plot(*np.transpose(known), "o-", color=colour, label=label)
+    axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z [-]")
+    axes.set_ylim(bottom=0)
+    if axes.lines:
+        axes.legend(fontsize=8)

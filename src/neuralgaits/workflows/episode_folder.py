@@ -1,0 +1,197 @@
+"""Episodes on disk: what was asked, and one folder a round.
+
+episodes.json   what was asked        robot.xml, plant.xml   the models
+summary.json    what came out         start/                 a run to begin with, if any
+round-K/        the run of the round's policy, with its residual
+round-K/walks/  summary.json and logs/*.csv of its walks
+"""
+
+import json
+import shutil
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.runs import plain, write_text
+from neuralgaits.runs.latest import LATEST
+from neuralgaits.runs.plain import to_json
+from neuralgaits.workflows.run import Run
+
+ASKED, SUMMARY = "episodes.json", "summary.json"
+ROBOT, PLANT = "robot.xml", "plant.xml"
+FORMAT = 1
+"""Version of this layout; others are refused."""
+HOME = "episodes"
+"""Folder below the root of the runs."""
+
+
+@dataclass(frozen=True)
+class EpisodeFolder:
+    """Episodes that have begun.
+
+    Attributes:
+        path: the folder.
+        config: what was asked.
+        robot: the model.
+        plant: robot that walks in simulation; None if a real one's logs are given.
+    """
+
+    path: Path
+    config: dict[str, Any]
+    robot: PlanarBiped
+    plant: PlanarBiped | None
+
+    @classmethod
+    def create(
+        cls,
+        asked: Mapping[str, Any],
+        start: Run | None,
+        *,
+        out: str | Path | None,
+        root: Path,
+    ) -> "EpisodeFolder":
+        """Make a new folder; `episodes.json` comes last.
+
+        Args:
+            asked: every setting; robots as such.
+            start: run to begin with, or None.
+            out: the folder; `root/episodes/ROBOT/<UTC time>-<seed>` if None.
+            root: folder of the runs.
+
+        Raises: RunError if `out` is taken.
+        """
+        robot, plant = asked["robot"], asked["plant"]
+        path = _new(root / HOME / robot.name, asked["seed"]) if out is None else _claim(Path(out))
+        write_text(path / ROBOT, robot.layout.xml)
+        if plant is not None:
+            write_text(path / PLANT, plant.layout.xml)
+        if start is not None:
+            _copy_run(start.path, path / "round-0")
+        names = {"robot": robot.name, "plant": plant and plant.name}
+        config = plain({"format": FORMAT, **asked, **names, "start": start and str(start.path)})
+        write_text(path / ASKED, to_json(config))
+        return cls(path, config, robot, plant)
+
+    @classmethod
+    def find(cls, place: str | Path, root: Path) -> "EpisodeFolder | None":
+        """Open the episodes that a caller means, `latest` being those that began last.
+
+        Returns: None if the place holds something else. Raises: RunError if they are damaged.
+        """
+        if str(place) == LATEST:
+            begun = [*(root / HOME).glob(f"*/*/{ASKED}")]
+            if not begun:
+                raise RunError(
+                    f"expected episodes below {root / HOME}, found none: leave --resume out"
+                )
+            place = max(begun, key=lambda file: file.stat().st_mtime_ns).parent
+        path = Path(place)
+        if not (path / ASKED).is_file():
+            return None
+        config = _read(path / ASKED)
+        if config.get("format") != FORMAT:
+            raise RunError(
+                f"expected episodes of format {FORMAT} in {path}, found {config.get('format')!r}: "
+                "begin new ones"
+            )
+        robot = robot_from_text((path / ROBOT).read_text(), config["robot"])
+        plant = None
+        if config["plant"] is not None:
+            plant = robot_from_text((path / PLANT).read_text(), config["plant"])
+        return cls(path, config, robot, plant)
+
+    def gone_on_with(self, asked: Mapping[str, Any], out: str | Path | None) -> "EpisodeFolder":
+        """The same episodes, with more rounds if so many are asked for.
+
+        Args:
+            asked: settings; None where the caller left them out.
+            out: must be None.
+
+        Raises: InputError if a setting differs from the one they were begun with.
+        """
+        if out is not None:
+            raise InputError(f"expected --resume without --out, found {out}: drop one of the two")
+        rounds = asked["rounds"]
+        for name, value in asked.items():
+            own = self.config[name]
+            if isinstance(value, PlanarBiped):
+                kept = {"robot": self.robot, "plant": self.plant}[name]
+                same, value = kept and kept.layout.xml == value.layout.xml, value.name
+            elif name == "rounds":
+                same = value is None or value >= own
+            else:
+                same = value is None or value == own
+            if not same:
+                raise InputError(
+                    f"expected the {name} that {self.path} was begun with, {own}, found {value}: "
+                    "episodes go on with their own settings; leave it out, or begin new ones"
+                )
+        if rounds is None or rounds == self.config["rounds"]:
+            return self
+        config = self.config | {"rounds": rounds}
+        write_text(self.path / ASKED, to_json(config))
+        return replace(self, config=config)
+
+    def round(self, number: int) -> Path:
+        """Run folder of a round."""
+        return self.path / f"round-{number}"
+
+    def walks(self, number: int) -> Path:
+        """Summary of a round's walks."""
+        return self.round(number) / "walks" / SUMMARY
+
+    def write(self, file: str | Path, value: Any) -> None:
+        """Save JSON, whole or not at all; `file` is relative to the folder, or a path in it."""
+        write_text(self.path / file, to_json(value))
+
+    def read(self, file: str | Path) -> dict[str, Any]:
+        """Read JSON of `write`. Raises: RunError if it is damaged."""
+        return _read(self.path / file)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return json.loads(path.read_bytes())
+    except (OSError, ValueError) as error:
+        raise RunError(
+            f"expected JSON in {path}, found a damaged file ({error}): delete its round and resume"
+        ) from None
+
+
+def _copy_run(source: Path, place: Path) -> None:
+    """Files of a trained run, without the folders of what was made of it later."""
+
+    def folders(folder: str, names: list[str]) -> list[str]:
+        return [name for name in names if (Path(folder) / name).is_dir()]
+
+    shutil.copytree(source, place, ignore=folders)
+
+
+def _claim(out: Path) -> Path:
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        found = "a folder with files in it" if out.is_dir() else "a file"
+        raise RunError(
+            f"expected a new or empty folder for the episodes, found {found} at {out}: choose "
+            "another --out, or --resume those episodes"
+        )
+    out.mkdir(parents=True, exist_ok=True)
+    return out
+
+
+def _new(parent: Path, seed: int) -> Path:
+    """Make a folder named after this second; making it is what claims the name."""
+    parent.mkdir(parents=True, exist_ok=True)
+    while True:
+        path = parent / f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}-{seed}"
+        try:
+            path.mkdir()
+        except FileExistsError:
+            time.sleep(0.05)
+        else:
+            return path
