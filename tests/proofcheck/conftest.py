@@ -1,5 +1,7 @@
-"""The C++ checker, built once, and what tests ask it."""
+"""The C++ checker, built once, what tests ask it, and the default gait's proof."""
 
+import copy
+import json
 import os
 import shutil
 import subprocess
@@ -7,15 +9,19 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-# Tests of this folder share the helper module beside them, and the random robots.
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "robots")]
+# Tests of this folder share the helper module beside them, the random robots, and altered proofs.
+TESTS = Path(__file__).parents[1]
+sys.path[:0] = [str(TESTS / "proofcheck"), str(TESTS / "robots"), str(TESTS / "certificate")]
 
 SOURCE = Path(__file__).parents[2] / "tools" / "proofcheck" / "proofcheck.cpp"
 FLAGS = "-std=c++17 -O1 -frounding-math -ffp-contract=off -Wall -Wextra -Werror".split()
 
+QUICK = 300
+"""Bits of the largest tree of a statement that is checked again and again."""
 Ask = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -32,6 +38,54 @@ def proofcheck(tmp_path_factory) -> Ask:
     def ask(*arguments: object, text: str = "") -> subprocess.CompletedProcess[str]:
         command = [str(program), *map(str, arguments)]
         return subprocess.run(command, input=text, capture_output=True, text=True, timeout=120)
+
+    return ask
+
+
+@pytest.fixture(scope="session")
+def certified(trained, tmp_path_factory):
+    """A copy of the default run, with its proof of levels 1 to 3."""
+    from neuralgaits.workflows.certify import certify
+    from neuralgaits.workflows.run import open_run
+
+    run = tmp_path_factory.mktemp("run") / "trained"
+    shutil.copytree(trained.path, run)
+    certify(run, level=3)
+    return open_run(run)
+
+
+@pytest.fixture(scope="session")
+def proof_file(certified) -> Path:
+    return certified.path / "certificate" / "proof.json"
+
+
+@pytest.fixture(scope="session")
+def proof(proof_file) -> dict[str, Any]:
+    return json.loads(proof_file.read_text())
+
+
+@pytest.fixture
+def spoilt(proof) -> dict[str, Any]:
+    """A copy to spoil, with the quick statements of level 1, from which nothing is concluded."""
+    table = copy.deepcopy(proof)
+    for theorem in table["theorems"]:
+        theorem["claimed"] = False
+    table["statements"] = [
+        s
+        for s in table["statements"]
+        if s["region"] in table["model"]["regions"] and len(s["tree"]) <= QUICK
+    ]
+    return table
+
+
+@pytest.fixture
+def asked(proofcheck, tmp_path):
+    """Runs the checker on a table or a text."""
+
+    def ask(table: Any):
+        path = tmp_path / "proof.json"
+        path.write_text(table if isinstance(table, str) else json.dumps(table))
+        return proofcheck(path)
 
     return ask
 

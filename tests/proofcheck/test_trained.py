@@ -1,46 +1,13 @@
-"""The default gait's proof: confirmed, and rejected once anything in it is not so."""
+"""The default gait's statements: confirmed, and rejected once anything in them is not so."""
 
 import base64
-import copy
 import json
-import shutil
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from neuralgaits.interpreters import Program
-from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
-
-
-@pytest.fixture(scope="module")
-def proof_file(trained, tmp_path_factory) -> Path:
-    run = tmp_path_factory.mktemp("run") / "trained"
-    shutil.copytree(trained.path, run)
-    certify(run, level=1)
-    return run / "certificate" / "proof.json"
-
-
-@pytest.fixture(scope="module")
-def proof(proof_file) -> dict[str, Any]:
-    return json.loads(proof_file.read_text())
-
-
-@pytest.fixture
-def spoilt(proof) -> dict[str, Any]:
-    return copy.deepcopy(proof)
-
-
-@pytest.fixture
-def asked(proofcheck, tmp_path):
-    def ask(table: Any):
-        path = tmp_path / "proof.json"
-        path.write_text(table if isinstance(table, str) else json.dumps(table))
-        return proofcheck(path)
-
-    return ask
 
 
 def claims(table):
@@ -60,20 +27,23 @@ def constant(table, name: str, change) -> None:
     row[2] = base64.b64encode(change(array).tobytes()).decode()
 
 
-def test_the_default_proof_is_confirmed(proofcheck, proof_file, proof, trained):
-    """By both checkers, statement by statement, with the meaning in words."""
+def test_the_default_proof_is_confirmed(proofcheck, proof_file, proof):
+    """Statement by statement, with the meaning in words, and what follows from them."""
     answer = proofcheck(proof_file)
     assert answer.returncode == 0, answer.stdout
     lines = [line.strip() for line in answer.stdout.splitlines()]
-    assert lines[-1].startswith(f"proved: {len(trained.spec.conditions)} claims")
     for name in claims(proof):
-        assert sum(line.startswith(f"{name}: ") and ">=" in line for line in lines) == 1
-    (torso,) = [line for line in lines if line.startswith("torso-lower: ")]
-    assert "dh/dt + 10/s h >= 0." in torso and "torso angle" in torso and "rad/s" in torso
+        stated = sum(name in statement["conditions"] for statement in proof["statements"])
+        assert sum(line.startswith(f"{name}: ") and ">=" in line for line in lines) == stated
+    torso = [line for line in lines if line.startswith("torso-lower: ")]
+    assert "dh/dt + 10/s h >= 0." in torso[0]
+    assert "torso angle" in torso[0] and "rad/s" in torso[0]
+    assert ["level 2 proved", "level 3 proved"] == [x for x in lines if x.startswith("level ")]
+    assert lines[-1].startswith("proved: ") and "level 2, level 3" in lines[-1]
 
 
 def test_both_checkers_agree(asked, spoilt, tmp_path):
-    """On the smaller statements: the other one takes seconds for the rest."""
+    """On the smallest statements: the other one takes seconds for the rest."""
     spoilt["statements"] = [s for s in spoilt["statements"] if len(s["tree"]) < 60]
     assert asked(spoilt).returncode == 0
     assert check_proof(tmp_path / "proof.json")["verdict"] == "proved"
@@ -101,12 +71,7 @@ def heavier(table):
 
 
 def stricter(table):
-    table["model"]["conditions"]["torso-lower"]["quantity"]["bound"] = -0.1
-
-
-def weaker_torque(table):
-    for link in table["model"]["robot"]["leg"]:
-        link["torque_limit"] = (20.0).hex()
+    table["model"]["conditions"]["foot-ceiling"]["quantity"]["bound"] = 0.05
 
 
 def more(table):
@@ -114,7 +79,7 @@ def more(table):
         statement["bounds"] = {name: 1.3 * b + 0.01 for name, b in statement["bounds"].items()}
 
 
-FALSE = [leaner, lower_fence, heavier, stricter, weaker_torque, more]
+FALSE = [leaner, lower_fence, heavier, stricter, more]
 
 
 @pytest.mark.parametrize("change", FALSE, ids=lambda change: change.__name__)
@@ -138,7 +103,7 @@ INCONSISTENT = {
         "tree", t["statements"][1]["tree"] + "0"
     ),
     "tree too deep": no_width,
-    "scale": lambda t: claims(t)["torso-lower"]["scales"].__setitem__("torso-lower", 1.0),
+    "scale": lambda t: claims(t)["foot-ceiling"]["scales"].__setitem__("foot-ceiling", 1.0),
     "region": lambda t: claims(t)["foot-rises"].__setitem__("region", "tube"),
     "root": lambda t: claims(t)["foot-rises"]["root"].__setitem__("low", ["0x1p-4", "0x0p0"]),
     "spec": lambda t: t["model"]["conditions"].__setitem__(

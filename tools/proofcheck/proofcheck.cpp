@@ -2000,11 +2000,17 @@ string brief(double x) {
   return string(text, std::to_chars(text, text + sizeof text, x).ptr);
 }
 
-// Six digits, rounded down: minus x is printed in the upward mode that is set.
-string at_least(double x) {
+// A decimal that is not smaller: printed in the upward mode that is set.
+string at_most(double x, int digits = 6) {
   char text[40];
-  snprintf(text, sizeof text, "%.6g", -x);
-  return text[0] == '-' ? text + 1 : string("-") + text;
+  snprintf(text, sizeof text, "%.*g", digits, x);
+  return text;
+}
+
+// A decimal that is not larger.
+string at_least(double x, int digits = 6) {
+  const string text = at_most(-x, digits);
+  return text[0] == '-' ? text.substr(1) : "-" + text;
 }
 
 string unit_of(const Quantity& q) {
@@ -2513,6 +2519,15 @@ Output output_of(const string& what, const Condition& c, const WalkingSet& set) 
 // LEVEL/NAME: an output of a theorem. Others are conditions, whose bounds are not negative.
 bool of_theorem(const string& output) { return output.find('/') != string::npos; }
 
+string interval_words(double low, double high) {
+  return low == high ? brief(low) : "[" + brief(low) + ", " + brief(high) + "]";
+}
+
+string words_for(const Box& box) {
+  return " for phase in " + interval_words(box.low[0], box.high[0]) + " and level in " +
+         interval_words(box.low[1], box.high[1]);
+}
+
 struct Claim {
   string name;
   double scale = 1.0, bound = 0.0;
@@ -2584,23 +2599,17 @@ class Checker {
   Checker(const Model& model, const Theorems& theorems, const Statement& statement)
       : model_(model), theorems_(theorems), statement_(statement) {}
 
-  // Checks the statement on the leaves of its tree.
+  // A leaf that is undecided does not end the search for a point that breaks the statement.
   Finding run() {
     vector<const Claim*> known;
-    string unknown;
     for (const Claim& claim : statement_.claims) {
-      if (claim.output->unknown.empty()) known.push_back(&claim);
-      else unknown = claim.name + " cannot be checked here: " + claim.output->unknown;
+      const string& unknown = claim.output->unknown;
+      if (unknown.empty()) known.push_back(&claim);
+      else note(undecided, claim.name + " cannot be checked here: " + unknown);
     }
     if (!known.empty())
-      for (const Box& leaf : leaves(statement_)) {
-        prove(leaf, known, 0);
-        if (found_.verdict != proved) return found_;
-      }
-    if (!unknown.empty()) {
-      found_.verdict = undecided;
-      found_.reason = unknown;
-    }
+      for (const Box& leaf : leaves(statement_))
+        if (prove(leaf, known, 0) == rejected) break;
     return found_;
   }
 
@@ -2610,6 +2619,14 @@ class Checker {
   const Theorems& theorems_;
   const Statement& statement_;
   Finding found_;
+
+  Verdict note(Verdict verdict, const string& reason) {
+    if (verdict > found_.verdict) {
+      found_.verdict = verdict;
+      found_.reason = reason;
+    }
+    return verdict;
+  }
 
   vector<TM> evaluate(const Claim& claim, Place& at) {
     vector<TM> found = claim.output->margins(at);
@@ -2641,25 +2658,22 @@ class Checker {
     return left;
   }
 
-  void prove(const Box& box, const vector<const Claim*>& claims, int depth) {
+  Verdict prove(const Box& box, const vector<const Claim*>& claims, int depth) {
     const vector<const Claim*> left = failing(box, claims);
-    if (left.empty()) return;
+    if (left.empty()) return proved;
     for (const Claim* claim : left)
-      if (refuted(box, *claim)) return;
+      if (refuted(box, *claim)) return rejected;
     const vector<Box> parts = halves(box);
-    if (depth == kMoreSplits || parts.empty()) {
-      found_.verdict = undecided;
-      found_.reason = left[0]->name + " does not reach its bound for phase in [" +
-                      brief(box.low[0]) + ", " + brief(box.high[0]) + "] and level in [" +
-                      brief(box.low[1]) + ", " + brief(box.high[1]) + "] of region " +
-                      statement_.region + " after " + std::to_string(depth) +
-                      " more splits, and no point of it breaks it";
-      return;
-    }
+    if (depth == kMoreSplits || parts.empty())
+      return note(undecided, left[0]->name + " does not reach its bound" + words_for(box) +
+                                 " of region " + statement_.region + " after " +
+                                 std::to_string(depth) +
+                                 " more splits, and no point of it breaks it");
     for (const Box& part : parts) {
-      prove(part, left, depth + 1);
-      if (found_.verdict != proved) return;
+      const Verdict verdict = prove(part, left, depth + 1);
+      if (verdict != proved) return verdict;
     }
+    return proved;
   }
 
   // Whether the claim certainly fails at the centre or a corner of a box.
@@ -2675,10 +2689,9 @@ class Checker {
         Place here(model_, theorems_, {{at[0], at[1]}, {at[0], at[1]}});
         for (const TM& margin : evaluate(claim, here)) {
           if (!(range(margin).high() < least.low())) continue;
-          found_.verdict = rejected;
-          found_.reason = claim.name + " is " + at_least(range(margin).low()) + " at phase " +
-                          brief(at[0]) + ", level " + brief(at[1]) + " of region " +
-                          statement_.region + ", less than " + at_least(least.low());
+          note(rejected, claim.name + " is " + at_least(range(margin).low()) + " at phase " +
+                             brief(at[0]) + ", level " + brief(at[1]) + " of region " +
+                             statement_.region + ", less than " + at_least(least.low()));
           return true;
         }
       } catch (const NoBound&) {  // Nothing is certain at this point.
@@ -2710,17 +2723,6 @@ bool same(const Box& a, const Box& b) {
 }
 
 struct DoesNotFollow { string why; };
-
-string interval_words(double low, double high) {
-  return low == high ? brief(low) : "[" + brief(low) + ", " + brief(high) + "]";
-}
-
-// Six digits, rounded up.
-string at_most(double x) {
-  char text[40];
-  snprintf(text, sizeof text, "%.6g", x);
-  return text;
-}
 
 string listed(const vector<string>& names) {
   string all;
@@ -2834,8 +2836,8 @@ class Conclusions {
     if (!(low.high() < high.low())) throw DoesNotFollow{"a thin tube that is upside down"};
     return {why + ": there is one periodic orbit, and every trajectory of the undisturbed system in "
                   "T converges to it",
-            "at mid-step the orbit has z2 in [" + at_least(low.low()) + ", " +
-                at_most(high.high()) + "] kg m^2/s, and is known to " +
+            "at mid-step the orbit has z2 in [" + at_least(low.low(), 9) + ", " +
+                at_most(high.high(), 9) + "] kg m^2/s, and is known to " +
                 at_most(-bound("orbit/width", t.lower())) + " everywhere",
             "its multiplier is in [" + at_least(multiplier.low()) + ", " +
                 at_most(multiplier.high()) + "]"};
@@ -2849,20 +2851,16 @@ class Conclusions {
     for (const Statement& s : file_.statements)
       for (const Claim& claim : s.claims)
         if (claim.name == output && same(s.root_box, box)) return claim.least().low();
-    throw DoesNotFollow{"no statement about " + output + between(box)};
-  }
-  static string between(const Box& box) {
-    return " for phase in " + interval_words(box.low[0], box.high[0]) + " and level in " +
-           interval_words(box.low[1], box.high[1]);
+    throw DoesNotFollow{"no statement about " + output + words_for(box)};
   }
   double positive(const string& output, const Box& box) const {
     const double least = bound(output, box);
-    if (!(least > 0.0)) throw DoesNotFollow{output + between(box) + " is not above 0"};
+    if (!(least > 0.0)) throw DoesNotFollow{output + words_for(box) + " is not above 0"};
     return least;
   }
   void not_negative(const string& output, const Box& box) const {
     if (!(bound(output, box) >= 0.0))
-      throw DoesNotFollow{output + between(box) + " may be negative"};
+      throw DoesNotFollow{output + words_for(box) + " may be negative"};
   }
   bool stated(const string& output, const Box& box) const {
     try {
@@ -3352,10 +3350,8 @@ Finding check(const ProofFile& file, const Statement& s) {
   const Finding found = Checker(file.model, file.theorems, s).run();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   static const char* const words[] = {"proved", "undecided", "rejected"};
-  printf("%s: phase in %s, level in %s; %ld boxes, %.2f s: %s\n", s.region.c_str(),
-         interval_words(s.root_box.low[0], s.root_box.high[0]).c_str(),
-         interval_words(s.root_box.low[1], s.root_box.high[1]).c_str(), found.boxes,
-         taken.count(), words[found.verdict]);
+  printf("%s,%s; %ld boxes, %.2f s: %s\n", s.region.c_str(), words_for(s.root_box).c_str(),
+         found.boxes, taken.count(), words[found.verdict]);
   for (const Claim& claim : s.claims) {
     const Output& output = *claim.output;
     const string meaning = output.unknown.empty() ? output.words(claim.least().low())

@@ -81,6 +81,16 @@ class Base:
         table["statements"] = [s for s in table["statements"] if len(s["tree"]) <= self.most]
         return table
 
+    def premises(self) -> "Base":
+        """Its statements about outputs of theorems, none of which is claimed."""
+        table = copy.deepcopy(self.table)
+        for theorem in table["theorems"]:
+            theorem["claimed"] = False
+        table["statements"] = [
+            s for s in table["statements"] if all("/" in name for name in s["conditions"])
+        ]
+        return Base(table, self.run)
+
     @cached_property
     def program(self) -> Program:
         """The Program of the file."""

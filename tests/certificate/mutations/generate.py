@@ -9,18 +9,26 @@ from mutations.numbers import FALSE_NUMBERS
 from mutations.statements import FALSE_STATEMENTS
 from mutations.structures import AGAINST_RUN, INCONSISTENT
 from mutations.texts import UNREADABLE
+from mutations.theorems import NOT_FOLLOWING
 
 Maker = Callable[[Base, np.random.Generator], Mutation | None]
-GROUPS: dict[Reader, tuple[tuple[Maker, ...], ...]] = {
+Groups = tuple[tuple[Maker, ...], ...]
+GROUPS: dict[Reader, Groups] = {
     "program": (UNREADABLE, INCONSISTENT, FALSE_STATEMENTS, FALSE_NUMBERS),
     "model": (UNREADABLE, INCONSISTENT, FALSE_STATEMENTS, FALSE_NUMBERS, FALSE_MODELS),
     "run": (AGAINST_RUN,),
 }
+PREMISES: Groups = (FALSE_STATEMENTS, FALSE_NUMBERS)
+"""For statements about the outputs of theorems that are not claimed."""
+CONCLUSIONS: Groups = (NOT_FOLLOWING,)
+"""For theorems that are claimed."""
 TRIES = 200
 """A maker that finds no false statement is asked again with another seed, so often."""
 
 
-def mutations(base: Base, reader: Reader, count: int, seed: int = 0) -> Iterator[Mutation]:
+def mutations(
+    base: Base, reader: Reader, count: int, seed: int = 0, groups: Groups | None = None
+) -> Iterator[Mutation]:
     """Mutations that a reader must object to: every group in turn, and in it every maker.
 
     Args:
@@ -28,9 +36,10 @@ def mutations(base: Base, reader: Reader, count: int, seed: int = 0) -> Iterator
         reader: that is to be tested.
         count: how many.
         seed: of the first.
+        groups: makers to take; those for the reader of a proof of level 1 if not given.
     """
     made, attempt = 0, seed
-    groups = GROUPS[reader]
+    groups = GROUPS[reader] if groups is None else groups
     while made < count:
         if attempt > seed + TRIES + 10 * count:
             raise AssertionError(f"only {made} of {count} mutations found")

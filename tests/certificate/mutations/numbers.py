@@ -91,7 +91,10 @@ def false(base: Base, name: str, program: Program, readers: frozenset[Reader]) -
 
 
 def _grown(base: Base, draw: Draw, *, named: bool, readers: frozenset[Reader]) -> Mutation | None:
-    """The smallest change, along one direction, that makes a statement false."""
+    """The smallest change, along one direction, that makes one of the statements false."""
+    table = base.copy()
+    chosen = table["statements"][int(draw.integers(len(table["statements"])))]
+    base = replace(base, table=table | {"statements": [chosen]})
     seed, size = int(draw.integers(2**32)), SMALLEST
     while size < LARGEST:
         name, program = changed_constant(base.program, np.random.default_rng(seed), size, named)

@@ -26,16 +26,20 @@ def bound(base: Base, draw: Draw) -> Mutation:
     return altered(f"{name} claimed {more:.2g} of its scale too high", "false", BOTH, table)
 
 
-def bound_by_a_little(base: Base, draw: Draw) -> Mutation:
+def bound_by_a_little(base: Base, draw: Draw) -> Mutation | None:
     """A bound above the smallest margin seen by a millionth: too fine for any box."""
     table, statement, name, seen = _one(base, draw)
-    statement["bounds"][name] = seen * (1.0 + 1e-6)
+    if abs(seen) < 1e-6:
+        return None  # Rounding could have made the difference.
+    statement["bounds"][name] = seen + 1e-6 * abs(seen)
     return altered(f"{name} claimed a millionth too high", "barely false", BOTH, table)
 
 
-def scale(base: Base, draw: Draw) -> Mutation:
-    """A larger scale makes the same bound a larger claim."""
+def scale(base: Base, draw: Draw) -> Mutation | None:
+    """A larger scale makes the same positive bound a larger claim."""
     table, statement, name, seen = _one(base, draw)
+    if statement["bounds"][name] <= 0.0:
+        return None
     factor = seen / statement["bounds"][name] * float(draw.uniform(1.05, 3.0))
     statement["scales"][name] *= factor
     return altered(f"scale of {name} times {factor:.3g}", "false", BOTH, table)

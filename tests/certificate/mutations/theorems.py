@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from mutations.base import PROGRAM, Base, Mutation, Table, altered
+from mutations.base import BOTH, Base, Mutation, Table, altered
 
 Draw = np.random.Generator
 
@@ -21,7 +21,7 @@ def number(base: Base, draw: Draw) -> Mutation:
     other = value * 1.001 if alone else float(np.nextafter(value, np.inf))
     holder[place] = (other if other != value else value + 1e-3).hex()
     what = f"level {level}: {name} is {holder[place]}"
-    return altered(what, "inconsistent", PROGRAM, table)
+    return altered(what, "inconsistent", BOTH, table)
 
 
 def carried(base: Base, draw: Draw) -> Mutation:
@@ -31,7 +31,7 @@ def carried(base: Base, draw: Draw) -> Mutation:
     others = {name for s in table["statements"] for name in s["conditions"]} - set(names)
     name = _pick(sorted(name for name in others if "/" not in name), draw)
     names.append(name)
-    return altered(f"{name} carried along", "inconsistent", PROGRAM, table)
+    return altered(f"{name} carried along", "inconsistent", BOTH, table)
 
 
 def barrier(base: Base, draw: Draw) -> Mutation:
@@ -41,7 +41,7 @@ def barrier(base: Base, draw: Draw) -> Mutation:
     others = set(table["theorems"][0]["parameters"]["carried"]) - set(names)
     name = _pick(sorted(others), draw)
     names.append(name)
-    return altered(f"{name} as a barrier", "inconsistent", PROGRAM, table)
+    return altered(f"{name} as a barrier", "inconsistent", BOTH, table)
 
 
 def premise(base: Base, draw: Draw) -> Mutation:
@@ -56,7 +56,7 @@ def premise(base: Base, draw: Draw) -> Mutation:
     if not statement["conditions"]:
         table["statements"].remove(statement)
     root = [float.fromhex(x) for x in (*statement["root"]["low"], *statement["root"]["high"])]
-    return altered(f"no statement on {name} from {root}", "inconsistent", PROGRAM, table)
+    return altered(f"no statement on {name} from {root}", "inconsistent", BOTH, table)
 
 
 def negative(base: Base, draw: Draw) -> Mutation:
@@ -73,7 +73,7 @@ def negative(base: Base, draw: Draw) -> Mutation:
         return premise(base, draw)
     name = _pick(names, draw)
     statement["bounds"][name] = -1e-12
-    return altered(f"{name} below zero", "inconsistent", PROGRAM, table)
+    return altered(f"{name} below zero", "inconsistent", BOTH, table)
 
 
 def order(base: Base, draw: Draw) -> Mutation:
@@ -81,9 +81,9 @@ def order(base: Base, draw: Draw) -> Mutation:
     table = base.copy()
     if draw.integers(2):
         table["theorems"] = table["theorems"][1:]
-        return altered("level 3 alone", "unreadable", PROGRAM, table)
+        return altered("level 3 alone", "unreadable", BOTH, table)
     table["theorems"][1]["level"] = int(draw.choice([1, 2, 4, 30]))
-    return altered(f"levels 2 and {table['theorems'][1]['level']}", "unreadable", PROGRAM, table)
+    return altered(f"levels 2 and {table['theorems'][1]['level']}", "unreadable", BOTH, table)
 
 
 def shape(base: Base, draw: Draw) -> Mutation:
@@ -96,7 +96,7 @@ def shape(base: Base, draw: Draw) -> Mutation:
     if what != "gone":
         new = name + "_" if what == "renamed" else name
         parameters[new] = {"null": None, "a number": 0.5, "renamed": value}[what]
-    return altered(f"parameter {name} {what}", "unreadable", PROGRAM, table)
+    return altered(f"parameter {name} {what}", "unreadable", BOTH, table)
 
 
 def _is_premise(statement: Table) -> bool:

@@ -1,0 +1,1 @@
+"""Altered proof files, and what is known of each."""
