@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from neuralgaits.residual.fit import FitConfig, Fitter, fit
-from neuralgaits.residual.trajectories import missed, root_mean_square
+from neuralgaits.residual.floor import binned, floor
+from neuralgaits.residual.network import Residual
+from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 
 SCALE = np.array([0.34, 19.0])
 
@@ -46,7 +48,7 @@ def test_one_step_of_10_ms_is_accurate(zd, data):
 def test_the_defect_is_the_planted_rate_to_first_order(zd, data):
     # What is missing also moves z, which changes omega: half a step's worth of it on average.
     train = data[0]
-    found = missed(zd, None, train).defects
+    found = missed(zd, Residual.like((16, 16)), train).defects
     middle = np.mean(train.z[:, :2], axis=1)
 
     def expected(z):
@@ -55,3 +57,27 @@ def test_the_defect_is_the_planted_rate_to_first_order(zd, data):
 
     error = np.abs(found - jax.jit(jax.vmap(expected))(middle))
     assert np.all(error < 2e-3 * np.abs(found).max(axis=0))
+
+
+def test_what_a_residual_leaves_is_bounded_by_the_largest_defect(zd, data):
+    # Three quarters of the planted rate are known: a quarter is left.
+    train = data[0]
+    left = largest_defects(missed(zd, lambda z: 0.75 * planted(z), train))
+    size = np.abs(jax.vmap(planted)(train.z[:, 0])).max(axis=0)
+    np.testing.assert_allclose(left, 0.25 * size, rtol=0.05)
+
+
+def test_the_best_table_leaves_what_varies_within_its_bins(zd, walked):
+    def sloping(z):
+        """As steep a slope over z1 as a table of 32 bins can follow to a 32nd of its range."""
+        return jnp.stack([jnp.zeros_like(z[0]), 20.0 * z[0]])
+
+    train = walked(sloping, starts(3, 6), samples=2)
+    judged = walked(sloping, starts(4, 6), samples=11)
+    nothing = missed(zd, lambda z: 0.0 * z, judged).errors
+    defects = missed(zd, lambda z: 0.0 * z, train).defects
+    left = floor(zd, np.mean(train.z[:, :2], axis=1), defects, judged, SCALE)
+    whole = root_mean_square(nothing, SCALE)
+    assert 1e-3 * whole < left < 0.1 * whole
+    constant = binned(train.z[:, 0], np.ones_like(defects), (32, 4))
+    assert root_mean_square(missed(zd, constant, judged).errors, SCALE) > whole

@@ -21,14 +21,12 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Windows
 from neuralgaits.residual.nero import balanced, nero
 from neuralgaits.residual.network import Residual
-from neuralgaits.residual.shooting import model_rate, shoot
+from neuralgaits.residual.shooting import COMPILER, model_rate, shoot
 from neuralgaits.residual.trajectories import missed
 
 Optimizer = Literal["adam", "adamw", "nero"]
 Progress = Callable[[int, int, float], None]
 """(steps done, steps in all, validation loss relative to the model's)."""
-# As in training: passes that cost seconds and gain nothing on kernels of microseconds.
-COMPILER = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 1}
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,8 @@ class Fitter:
         for name, windows in (("learn from", train), ("choose by", validation)):
             if not len(windows.z):
                 raise InputError(f"expected windows to {name}, found none: walk longer")
-        model = missed(zd, None, train)
+        # Nothing as a residual of the same structure: one compilation for both.
+        model = missed(zd, Residual.like(config.hidden), train)
         template = Residual.init(
             train.z[:, 0], model.defects, hidden=config.hidden, key=jax.random.key(seed)
         )
@@ -212,6 +211,8 @@ def _make_step(zd: ZeroDynamics, template: Residual, optimizer) -> Callable:
     arrays, structure = eqx.partition(model, eqx.is_array)
     _, fixed = eqx.partition(template, template.trainable())
     numbers, shape = eqx.partition(fixed, eqx.is_array)
+    # NumPy arrays would be copied in again at every step.
+    arrays, numbers = jax.tree.map(jnp.asarray, (arrays, numbers))
 
     def step(arrays, numbers, parameters, state, t, z, scale, unit):
         rate = model_rate(eqx.combine(arrays, structure))

@@ -63,16 +63,20 @@ def binned(
 
 
 def floor(
-    zd: ZeroDynamics, learned_from: Windows, judged_by: Windows, scale: Float[np.ndarray, "2"]
+    zd: ZeroDynamics,
+    states: Float[np.ndarray, "N 2"],
+    defects: Float[np.ndarray, "N 2"],
+    judged_by: Windows,
+    scale: Float[np.ndarray, "2"],
 ) -> float:
     """Error of the best table, in scaled z.
 
     Args:
         zd: robot and policy that walked; a residual of its own is left aside.
-        learned_from: windows whose first interval's defects fill the tables.
+        states: that fill the tables (m, kg m^2/s).
+        defects: missing rate there (m/s, N m).
         judged_by: windows whose trajectories choose the table and are reported.
         scale: of z (m, kg m^2/s).
     """
-    states, defects = learned_from.z[:, 0], missed(zd, None, learned_from).defects
     tables = [binned(states, defects, bins) for bins in BINS]
     return min(root_mean_square(missed(zd, table, judged_by).errors, scale) for table in tables)

@@ -4,6 +4,7 @@ A walk has few touchdowns, so the correction is affine in z before the impact, i
 Slopes are shrunk as if one more touchdown had shown that there are none.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -17,12 +18,14 @@ from neuralgaits.gait.activations import tanh
 from neuralgaits.gait.network import scaled_inputs
 from neuralgaits.gait.reset_residual import AbstractResetResidual, ImpactCorrection
 from neuralgaits.logs import Touchdowns
-from neuralgaits.residual.shooting import Rate, model_rate, shoot
+from neuralgaits.residual.shooting import COMPILER, Rate, model_rate, shoot
 
 LEAST_TOUCHDOWNS = 4
 """Fewer touchdowns say nothing about the next one."""
 BOUND_FACTOR = 2.0
 """A correction is bounded by the largest one seen, times this."""
+BLOCK = 64
+"""Touchdowns looked at together: one compiled shape for any number of them."""
 LEAST_BOUND = 1e-6
 """Per unit of z2: a bound of zero has no inverse."""
 SHRINKAGE = 1.0
@@ -74,8 +77,11 @@ class Landings(NamedTuple):
 
 def landings(zd: ZeroDynamics, seen: Touchdowns) -> Landings:
     """How far robots landed from where the zero dynamics send them, residuals included."""
-    z, eta = _predicted(zd, seen.z_before, seen.after_s)
-    return Landings(seen.z_after - np.asarray(z), seen.eta_after - np.asarray(eta))
+    # None as a correction of zero: one compilation for both.
+    reset = zd.reset_residual or ResetResidual.like(zd.robot.n - 1)
+    whole = ZeroDynamics(zd.robot, zd.policy, zd.residual, reset)
+    z, eta = _in_blocks(_predicted, whole, seen.z_before, seen.after_s)
+    return Landings(seen.z_after - z, seen.eta_after - eta)
 
 
 def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
@@ -91,7 +97,8 @@ def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
     if len(seen.z_before) < LEAST_TOUCHDOWNS:
         return None
     plain = ZeroDynamics(zd.robot, zd.policy, zd.residual)
-    wanted = np.asarray(_wanted(plain, seen.z_before, landings(plain, seen).z, seen.eta_after))
+    missed = landings(plain, seen).z
+    (wanted,) = _in_blocks(_wanted, plain, seen.z_before, missed, seen.eta_after)
     bound = np.maximum(BOUND_FACTOR * np.abs(wanted).max(axis=0), LEAST_BOUND)
     targets = np.arctanh(wanted / bound)
     centre, spread = seen.z_before.mean(axis=0), seen.z_before.std(axis=0)
@@ -103,8 +110,20 @@ def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
     return ResetResidual(weight, offset, scale, centre / scale, bound)
 
 
-@eqx.filter_jit
-def _predicted(
+def _in_blocks(
+    function: Callable[..., tuple[Array, ...]], zd: ZeroDynamics, *inputs: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Results for N rows of all inputs, the last row filling up the last block."""
+    count = len(inputs[0])
+    padded = [np.concatenate([a, np.repeat(a[-1:], -count % BLOCK, axis=0)]) for a in inputs]
+    parts = [
+        function(zd, *(a[first : first + BLOCK] for a in padded))
+        for first in range(0, len(padded[0]), BLOCK)
+    ]
+    return tuple(np.concatenate(part)[:count] for part in zip(*parts, strict=True))
+
+
+def _predict(
     zd: ZeroDynamics, z: Float[Array, "N 2"], after_s: Float[Array, " N"]
 ) -> tuple[Float[Array, "N 2"], Float[Array, "N two_m"]]:
     flow = _flow(zd)
@@ -119,13 +138,12 @@ def _predicted(
     return jax.vmap(one)(z, after_s)
 
 
-@eqx.filter_jit
-def _wanted(
+def _want(
     zd: ZeroDynamics,
     z: Float[Array, "N 2"],
     missed: Float[Array, "N 2"],
     eta: Float[Array, "N two_m"],
-) -> Float[Array, "N k"]:
+) -> tuple[Float[Array, "N k"]]:
     """Corrections that would have met each landing. [N, 1 + m]."""
     m = zd.robot.n - 1
 
@@ -137,7 +155,12 @@ def _wanted(
         rates = zd.phi_inv(z_after, still)[-m:] - point.impact.dq[1:]
         return jnp.concatenate([missed[1:], rates]) / z[1]
 
-    return jax.vmap(one)(z, missed, eta)
+    return (jax.vmap(one)(z, missed, eta),)
+
+
+# The options go on to jax.jit; equinox's overloads leave them out.
+_predicted = eqx.filter_jit(_predict, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]
+_wanted = eqx.filter_jit(_want, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]
 
 
 def _flow(zd: ZeroDynamics) -> Rate:

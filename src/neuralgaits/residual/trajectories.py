@@ -4,13 +4,12 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Windows
-from neuralgaits.residual.shooting import Rate, model_rate, shoot
+from neuralgaits.residual.shooting import COMPILER, Rate, model_rate, shoot
 
 BLOCK = 256
 """Windows integrated at once: one compiled shape for any number of them."""
@@ -25,12 +24,12 @@ class Missed(NamedTuple):
     """Mean rate that is missing over the first interval (m/s, N m)."""
 
 
-def missed(zd: ZeroDynamics, residual: Rate | None, windows: Windows) -> Missed:
+def missed(zd: ZeroDynamics, residual: Rate, windows: Windows) -> Missed:
     """Integrate every window from its first measured state.
 
     Args:
         zd: robot and policy; a residual of its own is left aside.
-        residual: what is added to omega(0, z); None for nothing.
+        residual: what is added to omega(0, z).
         windows: measured.
     """
     model = ZeroDynamics(zd.robot, zd.policy)
@@ -60,10 +59,12 @@ def _padded(array: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate([array, np.repeat(array[-1:], -count % BLOCK, axis=0)])
 
 
-@eqx.filter_jit
-def _shot(
-    zd: ZeroDynamics, residual: Rate | None, t: Float[Array, "B K"], z: Float[Array, "B 2"]
+def _shoot_block(
+    zd: ZeroDynamics, residual: Rate, t: Float[Array, "B K"], z: Float[Array, "B 2"]
 ) -> Float[Array, "B k 2"]:
     rate = model_rate(zd)
-    extra = (lambda y: jnp.zeros_like(y)) if residual is None else residual
-    return jax.vmap(lambda z, t: shoot(lambda y: rate(y) + extra(y), z, t))(z, t)
+    return jax.vmap(lambda z, t: shoot(lambda y: rate(y) + residual(y), z, t))(z, t)
+
+
+# The options go on to jax.jit; equinox's overloads leave them out.
+_shot = eqx.filter_jit(_shoot_block, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]

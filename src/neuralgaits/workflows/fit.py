@@ -107,7 +107,7 @@ def fit(
         "left_out": left_out | cut.left_out | {"short strides": short},
         "bound": flow.bound,
         "error_bound": learned.error_bound,
-        **_errors(zd, flow, parts, scale),
+        **_errors(zd, flow, config, parts, scale),
         "touchdowns": landing_errors(corrected, reset, walks.touchdowns(parts.heldout, zd)),
         "wall_s": time.perf_counter() - began,
     }
@@ -150,19 +150,24 @@ def _scale(run: Run, strides: Sequence[Stride]) -> Float[np.ndarray, "2"]:
 def _errors(
     zd: ZeroDynamics,
     flow: Residual,
+    config: FitConfig,
     parts: Split,
     scale: Float[np.ndarray, "2"],
 ) -> dict[str, float]:
     """Root mean square errors over 0.1 s in scaled z."""
+    nothing = Residual.like(config.hidden)
 
-    def error(residual: Residual | None, judged: Windows) -> float:
+    def error(residual: Residual, judged: Windows) -> float:
         return root_mean_square(missed(zd, residual, judged).errors, scale)
 
     train, heldout = _judged(parts.train), _judged(parts.heldout)
+    learned_from = _windows(parts.train)
+    defects = missed(zd, nothing, learned_from).defects
     return {
         "train_error": error(flow, train),
-        "nominal_train_error": error(None, train),
+        "nominal_train_error": error(nothing, train),
         "heldout_error": error(flow, heldout),
-        "nominal_heldout_error": error(None, heldout),
-        "binned_floor": floor(zd, _windows(parts.train), heldout, scale),
+        "nominal_heldout_error": error(nothing, heldout),
+        # A defect is the mean over an interval: it belongs to the middle.
+        "binned_floor": floor(zd, learned_from.z[:, :2].mean(axis=1), defects, heldout, scale),
     }

@@ -1,0 +1,49 @@
+"""A run of few conditions and logs of its walk with planted residuals."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from neuralgaits import logs
+from neuralgaits.robots import load_robot
+from neuralgaits.workflows.train import train
+
+FOLDER = Path(__file__).parent
+sys.path[:0] = [str(FOLDER)]
+
+
+@pytest.fixture(scope="session")
+def brief_run(tmp_path_factory):
+    """Hardly trained: the gait is still near its start, which walks."""
+    root = tmp_path_factory.mktemp("brief")
+    spec = f"{FOLDER / 'brief_spec.py'}:brief"
+    return train(load_robot("amber3m"), spec, steps=2, out=root / "run", root=root)
+
+
+@pytest.fixture(scope="session")
+def planted_logs(brief_run):
+    """Four walks of four strides."""
+    from planted_walk import walked
+
+    return walked(brief_run.zero_dynamics, np.linspace(16.5, 21.0, 4), 4)
+
+
+@pytest.fixture(scope="session")
+def planted_files(planted_logs, tmp_path_factory):
+    """Their files."""
+    folder = tmp_path_factory.mktemp("logs")
+    files = [folder / f"walk-{number}.csv" for number in range(len(planted_logs))]
+    for file, log in zip(files, planted_logs, strict=True):
+        logs.write(file, log)
+    return files
+
+
+@pytest.fixture(scope="session")
+def fitted(brief_run, planted_files):
+    """What `fit` learned from them."""
+    from neuralgaits.residual.fit import FitConfig
+    from neuralgaits.workflows.fit import fit
+
+    return fit(brief_run, planted_files, config=FitConfig(steps=1500))
