@@ -59,8 +59,11 @@ class Simulate:
     """Run folder, or latest."""
     plant: Annotated[str | None, arg(metavar="ROBOT")] = None
     """Robot to simulate; the one the gait was trained for if not given."""
-    controller: Literal["pd", "fblin", "paper"] = "pd"
-    """Joint PD, input-output linearisation, or the PD of the paper (soft, z2 = 0)."""
+    controller: Literal["pd", "fblin", "paper", "c"] = "pd"
+    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), or the exported
+    controller as a process of its own."""
+    link: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
+    """How to reach controller c, as in law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
     steps: Annotated[int, arg(metavar="N")] = 50
     """Walking steps an episode."""
     start: Literal["centre", "region", "fixed-point"] = "centre"

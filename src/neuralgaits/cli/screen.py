@@ -83,10 +83,24 @@ def show_walks(result: Result) -> None:
         if flat.get(name) is not None
     ]
     _print(_table(("figure", "value"), rows))
+    if "link" in result:
+        _link(result["link"])
     changed = [f"{name}={_number(value)}" for name, value in _disturbed(result)]
     asked = {name: result.get(name) for name in ("plant", "controller", "start", "push", "run")}
     known = {name: value for name, value in asked.items() if value is not None}
     _facts(known | ({"disturb": ", ".join(changed)} if changed else {}), (*asked, "disturb"))
+
+
+def _link(link: Result) -> None:
+    """What the connection to a controller process did."""
+    trips = link["round_trip_us"] or {"p50": math.nan, "p99": math.nan}
+    words = (
+        f"{link['law']} in a process of its own, {link['mode']}: {link['ticks']} ticks, "
+        f"{link['packets_lost']} of {link['packets_sent']} packets lost, "
+        f"{link['packets_late']} late, {link['deadline_misses']} deadlines missed, "
+        f"round trip {trips['p50']:.0f} us, p99 {trips['p99']:.0f} us"
+    )
+    _print(Text(words))
 
 
 _COLOURS = {"proved": "green", "refuted": "red", "rejected": "red", "undecided": "yellow"}

@@ -136,6 +136,7 @@ def _simulate(verb: Simulate) -> Outcome:
             episodes=verb.episodes,
             log=verb.log,
             video=verb.video,
+            link=verb.link,
         )
     return Outcome(done.summary, not any(done.summary["fell"]), screen.show_walks)
 

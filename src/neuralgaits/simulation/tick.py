@@ -10,7 +10,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Array, Bool, Float, Int, Scalar, ZeroState
+from neuralgaits._types import Array, Bool, Float, Int, Planar, Scalar, ZeroState
 from neuralgaits.control import Command, Controller, ControllerState, Measurement, start, step
 from neuralgaits.control.measurement import coordinates, stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
@@ -158,17 +158,46 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
 
 def tick(scene: Scene, carry: Carry, reading: Reading) -> tuple[Carry, Verdict, Record]:
     """One tick of one episode. Returns: the next carry, the verdict, and the record."""
-    controller, wires = scene.controller, scene.wires
-    robot, period = controller.robot, controller.period_s
+    seen = sense(scene, reading).seen
+    state, command = step(scene.controller, carry.controller, seen)
+    return account(scene, carry, reading, state, command)
+
+
+class Sensed(NamedTuple):
+    """What there is to measure, and what is measured of it."""
+
+    truth: Measurement
+    """Without noise."""
+    seen: Measurement
+    """As the controller is told."""
+    hip: Planar
+    """Hip position in the world, (x, z) [m]."""
+
+
+def sense(scene: Scene, reading: Reading) -> Sensed:
+    """Read the sensors of one episode."""
+    wires = scene.wires
     time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
     # Written for NumPy, but with nothing that JAX arrays cannot do.
     sensors = wires.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
     arm, swept = hip_arm(wires, sensors.pitch)
     truth = measure(sensors, swept, time, reading.touch)
     seen = _rounded(_noisy(truth, reading.noise, scene.noise), scene.encoder_step)
-    state, command = step(controller, carry.controller, seen)
+    return Sensed(truth, seen, sensors.base + arm)
+
+
+def account(
+    scene: Scene, carry: Carry, reading: Reading, state: ControllerState, command: Command
+) -> tuple[Carry, Verdict, Record]:
+    """What becomes of an episode under a command, whoever decided it.
+
+    Returns: the next carry, the verdict, and the record.
+    """
+    controller, wires = scene.controller, scene.wires
+    robot, period = controller.robot, controller.period_s
+    truth, _, hip = sense(scene, reading)
+    time = truth.time
     age = jnp.where(command.touchdown, 0.0, carry.age + period)
-    hip = sensors.base + arm
     gauge = gauges.update(
         carry.gauge,
         command,
@@ -181,7 +210,7 @@ def tick(scene: Scene, carry: Carry, reading: Reading) -> tuple[Carry, Verdict, 
         scene.falls,
         robot,
         hip_height=hip[1] - reading.floor[command.leg] - scene.slope * hip[0],
-        pitch=sensors.pitch,
+        pitch=truth.pitch,
         since_touchdown=age,
         steps_left=scene.steps - gauge.steps,
         finite=jnp.all(jnp.isfinite(reading.state)),

@@ -21,6 +21,7 @@ from neuralgaits.simulation.falls import FallConfig
 from neuralgaits.simulation.lockstep import Episodes, Noise, Watch
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.remote import Remote
 from neuralgaits.simulation.terrain import Terrain
 from neuralgaits.simulation.tick import Scene
 
@@ -70,6 +71,7 @@ def walk(
     record: bool = False,
     watch: Watch | None = None,
     threads: int | None = None,
+    remote: Remote | None = None,
 ) -> Walk:
     """Walk from each start.
 
@@ -88,6 +90,7 @@ def walk(
         record: keep records and states of episode 0.
         watch: called after each control tick, see `lockstep`.
         threads: threads that step MuJoCo, all cores if None.
+        remote: asked for the torques instead of the law; all episodes then share a policy.
 
     Raises: InputError if something does not fit.
     """
@@ -105,6 +108,8 @@ def walk(
     one = controllers[0] if shared else _stacked(controllers)
     scene = Scene.of(field, one, steps, FallConfig() if falls is None else falls)
     batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
+    if remote is not None:
+        batch = remote.batch(scene, batch)
     episodes = lockstep.run(
         field,
         batch,

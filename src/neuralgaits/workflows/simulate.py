@@ -2,6 +2,8 @@
 
 import os
 import tempfile
+from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -17,13 +19,17 @@ from neuralgaits.runs import plain
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
+from neuralgaits.simulation.link_config import LinkConfig, parse_link
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, walk
+from neuralgaits.workflows.connect import connected
 from neuralgaits.workflows.run import Run, open_run
 
 SUMMARY = "simulation/summary.json"
+REMOTE = "c"
+"""Name of the controller that is a process of its own."""
 
 
 @dataclass(frozen=True)
@@ -52,13 +58,15 @@ def simulate(
     episodes: int = 1,
     log: str | Path | None = None,
     video: str | Path | None = None,
+    link: str | Mapping[str, Any] | LinkConfig | None = None,
 ) -> Simulation:
     """Walk a trained gait in MuJoCo.
 
     Args:
         run: a run, its folder, or `latest`.
         plant: robot to simulate, by name or path; the run's own if None.
-        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), or a law.
+        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), a law, or `c`: the
+            exported controller, compiled, as a process of its own.
         steps: walking steps of an episode.
         start: `centre` of the gait's region, `region` (anywhere in it), or `fixed-point`.
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
@@ -68,6 +76,7 @@ def simulate(
         episodes: number of walks.
         log: CSV file for the first walk; of further walks, FILE-1.csv, FILE-2.csv, ... beside it.
         video: MP4 file for the first walk; needs the `video` extra.
+        link: to the controller `c`: `NAME=VALUE,...` or a mapping; see `simulation.link_config`.
 
     Returns: `Simulation`; its summary is also in the run folder.
     Raises: InputError, RobotError or RunError with one line.
@@ -82,22 +91,27 @@ def simulate(
     _check_outputs(log, video)
     files = [] if log is None else log_files(Path(log), episodes)
     recorder = Recorder() if files else None
-    walked = walk(
-        robot,
-        gait.policy,
-        full_states(robot, gait, start, seed=seed, episodes=episodes),
-        plant=None if plant is None else load_robot(plant),
-        controller=controller,
-        steps=steps,
-        z2_range=momentum_range(gait),
-        disturbance=disturbance,
-        push=0.0 if push is None else push,
-        seed=seed,
-        record=video is not None,
-        watch=recorder,
-    )
+    wire = parse_link(link) if controller == REMOTE else _no_link(link)
+    with nullcontext() if wire is None else connected(trained, wire, episodes, seed) as remote:
+        walked = walk(
+            robot,
+            gait.policy,
+            full_states(robot, gait, start, seed=seed, episodes=episodes),
+            plant=None if plant is None else load_robot(plant),
+            controller=controller if wire is None else wire.law,
+            steps=steps,
+            z2_range=momentum_range(gait),
+            disturbance=disturbance,
+            push=0.0 if push is None else push,
+            seed=seed,
+            record=video is not None,
+            watch=recorder,
+            remote=remote,
+        )
     settings = _settings(trained, walked, controller, start, push, seed)
     settings |= {"steps": steps, "logs": [str(file) for file in files]}
+    if remote is not None:
+        settings["link"] = remote.summary()
     result = plain(settings | summary(walked, periodic_orbit(robot, gait)))
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     trained.folder.write_json(SUMMARY, result)
@@ -107,6 +121,12 @@ def simulate(
     if video is not None:
         films.write(Path(video), walked.plant, walked.episodes.states, walked.episodes.floors)
     return Simulation(walked, result)
+
+
+def _no_link(link: object) -> None:
+    """Refuse a link where there is none to set."""
+    if link is not None:
+        raise InputError(f"expected --link with --controller {REMOTE} only, found {link!r}")
 
 
 def log_files(first: Path, episodes: int) -> list[Path]:

@@ -122,7 +122,8 @@ static inline ng_real ng_tanh(ng_real x)
 /* 1 / (1 + exp(-x)) */
 static inline ng_real ng_logistic(ng_real x)
 {
-    return NG(0.5) + NG(0.5) * ng_tanh(NG(0.5) * x);
+    const ng_real grown = ng_exp(x);
+    return grown / (NG(1.0) + grown);
 }
 
 /* log(1 + x) for x > -1 */

@@ -1,0 +1,158 @@
+"""The wire to a controller in a process of its own: UDP datagrams, see docs/link.md."""
+
+import selectors
+import socket
+import struct
+import subprocess
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.control.measurement import Measurement
+from neuralgaits.errors import InputError
+from neuralgaits.robots import MjcfLayout
+
+_HEAD = struct.Struct("<4sIII")
+_START_TIMEOUT_S = 10.0
+_LEG, _TOUCHDOWN, _SATURATED, _STALE = 1, 2, 4, 8
+_SEQUENCES = 2**32
+
+
+class Answer(NamedTuple):
+    """A command from the controller."""
+
+    sequence: int
+    """Of the reading it answers."""
+    leg: int
+    """Stance leg."""
+    touchdown: bool
+    """Whether the stance leg has just changed."""
+    saturated: bool
+    """Whether the law wanted more than the limits."""
+    stale: bool
+    """Whether a later reading had come before: then nothing was computed."""
+    fault: int
+    """0, or why torques are zero: `control.safeguard.Fault`."""
+    numbers: Float[np.ndarray, " a"]
+    """motors, torques [2 k each], actuated, y_d, dy_d [m each], z [2], since touchdown, step us."""
+
+
+def pack_reading(layout: MjcfLayout, measurement: Measurement, sequence: int) -> bytes:
+    """The datagram of a reading, in the signs and zeros of the robot file."""
+    signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
+    turn = float(measurement.pitch) - layout.root_angle
+    dpitch = float(measurement.dpitch)
+    x, z = layout.root_to_hip
+    sine, cosine = np.sin(turn), np.cos(turn)
+    swept = np.array([-(x * sine + z * cosine), x * cosine - z * sine])
+    numbers = np.concatenate(
+        [
+            [layout.pitch_sign * turn, layout.pitch_sign * dpitch],
+            np.asarray(measurement.hip_velocity) - dpitch * swept,
+            measurement.normal_force,
+            (signs * (np.asarray(measurement.angles) - offsets)).reshape(-1),
+            (signs * np.asarray(measurement.rates)).reshape(-1),
+        ]
+    )
+    micros = round(1e6 * float(measurement.time)) % _SEQUENCES
+    return _HEAD.pack(b"NGR1", sequence, micros, 0) + numbers.astype("<f8").tobytes()
+
+
+def sequence_of(packet: bytes) -> int:
+    """Number of a reading."""
+    return _HEAD.unpack_from(packet)[1]
+
+
+def unpack_answer(packet: bytes) -> Answer | None:
+    """Read a command, None if it is not one."""
+    if len(packet) < _HEAD.size or packet[:4] != b"NGC1":
+        return None
+    _, sequence, flags, fault = _HEAD.unpack_from(packet)
+    return Answer(
+        sequence=sequence,
+        leg=flags & _LEG,
+        touchdown=bool(flags & _TOUCHDOWN),
+        saturated=bool(flags & _SATURATED),
+        stale=bool(flags & _STALE),
+        fault=fault,
+        numbers=np.frombuffer(packet, "<f8", offset=_HEAD.size),
+    )
+
+
+class Link:
+    """A controller process and the socket to it. Use as a context."""
+
+    def __init__(self, program: Path, log: Path | None = None):
+        """Start the process.
+
+        Args:
+            program: compiled from an export.
+            log: file for the controller's own log.
+        """
+        extra = [] if log is None else ["--log", str(log)]
+        self._process = subprocess.Popen(
+            [str(program), *extra], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        assert self._process.stdout is not None
+        said = self._process.stdout.readline().split()
+        if len(said) != 2 or said[0] != "port":
+            _, complaint = self._process.communicate()
+            raise InputError(f"expected a controller that listens, found: {complaint.strip()}")
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.connect(("127.0.0.1", int(said[1])))
+        self._socket.setblocking(False)
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._socket, selectors.EVENT_READ)
+
+    def __enter__(self) -> "Link":
+        """The link itself."""
+        return self
+
+    def __exit__(self, *_) -> None:
+        """End the process."""
+        self.close()
+
+    def start(self, sequence: int, law: int, leg: int, blend_s: float, limit: float) -> None:
+        """Begin an episode and wait until the controller has. Raises: InputError if it will not."""
+        head = _HEAD.pack(b"NGS1", sequence, law, leg)
+        self.write(head + struct.pack("<dd", blend_s, limit))
+        deadline = time.monotonic() + _START_TIMEOUT_S
+        while time.monotonic() < deadline:
+            for packet in self.read(deadline):
+                if packet[:4] == b"NGA1" and _HEAD.unpack_from(packet)[1] == sequence:
+                    return
+        raise InputError("expected the controller process to start an episode, found silence")
+
+    def write(self, packet: bytes) -> None:
+        """Send one datagram."""
+        self._socket.send(packet)
+
+    def read(self, deadline: float) -> list[bytes]:
+        """Datagrams that have come; waits for one until `deadline` (monotonic clock, s)."""
+        found = self._drain()
+        if not found:
+            self._selector.select(max(0.0, deadline - time.monotonic()))
+            found = self._drain()
+        return found
+
+    def close(self) -> None:
+        """End the process and close the socket."""
+        self.write(_HEAD.pack(b"NGQ1", 0, 0, 0))
+        try:
+            self._process.communicate(timeout=_START_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.communicate()
+        self._selector.close()
+        self._socket.close()
+
+    def _drain(self) -> list[bytes]:
+        found = []
+        while True:
+            try:
+                found.append(self._socket.recv(2048))
+            except BlockingIOError:
+                return found

@@ -1,0 +1,68 @@
+"""How plant and controller are connected: what `--link NAME=VALUE,...` means."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+from neuralgaits.errors import InputError
+
+
+@dataclass(frozen=True)
+class LinkConfig:
+    """How plant and controller are connected.
+
+    Attributes:
+        law: name of the exported law.
+        lockstep: wait for every answer instead of keeping time.
+        loss: probability that a packet is lost, each way.
+        jitter_ms: packets are late by up to this much, each way, whole milliseconds.
+        blend_s: from holding the first posture to the gait [s].
+    """
+
+    law: str = "pd"
+    lockstep: bool = False
+    loss: float = 0.0
+    jitter_ms: float = 0.0
+    blend_s: float = 0.0
+
+    def __post_init__(self):
+        """Check the ranges."""
+        ranges = {"loss": (0.0, 0.5), "jitter_ms": (0.0, 20.0), "blend_s": (0.0, 10.0)}
+        for name, (low, high) in ranges.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise InputError(f"link {name}: expected {low:g} to {high:g}, found {value:g}")
+        if self.jitter_ms != int(self.jitter_ms):
+            raise InputError(
+                f"link jitter_ms: expected whole milliseconds, found {self.jitter_ms:g}"
+            )
+
+
+def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfig:
+    """Read `NAME=VALUE,...`. Raises: InputError listing the names."""
+    if isinstance(text, LinkConfig):
+        return text
+    if not text:
+        return LinkConfig()
+    pairs = dict(text) if isinstance(text, Mapping) else _pairs(text)
+    known = {entry.name: entry.type for entry in fields(LinkConfig)}
+    values: dict[str, Any] = {}
+    for name, value in pairs.items():
+        if name not in known:
+            raise InputError(f"unknown link setting {name!r}: expected one of {', '.join(known)}")
+        try:
+            number = value if name == "law" else float(value)
+        except ValueError:
+            raise InputError(f"link {name}: expected a number, found {value!r}") from None
+        values[name] = bool(number) if name == "lockstep" else number
+    return LinkConfig(**values)
+
+
+def _pairs(text: str) -> dict[str, str]:
+    pairs = {}
+    for part in text.split(","):
+        name, equals, value = part.partition("=")
+        if not equals:
+            raise InputError(f"link: expected NAME=VALUE,..., found {part!r}")
+        pairs[name.strip()] = value.strip()
+    return pairs

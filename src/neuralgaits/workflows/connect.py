@@ -1,0 +1,41 @@
+"""The exported controller of a run as a process that a simulation talks to."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from neuralgaits.errors import InputError
+from neuralgaits.export import build, writing
+from neuralgaits.export.source import gait_files
+from neuralgaits.simulation.link_config import LinkConfig
+from neuralgaits.simulation.remote import Remote
+from neuralgaits.workflows.export import design_of
+from neuralgaits.workflows.run import Run
+
+SOURCES = (*build.CORE, "amber_log.c", "link.c")
+
+
+@contextmanager
+def connected(
+    trained: Run, config: LinkConfig, episodes: int, seed: int, log: Path | None = None
+) -> Iterator[Remote]:
+    """Write, compile and start the controller of a run.
+
+    Args:
+        trained: the run.
+        config: of the link.
+        episodes: how many controllers.
+        seed: of what the network does.
+        log: file for the first controller's own log.
+
+    Raises: InputError if there is no compiler.
+    """
+    compilers = build.compilers()
+    if not compilers:
+        raise InputError("expected a C compiler for --controller c, found none: install gcc")
+    design = design_of(trained)
+    files = writing.shipped() | gait_files(design)
+    with writing.scratch(files) as folder:
+        program = build.build(compilers[0], folder, "controller", SOURCES, build.PLAIN)
+        with Remote(program, list(design.controllers), config, episodes, seed, log) as remote:
+            yield remote
