@@ -25,6 +25,7 @@ from neuralgaits.workflows.full_order_check import (
     check_by_force,
     check_in_mujoco,
     states_of,
+    walker,
 )
 
 
@@ -177,18 +178,25 @@ def test_every_element_of_a_vector_is_a_barrier_of_its_own(trained, model):
     )
 
 
-def test_no_walk_leaves_the_set(trained, result):
-    found = check_by_force(trained, result.shape, walks=400, steps=2)
+@pytest.fixture(scope="module")
+def walking(trained, result):
+    return walker(trained, result.shape.bandwidth, steps=2)
+
+
+def test_no_walk_leaves_the_set(trained, result, walking):
+    found = check_by_force(trained, result.shape, walks=400, steps=2, walking=walking)
     assert (found.walks, found.left) == (400, 0)
     assert found.least["level-lower - t - sigma V"] < 1e-6  # Some start on the face.
     assert found.foot < 1e-12
 
 
-def test_walks_from_a_set_that_is_too_large_leave_it(trained, result):
+def test_walks_from_a_set_that_is_too_large_leave_it(trained, result, walking):
     """The check can fail: outputs thirty times larger break contact or leave the tube."""
-    loose = tuple(replace(b, sigma=b.sigma / 900.0) for b in result.shape.barriers)
+    loose = tuple(
+        replace(b, sigma=b.sigma / 900.0, reading=b.reading / 30.0) for b in result.shape.barriers
+    )
     shape = replace(result.shape, radius=30.0 * result.shape.radius, barriers=loose)
-    assert check_by_force(trained, shape, walks=400, steps=2).left > 50
+    assert check_by_force(trained, shape, walks=400, steps=2, walking=walking).left > 50
 
 
 def test_mujoco_walks_from_the_set(trained, result):

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.barriers import Gait
@@ -19,6 +20,8 @@ from neuralgaits.robots import PlanarBiped
 
 NODES = 80
 """Fourth-order steps from the start of a step to near the guard: z2 is then right to 1e-8."""
+STAGES = np.array([[0.0, 1.0 / 6.0], [0.5, 1.0 / 3.0], [0.5, 1.0 / 3.0], [1.0, 1.0 / 6.0]])
+"""Where each stage of such a step looks, and its weight."""
 LAST_PHASE = 0.97
 """Phase from which the guard is looked for."""
 SECANTS = 8
@@ -79,11 +82,16 @@ class ExactOutputs(eqx.Module):
 
         h = to - state.phase
         y = jnp.stack([state.z2, state.time])
-        k1 = slope(state.phase, y)
-        k2 = slope(state.phase + 0.5 * h, y + 0.5 * h * k1)
-        k3 = slope(state.phase + 0.5 * h, y + 0.5 * h * k2)
-        k4 = slope(to, y + h * k3)
-        z2, time = y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+
+        def stage(slopes, numbers):
+            # A loop over the stages: the dynamics are compiled once and not four times.
+            (last, total), (share, weight) = slopes, numbers
+            here = slope(state.phase + share * h, y + share * h * last)
+            return (here, total + weight * here), None
+
+        zero = jnp.zeros_like(y)
+        (_, total), _ = jax.lax.scan(stage, (zero, zero), jnp.asarray(STAGES))
+        z2, time = y + h * total
         return _Swing(to, z2, time, state.eta)
 
     def at(self, state: "_Swing") -> FullPoint:
@@ -159,6 +167,6 @@ def _to_guard(system: ExactOutputs, swing: _Swing) -> _Swing:
         move = jnp.where(rise == 0.0, 0.0, height * (here - before) / jnp.where(rise == 0, 1, rise))
         return (here, height, here - move), None
 
-    first = (swing.phase, foot(swing.phase), jnp.ones(()))
+    first = (swing.phase, system.at(swing).foot[1], jnp.ones(()))
     (_, _, guard), _ = jax.lax.scan(secant, first, None, length=SECANTS)
     return system.advance(swing, guard)

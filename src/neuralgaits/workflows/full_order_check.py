@@ -4,8 +4,9 @@ Sampled evidence, not part of the proof: it would show a wrong formula that proo
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,10 +19,11 @@ from neuralgaits.certificate.full_order import (
     scaled_coordinates,
 )
 from neuralgaits.certificate.full_order_conclusion import tightening
-from neuralgaits.certificate.full_order_theorem import FullOrder
+from neuralgaits.certificate.full_order_theorem import FENCES, FullOrder
 from neuralgaits.control import Fblin
+from neuralgaits.errors import InputError
 from neuralgaits.gait.full_order import FullPoint
-from neuralgaits.simulation.full_order import ExactOutputs, walk_exactly
+from neuralgaits.simulation.full_order import ExactOutputs, ExactWalk, walk_exactly
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.tick import Record
 from neuralgaits.simulation.walk import walk
@@ -34,8 +36,33 @@ EPISODES, MUJOCO_STEPS = 100, 5
 """Episodes in MuJoCo, and walking steps of each."""
 SETTLING_S = 0.01
 """MuJoCo's contact is compliant: an impact takes milliseconds there, not an instant [s]."""
+ROUNDS = 50
+"""Batches that are drawn at most until there are as many states as asked for."""
 ROUNDING = 1e-9
 """A number this little below zero is rounding, in its own unit."""
+
+
+class Edges(NamedTuple):
+    """The set's numbers as arrays: what is compiled for one set serves others."""
+
+    radius: np.ndarray
+    shrink: np.ndarray
+    tightening: np.ndarray
+    """Of each barrier."""
+    sigma: np.ndarray
+    """Of each barrier."""
+
+    @classmethod
+    def of(cls, shape: FullOrder) -> "Edges":
+        """Of a set."""
+        tight = [float(tightening(barrier).upper()) for barrier in shape.barriers]
+        sigma = [barrier.sigma for barrier in shape.barriers]
+        numbers = (shape.radius, shape.shrink, tight, sigma)
+        return cls(*(np.asarray(part, dtype=np.float64) for part in numbers))
+
+
+Walker = Callable[[Edges, Float[np.ndarray, "B 2"], Float[np.ndarray, "B two_m"]], ExactWalk]
+"""Walks of a batch of states z and eta."""
 
 
 @dataclass(frozen=True)
@@ -78,22 +105,47 @@ class MujocoCheck:
     ticks: float
 
 
+def walker(run: Run, bandwidth: float, steps: int = STEPS) -> Walker:
+    """Walks of a run's rigid model, compiled for any set."""
+    model = model_of(run, bandwidth)
+    system = ExactOutputs(run.robot, run.gait, bandwidth)
+
+    def one(edges: Edges, z: ZeroState, eta: Float[Array, " two_m"]) -> ExactWalk:
+        def observe(point: FullPoint) -> Float[Array, " k"]:
+            found = _numbers(model, edges, point)
+            return jnp.concatenate([found[name] for name in sorted(found)])
+
+        return walk_exactly(system, observe, z, eta, steps)
+
+    return jax.jit(jax.vmap(one, in_axes=(None, 0, 0)))
+
+
 def check_by_force(
-    run: Run, shape: FullOrder, *, walks: int = WALKS, steps: int = STEPS, seed: int = 0
+    run: Run,
+    shape: FullOrder,
+    *,
+    walks: int = WALKS,
+    steps: int = STEPS,
+    seed: int = 0,
+    walking: Walker | None = None,
 ) -> ForceCheck:
-    """Walk the rigid model in continuous time from states of the set; none may leave it."""
+    """Walk the rigid model in continuous time from states of the set; none may leave it.
+
+    Args:
+        run: of the theorem.
+        shape: of the set.
+        walks: how many.
+        steps: impacts in each.
+        seed: of the starts.
+        walking: `walker` of this run, bandwidth and number of steps, made here if it is not given.
+    """
     began = time.perf_counter()
-    model = model_of(run, shape.bandwidth)
-    system = ExactOutputs(run.robot, run.gait, shape.bandwidth)
+    model, edges = model_of(run, shape.bandwidth), Edges.of(shape)
     z, eta = states_of(model, shape, walks, seed)
-
-    def observe(point: FullPoint) -> Float[Array, " k"]:
-        found = _numbers(model, shape, point)
-        return jnp.concatenate([found[name] for name in sorted(found)])
-
-    walked = jax.jit(jax.vmap(lambda z, eta: walk_exactly(system, observe, z, eta, steps)))(z, eta)
+    walked = (walking or walker(run, shape.bandwidth, steps))(edges, z, eta)
     least = np.asarray(walked.least)
-    sizes = jax.eval_shape(lambda: _numbers(model, shape, system.point(z[0], eta[0])))
+    system = ExactOutputs(run.robot, run.gait, shape.bandwidth)
+    sizes = jax.eval_shape(lambda: _numbers(model, edges, system.point(z[0], eta[0])))
     ends = np.cumsum([part.size for part in sizes.values()])[:-1]
     parts = np.split(least.min(axis=0), ends)
     return ForceCheck(
@@ -118,7 +170,8 @@ def check_in_mujoco(
     model = model_of(run, shape.bandwidth)
     z, eta = states_of(model, shape, episodes, seed)
     starts = jax.jit(jax.vmap(run.zero_dynamics.phi_inv))(z, eta)
-    inside = jax.jit(jax.vmap(lambda z, eta: jnp.min(_of_set(model, shape, z, eta)) >= 0.0))
+    edges = Edges.of(shape)
+    inside = jax.jit(jax.vmap(lambda z, eta: jnp.min(_of_set(model, edges, z, eta)) >= 0.0))
     always, settled = np.ones(episodes, dtype=bool), np.ones(episodes, dtype=bool)
     ticks = np.zeros(2, dtype=int)
 
@@ -156,18 +209,23 @@ def states_of(
     """Random states of the set, many of them on its faces.
 
     A third has the largest outputs that the phase allows, two thirds of the rest lie on a fence's
-    face. Returns: z [B, 2] and eta [B, 2m].
+    face. Returns: z [B, 2] and eta [B, 2m]. Raises: InputError if the set is all but empty.
     """
     draw = np.random.default_rng(seed)
-    keep = jax.jit(jax.vmap(lambda z, eta: _numbers_of_set(model, shape, z, eta)))
+    edges = Edges.of(shape)
+    keep = jax.jit(jax.vmap(lambda z, eta: _numbers_of_set(model, edges, z, eta)))
     place = jax.jit(
         jax.vmap(lambda u, xi: (model.gait.z(u), output_coordinates(xi, shape.bandwidth)))
     )
     found: list[tuple[np.ndarray, np.ndarray]] = []
-    while sum(len(z) for z, _ in found) < count:
+    for _ in range(ROUNDS):
         z, eta = place(*_draw(model, shape, 2 * count, draw))
         good = np.all(np.asarray(keep(z, eta)) >= 0.0, axis=1)
         found.append((np.asarray(z)[good], np.asarray(eta)[good]))
+        if sum(len(z) for z, _ in found) >= count:
+            break
+    else:
+        raise InputError("expected a set with states, found next to none in it: see its constants")
     z, eta = (np.concatenate(part)[:count] for part in zip(*found, strict=True))
     return z, eta
 
@@ -190,37 +248,36 @@ def _draw(
 
 
 def _of_set(
-    model: FullOrderModel, shape: FullOrder, z: ZeroState, eta: Float[Array, " two_m"]
+    model: FullOrderModel, edges: Edges, z: ZeroState, eta: Float[Array, " two_m"]
 ) -> Float[Array, " k"]:
     """h_i - t_i - sigma_i V of every barrier, and how far sqrt(V) is below its bound [rad]."""
-    xi = scaled_coordinates(eta, shape.bandwidth)
+    xi = scaled_coordinates(eta, model.bandwidth)
     size = xi @ xi
-    tight = np.array([float(tightening(barrier).upper()) for barrier in shape.barriers])
-    sigma = np.array([barrier.sigma for barrier in shape.barriers])
     phase = model.gait.phase(z[0])
-    bound = shape.radius * jnp.exp(-shape.shrink * phase * phase)
+    bound = edges.radius * jnp.exp(-edges.shrink * phase * phase)
     below = bound - jnp.sqrt(size + 1e-300)
-    return jnp.concatenate([model.barriers(z) - tight - sigma * size, below[None]])
+    faces = model.barriers(z) - edges.tightening - edges.sigma * size
+    return jnp.concatenate([faces, below[None]])
 
 
 def _numbers_of_set(
-    model: FullOrderModel, shape: FullOrder, z: ZeroState, eta: Float[Array, " two_m"]
+    model: FullOrderModel, edges: Edges, z: ZeroState, eta: Float[Array, " two_m"]
 ) -> Float[Array, " k"]:
     """All that must not be negative in the set, the foot's height included."""
-    point = FullPoint(model.robot, model.gait.policy, z, eta, shape.bandwidth)
-    return jnp.concatenate([_of_set(model, shape, z, eta), point.foot[1:]])
+    point = FullPoint(model.robot, model.gait.policy, z, eta, model.bandwidth)
+    return jnp.concatenate([_of_set(model, edges, z, eta), point.foot[1:]])
 
 
-def _numbers(model: FullOrderModel, shape: FullOrder, point: FullPoint) -> Mapping[str, Array]:
+def _numbers(model: FullOrderModel, edges: Edges, point: FullPoint) -> Mapping[str, Array]:
     """What must not be negative along a walk, by name: the set, and what the theorem says."""
     eta = jnp.concatenate([point.output, point.output_rate])
-    found = model.in_step(point)
-    parts = _of_set(model, shape, point.z, eta)
-    numbers = {f"{b.name} - t - sigma V": parts[k, None] for k, b in enumerate(shape.barriers)}
+    found, readings = model.in_step(point), model.readings(point)
+    parts = _of_set(model, edges, point.z, eta)
+    numbers = {f"{name} - t - sigma V": parts[k, None] for k, name in enumerate(model.names)}
     numbers |= {"radius - sqrt V [rad]": parts[-1:], "foot height [m]": found["foot"]}
-    for k, barrier in enumerate(shape.barriers):
-        if barrier.reading:
-            numbers[f"{barrier.name} on the robot"] = model.readings(point)[k, None]
+    for k, name in enumerate(model.names):
+        if name not in FENCES:
+            numbers[f"{name} on the robot"] = readings[k, None]
     return numbers | {
         "pace [1/s]": found["pace"],
         "contact [weights]": found["contact"],
