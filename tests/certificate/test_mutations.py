@@ -73,7 +73,7 @@ def test_fifty_altered_proofs_are_rejected(base, tmp_path):
 
 
 def test_proofs_that_are_not_of_the_run_are_rejected(base, tmp_path):
-    found = [(m, *asked(tmp_path, m.text, base.run.path)) for m in mutations(base, "run", 6)]
+    found = [(m, *asked(tmp_path, m.text, base.run.path)) for m in mutations(base, "run", 8)]
     assert deceived(found) == []
     # Without the run, all of them are proofs of something else.
     assert {asked(tmp_path, m.text)[0] for m, *_ in found} <= {0, 1}

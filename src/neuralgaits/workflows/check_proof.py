@@ -4,6 +4,7 @@ Without a run no JAX is imported. With one, the Program is also traced again fro
 robot, spec and weights: the same hash means that the statements are about these conditions.
 """
 
+import json
 import time
 from collections.abc import Callable
 from dataclasses import asdict
@@ -85,6 +86,7 @@ def against(claims: Claims, run: str | Path) -> list[str]:
 
 def _against_spec(claims: Claims, opened: Any) -> list[str]:
     """What differs from the conditions of the opened run, traced again."""
+    from neuralgaits.certificate.model_data import model_data
     from neuralgaits.workflows.sets import Sets, condition_boxes, trace_certificate
 
     spec, theorems = opened.spec, claims.theorems
@@ -97,6 +99,10 @@ def _against_spec(claims: Claims, opened: Any) -> list[str]:
     scales = {condition.name: condition.scale for condition in spec.conditions}
     regions = {condition.name: condition.region for condition in spec.conditions}
     wrong = []
+    # The C++ checker starts from the model, and this program from nothing but the Program.
+    model = model_data(opened.robot, opened.gait, spec, program, opened.residuals)
+    if claims.model is not None and claims.model != json.loads(json.dumps(model)):
+        wrong.append("the file's model is not the run's robot, policy, tube and spec")
     for statement in claims.statements:
         for name, *_ in level_one_boxes([statement]):
             if statement.region != regions[name]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 
 import numpy as np
+
 from mutations.base import Base, Mutation, Reader
 from mutations.models import FALSE_MODELS
 from mutations.numbers import FALSE_NUMBERS

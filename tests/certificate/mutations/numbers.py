@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+
 from mutations.base import (
     BOTH,
     PROGRAM,
@@ -15,7 +16,6 @@ from mutations.base import (
     violated,
     with_program,
 )
-
 from neuralgaits.interpreters import Program
 
 Draw = np.random.Generator

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from mutations.base import BOTH, Base, Mutation, Table, altered, corners, grid, least, with_program
-from mutations.numbers import changed_constant
 from safetensors.numpy import load_file, save_file
 
+from mutations.base import BOTH, Base, Mutation, Table, altered, corners, grid, least, with_program
+from mutations.numbers import changed_constant
 from neuralgaits.interpreters import POINT, Program, evaluate
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.workflows.run import WEIGHTS

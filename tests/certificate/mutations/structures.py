@@ -1,6 +1,7 @@
 """Files that contradict themselves: hashes, Program, trees; against the model, against the run."""
 
 import numpy as np
+
 from mutations.base import BOTH, MODEL, RUN, Base, Mutation, Table, altered, with_program
 from mutations.numbers import changed_constant, encoded
 
@@ -119,6 +120,15 @@ def run_weights(base: Base, draw: Draw) -> Mutation:
     return altered(f"{name} unlike the run's", "inconsistent", RUN, table)
 
 
+def run_model(base: Base, draw: Draw) -> Mutation:
+    """Other link data for the checker that derives the dynamics: the Program stays the run's."""
+    table = base.copy()
+    link = table["model"]["robot"]["leg"][int(draw.integers(2))]
+    name = str(draw.choice(["mass", "inertia", "length", "torque_limit"]))
+    link[name] = (float.fromhex(link[name]) * 0.999).hex()
+    return altered(f"{name} of a link unlike the run's", "inconsistent", RUN, table)
+
+
 def _other_frame(table: Table, draw: Draw) -> tuple[str, str]:
     statement = table["statements"][int(draw.integers(len(table["statements"])))]
     name = str(draw.choice(statement["conditions"]))
@@ -146,4 +156,4 @@ INCONSISTENT = (
     model_without,
     model_frame,
 )
-AGAINST_RUN = (run_frame, run_hash, run_weights)
+AGAINST_RUN = (run_frame, run_hash, run_weights, run_model)

@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import numpy as np
+
 from mutations.base import BOTH, Base, Mutation, Table, altered
 
 MARK = "@@"

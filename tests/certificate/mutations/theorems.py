@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+
 from mutations.base import BOTH, Base, Mutation, Table, altered
 
 Draw = np.random.Generator
