@@ -3277,7 +3277,7 @@ void read_proof(const Json& table, ProofFile& file) {
     throw Inconsistent{"the Program's hash is " + hash + ", not " + text("program_hash")};
 
   const Json& model = *table.find("model");
-  if (model.type == Json::null) throw Unknown{"the policy, which the file does not describe,"};
+  if (model.type == Json::null) throw Unknown{"a policy of the user's own, or one with learned residuals,"};
   only(model, "the model", {"robot", "policy", "tube", "regions", "conditions"});
   file.model.robot = robot_of(*model.find("robot"));
   file.model.policy =
