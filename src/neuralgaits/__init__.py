@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.certify import certify
     from neuralgaits.workflows.check_proof import check_proof
     from neuralgaits.workflows.doctor import doctor
+    from neuralgaits.workflows.episodes import episodes
     from neuralgaits.workflows.fit import fit
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.refine import refine
@@ -37,6 +38,7 @@ _HOMES = {
     "certify": "neuralgaits.workflows.certify",
     "check_proof": "neuralgaits.workflows.check_proof",
     "doctor": "neuralgaits.workflows.doctor",
+    "episodes": "neuralgaits.workflows.episodes",
     "fit": "neuralgaits.workflows.fit",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
@@ -57,6 +59,7 @@ __all__ = [
     "certify",
     "check_proof",
     "doctor",
+    "episodes",
     "fit",
     "inspect",
     "load_robot",

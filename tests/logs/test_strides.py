@@ -93,6 +93,35 @@ def test_standing_is_no_stride(amber, log):
     assert left_out["standing"] + left_out["settling"] == stood.size
 
 
+def test_a_foot_that_bounces_settles_anew(amber, log):
+    """A second impact 30 ms after a touchdown: z2 jumps as no weight could make it."""
+    down = int(np.flatnonzero(np.diff(log.stance))[2]) + 1
+    dq = log.dq.copy()
+    dq[: down + 30] *= 1.05
+    before, after = (logs.cut([each], amber) for each in (log, replace(log, dq=dq)))
+    assert len(after.strides) == len(before.strides)
+    start = log.t[down + 30]
+    assert after.strides[3].t[0] == pytest.approx(start + SETTLING_S, abs=1e-9)
+    assert after.strides[3].t[-1] == before.strides[3].t[-1]
+    # When it landed is not known any more, so the touchdown before is not learned from.
+    assert before.strides[2].landed is not None
+    assert after.strides[2].landed is None
+    assert after.left_out["settling"] - before.left_out["settling"] == 30
+
+
+def test_a_fall_is_left_out_from_where_joints_are_far_from_what_was_asked(amber, log):
+    down = int(np.flatnonzero(np.diff(log.stance))[5]) + 1
+    qd = log.qd.copy()
+    qd[down - 40 :, 2] += 0.6
+    found, left_out = logs.cut([replace(log, qd=qd)], amber)
+    whole, nothing = logs.cut([log], amber)
+    assert nothing["falling"] == 0
+    assert [stride.number for stride in found] == [0, 1, 2, 3, 4, 5]
+    assert found[-1].t[-1] == log.t[down - 41]
+    assert found[-1].landing is None
+    assert left_out["falling"] == 40 + sum(stride.t.size for stride in whole[6:])
+
+
 @pytest.mark.parametrize(("samples", "step"), [(3, 0.01), (11, 0.01), (2, 0.05), (4, 0.0037)])
 def test_windows_lie_in_one_piece_of_one_stride(strides, samples, step):
     found = logs.windows(strides, samples=samples, step=step)

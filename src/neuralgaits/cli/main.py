@@ -17,6 +17,7 @@ GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 _AFTER_INTERRUPT = {
     "train": "; --resume RUN continues from its last checkpoint",
     "certify": "; --resume goes on with what was proved",
+    "episodes": "; --resume latest goes on where it stopped",
 }
 
 

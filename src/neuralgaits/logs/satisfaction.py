@@ -5,23 +5,27 @@ neither contact forces nor impulses. Of a barrier it is asked that h >= 0 where 
 """
 
 from collections.abc import Sequence
-from functools import cached_property
-from typing import Any, NamedTuple, cast
+from functools import lru_cache
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Array, Bool, Coordinates, Float, Planar, ZeroState
+from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwise
 from neuralgaits.gait import Point
 from neuralgaits.gait.coordinates import zero_coordinates
 from neuralgaits.logs.strides import SETTLING_S
 from neuralgaits.logs.table import Log
-from neuralgaits.robots import PlanarBiped, dynamics
+from neuralgaits.robots import PlanarBiped
 
+MEASURED = ("q", "dq", "dz", "torque")
+"""What of a point's data a log says."""
+FOLLOWS = ("theta", "foot", "foot_velocity", "centre_of_mass")
+"""What follows from it without the policy."""
 BLOCK = 2048
 """Rows judged at once: one compiled shape for logs of any length."""
 
@@ -37,39 +41,6 @@ class Satisfaction(NamedTuple):
     """There, with every condition that a log can judge held as well."""
     conditions: dict[str, float]
     """Of the rows at the phases of a condition's region, those where it held."""
-
-
-class _NotLogged(Exception):
-    """A quantity that no log holds."""
-
-
-class _Row:
-    """What a log knows of one row, under the names that conditions read of a `Point`."""
-
-    def __init__(self, robot: PlanarBiped, gait: Gait, q: Coordinates, dq: Coordinates, torque):
-        self.robot, self.policy = robot, gait.policy
-        self.q, self.dq, self.torque = q, dq, torque
-        self.z = zero_coordinates(robot, q, dq)
-
-    @cached_property
-    def theta(self) -> Coordinates:
-        return self.robot.link_angles @ self.q
-
-    @cached_property
-    def dz(self) -> ZeroState:
-        fall = self.robot.mass * self.robot.gravity * self.robot.centre_of_mass(self.q)[0]
-        return jnp.stack([self.robot.hip_gradient @ self.dq, fall])
-
-    @cached_property
-    def foot(self) -> Planar:
-        return dynamics.swing_foot(self.robot, self.q)
-
-    @cached_property
-    def foot_velocity(self) -> Planar:
-        return dynamics.swing_foot_velocity(self.robot, self.q, self.dq)
-
-    def __getattr__(self, name: str) -> Any:
-        raise _NotLogged(name)
 
 
 def satisfaction(
@@ -129,19 +100,33 @@ def _judged(robot: PlanarBiped, gait: Gait, spec: GaitSpec) -> list[Pointwise | 
 
 
 def _is_logged(condition: Pointwise | Barrier, robot: PlanarBiped, gait: Gait) -> bool:
-    still = np.zeros(robot.n)
-    try:
-        jax.eval_shape(lambda: _value(condition, _Row(robot, gait, still, still, still[1:])))
-    except _NotLogged:
-        return False
-    return True
+    """Whether a condition reads nothing but what a log knows: a point keeps what it computes."""
+    unknown: set[str] = set()
+
+    def read(q: Coordinates, dq: Coordinates, torque: Actuated) -> Array:
+        point = _measured(robot, gait, q, dq, torque)
+        known = {*vars(point), *FOLLOWS}
+        value = condition.function(point)
+        unknown.update(set(vars(point)) - known)
+        return value
+
+    still = jnp.zeros(robot.n)
+    jax.eval_shape(read, still, still, still[1:])
+    return not unknown
 
 
-def _value(condition: Pointwise | Barrier, row: _Row) -> Array:
-    """G or h of a condition. A row stands in for the point data as far as a log knows them."""
-    return condition.function(cast(Point, row))
+def _measured(
+    robot: PlanarBiped, gait: Gait, q: Coordinates, dq: Coordinates, torque: Actuated
+) -> Point:
+    """The point data of a row: measured where a point of the zero dynamics computes."""
+    point = Point(robot, gait.policy, None, zero_coordinates(robot, q, dq))
+    fall = robot.mass * robot.gravity * robot.centre_of_mass(q)[0]
+    dz = jnp.stack([robot.hip_gradient @ dq, fall])
+    vars(point).update(zip(MEASURED, (q, dq, dz, torque), strict=True))
+    return point
 
 
+@lru_cache(maxsize=4)
 def _judge_of(conditions: tuple[Pointwise | Barrier, ...]):
     """(robot, gait, rows [b, 3n - 1]) to charts [b, 2] and what holds [b, conditions]."""
 
@@ -149,8 +134,8 @@ def _judge_of(conditions: tuple[Pointwise | Barrier, ...]):
     def judge(robot: PlanarBiped, gait: Gait, rows: Array) -> tuple[Array, Array]:
         def one(values: Array) -> tuple[Array, Array]:
             q, dq, torque = jnp.split(values, [robot.n, 2 * robot.n])
-            row = _Row(robot, gait, q, dq, torque)
-            held = [jnp.all(_value(condition, row) >= 0.0) for condition in conditions]
+            row = _measured(robot, gait, q, dq, torque)
+            held = [jnp.all(condition.function(row) >= 0.0) for condition in conditions]
             chart = jnp.stack([gait.phase(row.z[0]), gait.level(row.z)])
             return chart, jnp.stack(held)
 

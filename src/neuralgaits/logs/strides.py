@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from neuralgaits._types import Float, Int
+from neuralgaits._types import Bool, Float, Int
 from neuralgaits.errors import InputError
 from neuralgaits.logs.table import Log
 from neuralgaits.logs.zero_states import zero_states
@@ -20,6 +20,12 @@ SETTLING_S = 0.02
 """Time after a touchdown that is left out: the contact settles, and z2 from q and dq jumps."""
 LONGEST_STRIDE_S = 2.0
 """A stance phase longer than this is standing, not walking: three to four usual steps."""
+BOUNCE_S = 0.1
+"""A foot that comes down twice within this time after a touchdown bounces."""
+BOUNCE_NOISES = 6.0
+"""In robust standard deviations of the log's own rates of z2: less is noise, not a bounce."""
+FALLING_RAD = 0.5
+"""Joints further than this from what was asked of them: the robot falls, whatever z says."""
 GAP = 2.5
 """Two rows further apart than this many sample periods have a gap between them."""
 SHARES = (0.7, 0.15, 0.15)
@@ -93,23 +99,26 @@ def cut(logs: Sequence[Log], robot: PlanarBiped) -> Cut:
         robot: the run's own model, which says what z is.
     """
     strides: list[Stride] = []
-    left_out = {"settling": 0, "standing": 0}
+    left_out = {"settling": 0, "standing": 0, "falling": 0}
     for log in logs:
         if len(log) < 2:
             continue
         z = zero_states(robot, log.q, log.dq)
+        bounces = _jumps(log, z, robot)
         phases = _phases(log)
-        settled = [_settled(log, phase) for phase in phases]
-        for number, (phase, rows) in enumerate(zip(phases, settled, strict=True)):
-            left_out["settling"] += phase.size - rows.size
+        settled = [_settled(log, phase, bounces) for phase in phases]
+        walking = [_walking(log, rows) for rows in settled]
+        for number, (phase, rows) in enumerate(zip(phases, walking, strict=True)):
+            left_out["settling"] += phase.size - settled[number].size
+            left_out["falling"] += settled[number].size - rows.size
             if rows.size < 2:
                 left_out["settling"] += rows.size
                 continue
             if log.t[phase[-1]] - log.t[phase[0]] > LONGEST_STRIDE_S:
                 left_out["standing"] += rows.size
                 continue
-            follows = settled[number + 1] if number + 1 < len(phases) else None
-            strides.append(_stride(log, z, number, rows, follows))
+            lands = rows[-1] == phase[-1] and number + 1 < len(phases)
+            strides.append(_stride(log, z, number, rows, walking[number + 1] if lands else None))
     return Cut(strides, left_out)
 
 
@@ -141,14 +150,35 @@ def _phases(log: Log) -> list[Int[np.ndarray, " k"]]:
     return np.split(np.arange(len(log)), changes)
 
 
-def _settled(log: Log, phase: Int[np.ndarray, " k"]) -> Int[np.ndarray, " s"]:
-    """Rows of a phase after it has settled.
+def _settled(
+    log: Log, phase: Int[np.ndarray, " k"], bounces: Bool[np.ndarray, " k"]
+) -> Int[np.ndarray, " s"]:
+    """Rows of a phase after it has settled, the last bounce of its foot included.
 
     Where a log begins the touchdown is not known: it may have been just before.
     """
     # Half a period of slack: row times are rounded numbers.
-    since = log.t[phase] - log.t[phase[0]] + 0.5 * log.period_s
+    slack = 0.5 * log.period_s
+    since = log.t[phase] - log.t[phase[0]] + slack
+    later = bounces[phase] & (since >= SETTLING_S) & (since < BOUNCE_S)
+    if later.any():
+        since = since - since[np.flatnonzero(later)[-1]] + slack
     return phase[since >= SETTLING_S]
+
+
+def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: PlanarBiped) -> Bool[np.ndarray, " k"]:
+    """Rows at which z2 has changed faster than weight can change it: an impact."""
+    rate = np.diff(z[:, 1], prepend=z[0, 1]) / np.diff(log.t, prepend=log.t[0] - log.period_s)
+    noise = 1.4826 * float(np.median(np.abs(rate - np.median(rate))))
+    weight = float(robot.mass * robot.gravity) * robot.leg_length
+    return np.abs(rate) > max(weight, BOUNCE_NOISES * noise)
+
+
+def _walking(log: Log, rows: Int[np.ndarray, " s"]) -> Int[np.ndarray, " w"]:
+    """Rows before the first one in which the robot falls."""
+    error = np.abs(log.q[rows, 1:] - log.qd[rows]).max(axis=1, initial=0.0)
+    fallen = np.flatnonzero(error > FALLING_RAD)
+    return rows[: fallen[0]] if fallen.size else rows
 
 
 def _stride(
