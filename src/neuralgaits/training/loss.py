@@ -15,6 +15,7 @@ from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.training.pushes import Pushed
 from neuralgaits.training.sampling import Sampler, contains
 
 NO_RESIDUALS = Residuals()
@@ -80,14 +81,25 @@ def margin_matrix(
     gait: Gait,
     u: Float[Array, "N 2"],
     residuals: Residuals = NO_RESIDUALS,
+    pushes: Float[Array, "N 2"] | None = None,
 ) -> tuple[Float[Array, "N K"], Float[Array, "N m"]]:
     """Margins of all conditions at all samples, in their own units, and torques.
 
+    Args:
+        spec: conditions.
+        robot: the biped.
+        gait: policy and tube.
+        u: samples.
+        residuals: what was learned of the robot beyond its model.
+        pushes: what is added to dz at each sample (m/s, N m), None for nothing.
+
     Returns: [N, K], columns in the order of the spec, and [N, m] (N m).
     """
-    zd = ZeroDynamics(robot, gait.policy, *residuals)
 
-    def one(sample):
+    def one(sample, push):
+        flow, reset = residuals
+        moved = flow if push is None else Pushed(flow, push)
+        zd = ZeroDynamics(robot, gait.policy, moved, reset)
         point = zd.point(gait.z(sample))
         # One derivative for all barriers: a network inside, as after a reset, is passed once.
         barriers = [c for c in spec.conditions if isinstance(c, Barrier)]
@@ -99,7 +111,7 @@ def margin_matrix(
         ]
         return jnp.concatenate(margins), point.torque
 
-    return jax.vmap(one)(u)
+    return jax.vmap(one)(u, pushes)
 
 
 def barrier_loss(

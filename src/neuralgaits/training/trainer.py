@@ -31,6 +31,7 @@ from neuralgaits.training.loss import (
     margin_matrix,
 )
 from neuralgaits.training.precision import cast, cast_named
+from neuralgaits.training.pushes import Disturbance, pushes_of
 from neuralgaits.training.repair import Boxes, Extra, with_extra
 from neuralgaits.training.sampling import Sampler
 
@@ -79,6 +80,8 @@ class Trainer:
         sampler: samples of a step.
         validation: samples that choose the best weights and report on a gait.
         residuals: what was learned of the robot beyond its model.
+        disturbance: each sample has one corner of this box added to dz (m/s, N m); None for
+            nothing. Reports are without it.
         extra: boxes that get samples beside the regions' own, in steps and validation; None
             for an ordinary training.
         round: 0 for an ordinary training; each number has samples of its own.
@@ -91,6 +94,7 @@ class Trainer:
     sampler: Sampler
     validation: Sampler
     residuals: Residuals
+    disturbance: Disturbance
     _step: Callable
     _evaluate: Callable
     _unflatten: Callable
@@ -112,6 +116,7 @@ class Trainer:
         steps: int,
         seed: int,
         residuals: Residuals = NO_RESIDUALS,
+        disturbance: Disturbance = None,
         rate: float = 1.0,
     ) -> "Trainer":
         """Lay out samples and margins and prepare the jitted functions.
@@ -123,6 +128,7 @@ class Trainer:
             steps: gradient steps in all; the schedule depends on it.
             seed: of the samples.
             residuals: what was learned of the robot beyond its model.
+            disturbance: that the conditions must bear beside them (m/s, N m).
             rate: factor on the recipe's learning rate.
         """
         recipe = spec.recipe
@@ -140,9 +146,9 @@ class Trainer:
             cast(fixed, np.float32),
             cast(residuals, np.float32),
         )
-        step = _make_step(spec, light, unflatten, optimizer)
+        step = _make_step(spec, light, disturbance, unflatten, optimizer)
         checked = lay_out(spec, robot, template, validation)
-        evaluate = _make_evaluate(spec, robot, validation, checked, residuals)
+        evaluate = _make_evaluate(spec, robot, validation, checked, residuals, disturbance)
         return cls(
             robot=robot,
             spec=spec,
@@ -151,6 +157,7 @@ class Trainer:
             sampler=sampler,
             validation=validation,
             residuals=residuals,
+            disturbance=disturbance,
             _step=step,
             _evaluate=evaluate,
             _unflatten=unflatten,
@@ -165,7 +172,8 @@ class Trainer:
         """A trainer that goes on from a trained gait, for `steps` steps a round, see `on`."""
         factor = REPAIR_RATE * width_factor(self.spec, self._template)
         optimizer = _optimizer(self.spec.recipe, steps, factor)
-        step = _make_step(self.spec, self._light, self._unflatten, optimizer)
+        parts = self.spec, self._light, self.disturbance, self._unflatten
+        step = _make_step(*parts, optimizer)
         return replace(self, steps=steps, _step=step, _optimizer=optimizer)
 
     def on(self, extra: Extra, number: int) -> "Trainer":
@@ -202,7 +210,9 @@ class Trainer:
 
     def validate(self, state: TrainState) -> TrainState:
         """Keep the parameters if their loss on the validation samples is the lowest."""
-        loss = self.report(self.gait(state.parameters), seed=0).loss
+        gait = self.gait(state.parameters)
+        result, _ = self._evaluate(gait, jax.random.key(0), self.extra, jnp.ones(()))
+        loss = float(result.total)
         if loss < float(state.best_loss):
             return state._replace(best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64))
         return state
@@ -218,7 +228,7 @@ class Trainer:
 
         Samples of extra boxes count for the loss alone.
         """
-        loss, margins = self._evaluate(gait, jax.random.key(seed), self.extra)
+        loss, margins = self._evaluate(gait, jax.random.key(seed), self.extra, jnp.zeros(()))
         rows = self._validation_layout.counts
         margins = np.asarray(margins)[: len(rows)]
         named = {
@@ -237,12 +247,12 @@ def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTrans
     return optax.adamw(schedule(rate, steps), weight_decay=recipe.weight_decay)
 
 
-def _make_step(spec: GaitSpec, light, unflatten, optimizer) -> Callable:
+def _make_step(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optimizer) -> Callable:
     robot, layout, sampler, fixed, residuals = light
 
-    def loss(parameters, u, counts):
+    def loss(parameters, u, counts, pushes):
         gait = eqx.combine(unflatten(parameters), fixed).matched(robot, residuals.reset)
-        margins, torque = margin_matrix(spec, robot, gait, u, residuals)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
         result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
         return result.total, result
 
@@ -250,7 +260,8 @@ def _make_step(spec: GaitSpec, light, unflatten, optimizer) -> Callable:
         key = jax.random.fold_in(key, index)
         u, counts = with_extra(extra, 1, sampler.draw(key), layout.counts, key)
         gradient_of = jax.value_and_grad(loss, has_aux=True)
-        (_, result), gradient = gradient_of(parameters, u.astype(jnp.float32), counts)
+        u, pushes = u.astype(jnp.float32), pushes_of(disturbance, key, len(u), jnp.float32)
+        (_, result), gradient = gradient_of(parameters, u, counts, pushes)
         update, state = optimizer.update(gradient, state, parameters)
         return optax.apply_updates(parameters, update), state, result
 
@@ -263,10 +274,12 @@ def _make_evaluate(
     sampler: Sampler,
     layout: Layout,
     residuals: Residuals,
+    disturbance: Disturbance,
 ) -> Callable:
-    def evaluate(gait, key, extra):
+    def evaluate(gait, key, extra, share):
         u, counts = with_extra(extra, VALIDATION_SAMPLES, sampler.draw(key), layout.counts, key)
-        margins, torque = margin_matrix(spec, robot, gait, u, residuals)
+        pushes = pushes_of(disturbance, key, len(u), u.dtype, share)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
         return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
 
     # The options go on to jax.jit; equinox's overloads leave them out.

@@ -25,6 +25,7 @@ def refine(
     seed: int = 0,
     steps: int | None = None,
     out: str | Path | None = None,
+    disturbance: tuple[float, float] | None = None,
     certify: bool = False,
     budget: float | None = None,
     progress: Progress | None = None,
@@ -39,6 +40,8 @@ def refine(
         seed: of samples.
         steps: gradient steps; a share of the recipe's if None.
         out: the new run's folder; `runs/ROBOT/<UTC time>-<seed>` if None.
+        disturbance: bounds on what may be added to dz beside the residual (m/s, N m): training
+            lets every sample meet a corner of them.
         certify: prove the conditions on the corrected dynamics (level 1), and train on where
             that fails, as `train` does.
         budget: seconds for proofs and further training; None for as long as it takes.
@@ -68,6 +71,7 @@ def refine(
         "seed": seed,
         "steps": round(STEPS_SHARE * parent.spec.recipe.steps) if steps is None else steps,
         "rate": RATE,
+        "disturbance": disturbance,
         "not_provable_because": kept["not_provable_because"],
         "certify": {"budget_s": budget} if certify else None,
         "parent": str(parent.path),

@@ -47,6 +47,7 @@ class TrainingSession:
         """
         config = self.folder.config
         residuals = residuals_of(learned_of(self.folder, self.robot))
+        disturbance = config.get("disturbance")
         trainer = Trainer.build(
             self.robot,
             self.spec,
@@ -54,6 +55,7 @@ class TrainingSession:
             steps=config["steps"],
             seed=config["seed"],
             residuals=residuals,
+            disturbance=None if disturbance is None else tuple(disturbance),
             rate=config.get("rate", 1.0),
         )
         state = self._start(trainer, gait)

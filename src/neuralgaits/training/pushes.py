@@ -1,0 +1,43 @@
+"""Disturbances of dz in training: each sample meets one corner of their box."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Float, Scalar, ZeroState
+
+Disturbance = tuple[float, float] | None
+"""Bounds of what is added to dz (m/s, N m)."""
+
+
+class Pushed(NamedTuple):
+    """A residual of the flow, or none, with a constant added."""
+
+    flow: Callable[[ZeroState], ZeroState] | None
+    push: ZeroState
+
+    def __call__(self, z: ZeroState) -> ZeroState:
+        """What is added to dz. Returns: [2] (m/s, N m)."""
+        return self.push if self.flow is None else self.flow(z) + self.push
+
+
+def pushes_of(
+    disturbance: Disturbance, key: Array, count: int, dtype, share: Scalar | float = 1.0
+) -> Float[Array, "N 2"] | None:
+    """A random corner for each sample: the worst of a box is there, or near it.
+
+    Args:
+        disturbance: half widths of the box.
+        key: random key of the samples.
+        count: of samples.
+        dtype: of the pushes.
+        share: of the box.
+
+    Returns: [N, 2] (m/s, N m), None for no disturbance.
+    """
+    if disturbance is None:
+        return None
+    signs = jax.random.rademacher(jax.random.fold_in(key, 1), (count, 2), dtype)
+    return (share * jnp.array(disturbance)).astype(dtype)[None] * signs
