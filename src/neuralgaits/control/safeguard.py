@@ -17,6 +17,9 @@ from neuralgaits.control.controller import Command, Controller
 from neuralgaits.control.measurement import Measurement, leg_joints
 from neuralgaits.robots import PlanarBiped
 
+CLOCK_S = 1e-6
+"""Resolution of the clock of readings [s]."""
+
 
 class Fault(IntEnum):
     """Why torques are zero."""
@@ -129,7 +132,7 @@ def check(
         (jnp.abs(measurement.pitch) > config.largest_pitch, Fault.PITCH),
         (jnp.abs(measurement.dpitch) > config.largest_rate, Fault.RATE),
         (jnp.any(jnp.abs(measurement.hip_velocity) > config.largest_speed), Fault.SPEED),
-        (state.running & ((gap <= 0.0) | (gap > config.gap_s)), Fault.TIME),
+        (state.running & ((gap < 0.5 * CLOCK_S) | (gap > config.gap_s)), Fault.TIME),
         *(
             (test, fault)
             for leg in (0, 1)

@@ -17,6 +17,7 @@ class LinkConfig:
         loss: probability that a packet is lost, each way.
         jitter_ms: packets are late by up to this much, each way, whole milliseconds.
         blend_s: from holding the first posture to the gait [s].
+        log: file for the first controller's own log, in the format of AMBER-3M; none if empty.
     """
 
     law: str = "pd"
@@ -24,6 +25,7 @@ class LinkConfig:
     loss: float = 0.0
     jitter_ms: float = 0.0
     blend_s: float = 0.0
+    log: str = ""
 
     def __post_init__(self):
         """Check the ranges."""
@@ -51,7 +53,7 @@ def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfi
         if name not in known:
             raise InputError(f"unknown link setting {name!r}: expected one of {', '.join(known)}")
         try:
-            number = value if name == "law" else float(value)
+            number = value if known[name] is str else float(value)
         except ValueError:
             raise InputError(f"link {name}: expected a number, found {value!r}") from None
         values[name] = bool(number) if name == "lockstep" else number

@@ -43,7 +43,6 @@ class Remote:
         config: LinkConfig,
         episodes: int,
         seed: int,
-        log: Path | None = None,
     ):
         """Start the processes.
 
@@ -53,7 +52,6 @@ class Remote:
             config: of the link.
             episodes: how many walk at once; in real time only one can.
             seed: of what the network does.
-            log: for the first controller's own log.
         """
         if config.law not in laws:
             raise InputError(f"link law: expected one of {', '.join(laws)}, found {config.law!r}")
@@ -62,6 +60,7 @@ class Remote:
                 f"expected 1 episode in real time, found {episodes}: add --link lockstep=1"
             )
         self._config, self._law = config, laws.index(config.law)
+        log = Path(config.log) if config.log else None
         self._links = [Link(program, log if i == 0 else None) for i in range(episodes)]
         jitter = round(config.jitter_ms)
         self._up = [Channel[bytes](config.loss, jitter, (seed, i, 4)) for i in range(episodes)]

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
@@ -16,9 +15,7 @@ SOURCES = (*build.CORE, "amber_log.c", "link.c")
 
 
 @contextmanager
-def connected(
-    trained: Run, config: LinkConfig, episodes: int, seed: int, log: Path | None = None
-) -> Iterator[Remote]:
+def connected(trained: Run, config: LinkConfig, episodes: int, seed: int) -> Iterator[Remote]:
     """Write, compile and start the controller of a run.
 
     Args:
@@ -26,7 +23,6 @@ def connected(
         config: of the link.
         episodes: how many controllers.
         seed: of what the network does.
-        log: file for the first controller's own log.
 
     Raises: InputError if there is no compiler.
     """
@@ -37,5 +33,5 @@ def connected(
     files = writing.shipped() | gait_files(design)
     with writing.scratch(files) as folder:
         program = build.build(compilers[0], folder, "controller", SOURCES, build.PLAIN)
-        with Remote(program, list(design.controllers), config, episodes, seed, log) as remote:
+        with Remote(program, list(design.controllers), config, episodes, seed) as remote:
             yield remote

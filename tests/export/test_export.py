@@ -1,0 +1,133 @@
+"""The verb: files whole or not at all, checked or said not to be."""
+
+import json
+import subprocess
+
+import pytest
+
+from neuralgaits.errors import InputError, MismatchError, RunError, SpecError
+from neuralgaits.export import build
+from neuralgaits.workflows import export as workflow
+from neuralgaits.workflows.export import export
+
+FIELDS = {"files", "max_abs_error", "latency_us", "flash_bytes", "ram_bytes"}
+STATES = 500
+
+
+@pytest.fixture(scope="module")
+def exported(trained, tmp_path_factory):
+    out = tmp_path_factory.mktemp("export") / "new" / "c"
+    return out, export(trained, out, states=STATES)
+
+
+def test_what_is_printed(exported):
+    out, done = exported
+    summary = json.loads(json.dumps(done.summary))
+    assert FIELDS <= set(summary) and done.checked
+    assert sorted(str(path) for path in out.iterdir()) == summary["files"]
+    assert 0.0 < summary["max_abs_error"] < 1e-10
+    assert 0.0 < summary["latency_us"]["p50"] <= summary["latency_us"]["p99"]
+    assert 10_000 < summary["flash_bytes"] < 100_000
+    assert summary["ram_bytes"] <= 4096 + sum(summary["sizes"]["double"]["structs"].values())
+    precisions = {(row["precision"], row["flags"]) for row in summary["builds"]}
+    assert len(precisions) == 4
+    assert summary["float_bound"]["output"] >= summary["builds"][2]["agreement"]["output"]
+
+
+def test_the_files_compile_where_they_are(exported, tmp_path):
+    """Whoever has the folder needs nothing else."""
+    out, _ = exported
+    main = tmp_path / "main.c"
+    main.write_text('#include "controller.h"\nint main(void) { return ng_selftest(); }\n')
+    program = tmp_path / "selftest"
+    sources = [str(out / name) for name in ("gait.c", "controller.c", "selftest.c")]
+    subprocess.run(
+        ["gcc", *build.STRICT, "-Os", "-I", str(out), str(main), *sources, "-o", str(program)],
+        check=True,
+    )
+    assert subprocess.run([str(program)]).returncode == 0
+
+
+def test_hashes_are_those_of_the_run(exported, trained):
+    import hashlib
+
+    out, _ = exported
+    text = (out / "gait.h").read_text()
+    for name in ("robot.xml", "policy.safetensors"):
+        assert hashlib.sha256((trained.path / name).read_bytes()).hexdigest() in text
+
+
+def test_a_used_folder_is_refused_without_force(exported, trained, monkeypatch):
+    out, _ = exported
+    with pytest.raises(InputError, match=r"expected an empty folder .* --force"):
+        export(trained, out, states=STATES)
+    (out / "mine.txt").write_text("kept")
+    (out / "gait.h").write_text("spoilt")
+    monkeypatch.setattr(build, "compilers", list)
+    export(trained, out, force=True, states=STATES)
+    assert (out / "mine.txt").read_text() == "kept"
+    assert "NG_ROBOT" in (out / "gait.h").read_text()
+    (out / "mine.txt").unlink()
+
+
+def test_a_file_in_the_way_is_refused(trained, tmp_path):
+    (tmp_path / "c").write_text("")
+    with pytest.raises(InputError, match=r"expected a folder"):
+        export(trained, tmp_path / "c", force=True)
+
+
+def test_without_a_compiler_files_are_written_and_not_checked(trained, tmp_path, monkeypatch):
+    monkeypatch.setattr(build, "compilers", list)
+    done = export(trained, tmp_path / "c")
+    assert not done.checked and done.summary["checked"] is False
+    assert "not checked" in done.summary["reason"]
+    assert (tmp_path / "c" / "gait.c").stat().st_size > 10_000
+    assert FIELDS <= set(done.summary)
+
+
+def test_a_mismatch_leaves_nothing(trained, tmp_path, monkeypatch):
+    real = workflow.gait_files
+
+    def spoilt(design):
+        files = real(design)
+        files["gait.c"] = files["gait.c"].replace(".damping = NG(50.0)", ".damping = NG(50.1)")
+        return files
+
+    monkeypatch.setattr(workflow, "gait_files", spoilt)
+    with pytest.raises(MismatchError, match=r"disagree"):
+        export(trained, tmp_path / "c", states=STATES)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_c_that_does_not_compile_is_a_mismatch(trained, tmp_path, monkeypatch):
+    real = workflow.gait_files
+    monkeypatch.setattr(
+        workflow, "gait_files", lambda design: real(design) | {"gait.h": "int unused = x;"}
+    )
+    with pytest.raises(MismatchError, match=r"compiles without warnings"):
+        export(trained, tmp_path / "c", states=STATES)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_policy_with_a_kink_is_refused_by_name(trained, tmp_path):
+    import equinox as eqx
+    import jax
+
+    from neuralgaits.gait import MLPPolicy
+
+    relu = MLPPolicy.init(trained.robot, key=jax.random.key(0), activation="relu")
+    gait = eqx.tree_at(lambda g: g.policy, trained.gait, relu)
+    run = type(trained)(trained.folder, trained.robot, trained.spec, gait)
+    with pytest.raises(SpecError, match=r"cannot trace max .*tanh or softplus"):
+        export(run, tmp_path / "c")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_bad_input_is_one_line(trained, tmp_path):
+    with pytest.raises(InputError, match=r"unknown format 'rust'"):
+        export(trained, tmp_path / "c", format="rust")
+    unfinished = tmp_path / "run"
+    unfinished.mkdir()
+    (unfinished / "config.json").write_bytes((trained.path / "config.json").read_bytes())
+    with pytest.raises(RunError, match=r"expected a finished run"):
+        export(unfinished, tmp_path / "c")

@@ -1,0 +1,226 @@
+"""A walk through a process boundary, in lock-step: no clock, so the same walk every time."""
+
+import struct
+import subprocess
+
+import numpy as np
+import pytest
+
+from neuralgaits import logs
+from neuralgaits.errors import InputError
+from neuralgaits.export import build, writing
+from neuralgaits.export.source import gait_files
+from neuralgaits.simulation.channel import Channel
+from neuralgaits.simulation.link import Link
+from neuralgaits.simulation.link_config import LinkConfig, parse_link
+from neuralgaits.simulation.remote import Remote
+from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.walk import walk
+from neuralgaits.workflows.connect import SOURCES
+from neuralgaits.workflows.export import design_of
+from neuralgaits.workflows.simulate import simulate
+
+STEPS = 6
+
+
+@pytest.fixture(scope="module")
+def program(trained, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("link")
+    for name, text in (writing.shipped() | gait_files(design_of(trained))).items():
+        (folder / name).write_text(text)
+    return build.build("gcc", folder, "controller", SOURCES, build.PLAIN)
+
+
+def walked(trained, program, config, controller="pd", record=True):
+    """A walk from the centre, through a process if there is a program."""
+    setting = {
+        "controller": controller,
+        "steps": STEPS,
+        "z2_range": momentum_range(trained.gait),
+        "record": record,
+    }
+    start = full_states(trained.robot, trained.gait, "centre", seed=0, episodes=1)
+    if program is None:
+        return walk(trained.robot, trained.gait.policy, start, **setting), None
+    with Remote(program, ["pd", "fblin", "paper"], config, 1, 0) as remote:
+        done = walk(trained.robot, trained.gait.policy, start, remote=remote, **setting)
+    return done, remote.summary()
+
+
+@pytest.fixture(scope="module")
+def both(trained, program, tmp_path_factory):
+    """The same walk in Python and through the process, with the process's own log."""
+    log = tmp_path_factory.mktemp("log") / "robot.csv"
+    config = LinkConfig(law="fblin", lockstep=True, log=str(log))
+    inside, _ = walked(trained, None, None, controller="fblin")
+    outside, summary = walked(trained, program, config, controller="fblin")
+    return inside.episodes, outside.episodes, summary, log
+
+
+def test_the_process_walks_as_python_does(both):
+    inside, outside, summary, _ = both
+    assert outside.endings == inside.endings
+    assert summary["deadline_misses"] == 0 and summary["faults"] == [0]
+    found, expected = outside.record.command, inside.record.command
+    # From rest, the first torques are held back by their rate limit: the walks differ by that.
+    size = min(len(found.leg), len(expected.leg))
+    assert abs(len(found.leg) - len(expected.leg)) <= 3
+    steady = slice(5, size // 2)
+    apart = np.abs(found.torque[steady] - expected.torque[steady])
+    assert np.median(apart) < 0.05 and np.median(np.abs(expected.torque[steady])) > 1.0
+    np.testing.assert_allclose(found.z[steady], expected.z[steady], atol=0.05)
+
+
+def test_one_tick_is_python_s_to_rounding(both):
+    """The first tick sees the same state: what the policy wants is equal to the last digits."""
+    inside, outside, _, _ = both
+    for name in ("q", "dq", "y_d", "dy_d", "z"):
+        found = getattr(outside.record.command, name)[0]
+        np.testing.assert_allclose(found, getattr(inside.record.command, name)[0], rtol=1e-10)
+
+
+def test_the_process_writes_a_log_that_is_read(both, trained):
+    """The 38 columns of the robot, in the signs and names of the package."""
+    _, outside, _, path = both
+    log = logs.read(path, trained.robot).log
+    command = outside.record.command
+    assert len(log.t) == len(command.leg)
+    np.testing.assert_allclose(log.t, outside.record.time, atol=1e-9)
+    np.testing.assert_array_equal(log.stance, command.leg)
+    for mine, theirs in (("q", "q"), ("dq", "dq"), ("qd", "y_d"), ("dqd", "dy_d")):
+        np.testing.assert_allclose(
+            getattr(log, mine), getattr(command, theirs), rtol=1e-7, atol=1e-7
+        )
+    np.testing.assert_allclose(log.tau, command.actuated, rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(log.pitch, outside.record.pitch, rtol=1e-7, atol=1e-9)
+
+
+def test_it_walks_with_lost_and_late_packets(trained, program):
+    config = LinkConfig(lockstep=True, loss=0.01, jitter_ms=2.0)
+    done, summary = walked(trained, program, config, record=False)
+    assert not done.episodes.endings[0].fell
+    assert summary is not None
+    assert summary["packets_lost"] > 0.005 * summary["packets_sent"]
+    assert summary["packets_late"] > 0.5 * summary["packets_sent"]
+    assert summary["deadline_misses"] > 0
+
+
+@pytest.fixture
+def link(program):
+    with Link(program) as open_link:
+        yield open_link
+
+
+def reading(sequence, time_us, numbers):
+    data = np.asarray(numbers, dtype="<f8").tobytes()
+    return struct.pack("<4sIII", b"NGR1", sequence, time_us, 0) + data
+
+
+STANDING = [0.0, 0.0, 0.6, 0.0, 200.0, 0.0, 0.3, -0.2, 0.5, 0.3, 0.0, 0.0, 0.0, 0.0]
+
+
+def ask(link, packet):
+    import time
+
+    link.write(packet)
+    return link.read(time.monotonic() + 0.5)
+
+
+def test_the_protocol_as_the_page_has_it(link):
+    """Written out in bytes, apart from the package's own client."""
+    link.start(10, 0, 0, 0.0, 0.0)
+    (answer,) = ask(link, reading(11, 1000, STANDING))
+    head, sequence, flags, fault = struct.unpack_from("<4sIII", answer)
+    assert (head, sequence, fault) == (b"NGC1", 11, 0)
+    assert not flags & (1 | 2 | 8)
+    assert len(answer) == 16 + 8 * (4 + 4 + 3 * 4 + 2 + 2)
+    numbers = np.frombuffer(answer, "<f8", offset=16)
+    assert np.all(np.abs(numbers[4:8]) <= 41.0) and np.any(numbers[4:8] != 0.0)
+
+
+def test_old_readings_are_not_used(link):
+    link.start(0, 0, 0, 0.0, 0.0)
+    (first,) = ask(link, reading(5, 5000, STANDING))
+    (again,) = ask(link, reading(4, 4000, STANDING))
+    assert struct.unpack_from("<I", again, 8)[0] & 8
+    assert again[16:-8] == first[16:-8]
+
+
+@pytest.mark.parametrize(
+    "packet",
+    [
+        b"",
+        b"NGR1",
+        b"NGXX" + bytes(200),
+        reading(3, 0, STANDING)[:-1],
+        reading(3, 0, [*STANDING, 0.0]),
+        b"NGS1" + struct.pack("<III", 1, 99, 0) + bytes(16),
+        bytes(1400),
+    ],
+    ids=["empty", "short", "unknown", "cut", "long", "no such law", "zeros"],
+)
+def test_other_datagrams_are_ignored(link, packet):
+    link.start(0, 0, 0, 0.0, 0.0)
+    assert ask(link, packet) == []
+    assert len(ask(link, reading(7, 1000, STANDING))) == 1
+
+
+def test_bad_numbers_give_zero_torque_and_a_reason(link):
+    link.start(0, 1, 0, 0.0, 0.0)
+    (answer,) = ask(link, reading(1, 1000, [float("nan"), *STANDING[1:]]))
+    assert struct.unpack_from("<I", answer, 12)[0] == 1
+    assert not np.any(np.frombuffer(answer, "<f8", offset=16)[:8])
+
+
+def test_a_plant_that_was_silent_for_too_long_is_not_driven_on(link):
+    """Forty milliseconds without a reading pass; sixty are a fault that stays."""
+    link.start(0, 0, 0, 0.0, 0.0)
+    faults = []
+    for sequence, time_us in enumerate([1000, 41_000, 101_000, 102_000], start=1):
+        (answer,) = ask(link, reading(sequence, time_us, STANDING))
+        faults.append(struct.unpack_from("<I", answer, 12)[0])
+    assert faults == [0, 0, 7, 7]
+
+
+def test_the_channel_delays_and_loses_as_told():
+    channel = Channel(0.25, 2, (1,))
+    arrivals = {}
+    for tick in range(20_000):
+        channel.send(tick, tick)
+        arrivals |= {packet: tick for packet in channel.arrived(tick)}
+    delays = np.array([at - sent for sent, at in arrivals.items()])
+    assert set(delays) == {0, 1, 2}
+    np.testing.assert_allclose(np.bincount(delays) / len(delays), 1.0 / 3.0, atol=0.02)
+    np.testing.assert_allclose(channel.lost / channel.sent, 0.25, atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("speed=1", r"unknown link setting 'speed'"),
+        ("loss=much", r"expected a number"),
+        ("loss=0.9", r"expected 0 to 0.5"),
+        ("jitter_ms=0.5", r"whole milliseconds"),
+        ("lockstep", r"NAME=VALUE"),
+    ],
+)
+def test_bad_link_settings_are_one_line(text, message):
+    with pytest.raises(InputError, match=message):
+        parse_link(text)
+
+
+def test_refusals_of_simulate(trained):
+    with pytest.raises(InputError, match=r"only, found 'loss=0.1'"):
+        simulate(trained, link="loss=0.1")
+    with pytest.raises(InputError, match=r"1 episode in real time"):
+        simulate(trained, controller="c", episodes=2)
+    with pytest.raises(InputError, match=r"link law: expected one of pd, fblin, paper"):
+        simulate(trained, controller="c", link="law=lqr")
+
+
+def test_the_process_refuses_bad_usage(program, tmp_path):
+    done = subprocess.run([str(program), "--speed", "3"], capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.startswith("usage: link")
+    missing = str(tmp_path / "no" / "folder.csv")
+    done = subprocess.run([str(program), "--log", missing], capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1
