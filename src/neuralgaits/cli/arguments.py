@@ -92,8 +92,9 @@ class Certify:
     level: Annotated[int, arg(metavar="N")] = 3
     """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
     3: and that one orbit attracts all of it."""
-    disturbance: Annotated[str | None, arg(metavar="A,B")] = None
-    """Bounds on what may be added to dz at level 2 (m/s, N m); none if not given."""
+    disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
+    """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
+    the run's residual may still be off by."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""
     resume: bool = False
@@ -139,6 +140,9 @@ class Refine:
     """Seed of samples."""
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; a share of the spec's own number if not given."""
+    disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
+    """Bounds on what may be added to dz beside the residual (m/s, N m), which training then bears;
+    learned: what the residual may still be off by."""
     certify: bool = False
     """Prove the conditions (level 1) on the corrected dynamics, as train --certify does."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None

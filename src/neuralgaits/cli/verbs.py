@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from neuralgaits.cli import episodes_screen, learning_screen, screen
 from neuralgaits.cli.arguments import (
@@ -25,6 +25,8 @@ from neuralgaits.errors import InputError
 
 _TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out")
 """Settings of a training that a resumed run has of its own."""
+LEARNED: Literal["learned"] = "learned"
+"""In place of two bounds: those of the residual."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +151,7 @@ def _certify(verb: Certify) -> Outcome:
         done = certify(
             verb.run,
             level=verb.level,
-            disturbance=_bounds(verb.disturbance),
+            disturbance=_bounds(verb.disturbance, verb.run),
             budget=verb.budget,
             resume=verb.resume,
             progress=progress,
@@ -158,15 +160,31 @@ def _certify(verb: Certify) -> Outcome:
     return Outcome(done.summary, verdict == "proved", screen.show_proof, verdict == "undecided")
 
 
-def _bounds(text: str | None) -> tuple[float, float]:
-    """Read `A,B`. Raises: InputError unless they are two numbers."""
+def _bounds(text: str | None, run: str) -> tuple[float, float]:
+    """Read `A,B`, or what a run has learned. Raises: InputError unless there are two numbers."""
     if text is None:
         return 0.0, 0.0
+    if text != LEARNED:
+        return _pair(text)
+    from neuralgaits.workflows.run import open_run
+
+    learned = open_run(run).learned
+    if learned is None:
+        raise InputError(
+            f"expected --disturbance {LEARNED} for a run with a residual, found one without in "
+            f"{run}: refine a run first, or write A,B"
+        )
+    first, second = learned.error_bound
+    return float(first), float(second)
+
+
+def _pair(text: str) -> tuple[float, float]:
     try:
         first, second = (float(word) for word in text.split(","))
     except ValueError:
         raise InputError(
-            f"expected --disturbance as two numbers A,B (m/s, N m), found {text!r}: write 0.01,0.3"
+            f"expected --disturbance as two numbers A,B (m/s, N m) or {LEARNED}, found {text!r}: "
+            "write 0.01,0.3"
         ) from None
     return first, second
 
@@ -198,12 +216,15 @@ def _refine(verb: Refine) -> Outcome:
     from neuralgaits.workflows.proof_rounds import Watch
     from neuralgaits.workflows.refine import refine
 
+    given = verb.disturbance
+    disturbance = LEARNED if given == LEARNED else None if given is None else _pair(given)
     with TrainingProgress() as progress:
         run = refine(
             verb.run,
             residual=verb.residual,
             seed=verb.seed,
             steps=verb.steps,
+            disturbance=disturbance,
             certify=verb.certify,
             budget=verb.budget,
             out=verb.out,

@@ -1,7 +1,9 @@
 """Train a gait on, from where it stands, on the zero dynamics that logs have corrected."""
 
+import math
 import time
 from pathlib import Path
+from typing import Literal
 
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.residual import stored
@@ -25,7 +27,7 @@ def refine(
     seed: int = 0,
     steps: int | None = None,
     out: str | Path | None = None,
-    disturbance: tuple[float, float] | None = None,
+    disturbance: tuple[float, float] | Literal["learned"] | None = None,
     certify: bool = False,
     budget: float | None = None,
     progress: Progress | None = None,
@@ -41,7 +43,8 @@ def refine(
         steps: gradient steps; a share of the recipe's if None.
         out: the new run's folder; `runs/ROBOT/<UTC time>-<seed>` if None.
         disturbance: bounds on what may be added to dz beside the residual (m/s, N m): training
-            lets every sample meet a corner of them.
+            lets every sample meet a corner of them. "learned": what the residual may still be
+            off by on held-out strides, see `fit`.
         certify: prove the conditions on the corrected dynamics (level 1), and train on where
             that fails, as `train` does.
         budget: seconds for proofs and further training; None for as long as it takes.
@@ -61,7 +64,13 @@ def refine(
             f"expected a residual of {parent.path}, found no {fit.FILE} in it: learn one with "
             f"`neuralgaits fit {parent.path} LOG.csv`, or give --residual FILE"
         )
-    stored.read(file, parent.robot)
+    learned = stored.read(file, parent.robot)
+    if disturbance == "learned":
+        disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))
+    if disturbance is not None and not all(0.0 <= bound < math.inf for bound in disturbance):
+        raise InputError(
+            f"expected a disturbance of two bounds >= 0 (m/s, N m), found {disturbance}"
+        )
     if not 0 <= seed < 2**31:
         raise InputError(f"expected a seed from 0 to 2147483647, found {seed}")
     if steps is not None and steps < 1:
