@@ -109,6 +109,29 @@ def test_conclusions_of_forged_bounds_are_the_same(asked, proof, tmp_path, figur
     assert float(said) == pytest.approx(found.figures[figure], rel=2e-5)
 
 
+def test_barriers_are_kept_only_where_something_proves_it(asked, proof):
+    """Without values on T and the condition itself, h >= 0 is asked at the start, and no more."""
+    name, table = "torso-lower", copy.deepcopy(proof)
+    table["theorems"][0]["parameters"]["carried"].remove(name)
+    table["theorems"][1]["claimed"] = False
+    for statement in table["statements"]:
+        statement["conditions"] = [
+            c for c in statement["conditions"] if c not in (name, f"set/value {name}")
+        ]
+        for field in ("scales", "bounds"):
+            statement[field] = {c: statement[field][c] for c in statement["conditions"]}
+    table["statements"] = [
+        s for s in table["statements"] if s["conditions"] and "orbit" not in s["conditions"][0]
+    ]
+    answer = asked(table)
+    assert answer.returncode == 0, answer.stdout
+    lines = [line.strip() for line in answer.stdout.splitlines()]
+    (start,) = [line for line in lines if line.startswith("T is every state")]
+    (kept,) = [line for line in lines if line.startswith("and h >= 0")]
+    assert f"h >= 0 for: {name}" in start
+    assert "torso-upper" in kept and name not in kept
+
+
 @pytest.fixture
 def deceived(proofcheck, tmp_path):
     """Mutations that get another answer than they may."""

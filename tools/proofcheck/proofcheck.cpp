@@ -854,10 +854,6 @@ void canonical(const Json& value, string& out) {
 struct Array {
   vector<int> shape;
   vector<double> values;
-  double scalar(const string& what) const {
-    if (!shape.empty()) refuse(what + " that is no single number");
-    return values[0];
-  }
 };
 
 using Constants = std::map<string, Array>;  // The Program's named constants.
@@ -2126,14 +2122,28 @@ S flow_slope(Motion<S>& p, const S& dz1, const S& dz2) {
 template <class S>
 S flow_slope(Motion<S>& p) { return flow_slope(p, p.dz1(), p.dz2()); }
 
-// A box of the chart.
-struct Box {
-  double low[2], high[2];
-};
-
 // Fences and their slopes over the phase, by a dual in the phase.
 Fences<Dual> sloping_fences(const Tube& tube, const TM& phase) {
   return fences(tube, Dual(phase, ONE));
+}
+
+using Rates = vector<std::pair<TM, TM>>;  // Values of (dz1, dz2).
+
+// Flow inward over a fence of a tube, in its widths per step, for each dz given.
+vector<TM> inward(const Tube& tube, const TM& phase, Motion<TM>& p, bool upper,
+                  const Rates& rates) {
+  const Fences<Dual> f = sloping_fences(tube, phase);
+  const TM width = f.upper.v - f.lower.v;
+  vector<TM> out;
+  for (const auto& [dz1, dz2] : rates) {
+    const TM along = flow_slope(p, dz1, dz2);
+    out.push_back((upper ? f.upper.d - along : along - f.lower.d) / width);
+  }
+  return out;
+}
+
+TM reset_level(const Tube& tube, Motion<TM>& p) {
+  return level_of(tube, p.hip_after(), p.z2_after());
 }
 
 // 2 (z2 of the upper fence - z2 of the lower) / their sum.
@@ -2168,13 +2178,10 @@ vector<TM> margins(const Condition& c, Motion<TM>& p, const TM& phase) {
         out.push_back(TM(c.tolerance) + I(sign) * error);
     return out;
   }
-  if (c.kind == "Fence") {
-    const Fences<Dual> f = sloping_fences(p.model.tube, phase);
-    const TM along = flow_slope(p), width = f.upper.v - f.lower.v;
-    return {(c.side == "lower" ? along - f.lower.d : f.upper.d - along) / width};
-  }
+  if (c.kind == "Fence")
+    return inward(p.model.tube, phase, p, c.side == "upper", {{p.dz1(), p.dz2()}});
   if (c.kind == "Inlet") {
-    const TM level = level_of(p.model.tube, p.hip_after(), p.z2_after());
+    const TM level = reset_level(p.model.tube, p);
     return {c.side == "lower" ? level : ONE - level};
   }
   if (c.kind == "TubeWidth") return {relative_width(p.model.tube, phase) - TM(c.least)};
@@ -2208,6 +2215,11 @@ string words_for(const Condition& c, double bound) {
 // Level 2 is about the set T, phases -start_strip to 1 + guard_strip between the fences; level 3
 // about a thin tube in it around the periodic orbit. Their premises are margins like those of
 // conditions, over boxes of the chart of either. What follows from them is in section 12.
+
+// A box of the chart: corners in (phase, level).
+struct Box {
+  double low[2], high[2];
+};
 
 struct WalkingSet {
   double start_strip, guard_strip, risen, falling;
@@ -2263,9 +2275,9 @@ class Place {
 
 // dz at the corners of the disturbance's box. Every margin that is asked there is linear in dz, or
 // a quotient of linear functions whose denominator has one sign: no point inside is worse.
-vector<std::pair<TM, TM>> pushed(const WalkingSet& set, Motion<TM>& p) {
+Rates pushed(const WalkingSet& set, Motion<TM>& p) {
   if (!set.disturbed()) return {{p.dz1(), p.dz2()}};
-  vector<std::pair<TM, TM>> corners;
+  Rates corners;
   for (const double first : {-set.push[0], set.push[0]})
     for (const double second : {-set.push[1], set.push[1]})
       corners.push_back({p.dz1() + TM(first), p.dz2() + TM(second)});
@@ -2313,152 +2325,100 @@ bool of_pose(const Quantity& q) {
   return (q.name == "at_least" || q.name == "at_most") ? of_pose(*q.of) : names.count(q.name) > 0;
 }
 
-// One element of the Program's output, as this program understands it.
-using Margins = std::function<vector<TM>(Place&)>;
+// What the outputs of the theorems say that concern no single condition.
+const std::map<string, Meaning>& theorem_outputs() {
+  static const std::map<string, Meaning> table = {
+      {"set/forward", {"rate of the phase", "1/s"}},
+      {"set/inertia", {"transversal inertia -J s", "kg m"}},
+      {"set/width", {"width of the set in z2, of its middle", ""}},
+      {"set/fence-lower", {"flow inward over the lower fence", "tube widths a step"}},
+      {"set/fence-upper", {"flow inward over the upper fence", "tube widths a step"}},
+      {"set/foot-above", {"height of the swing foot", "m"}},
+      {"set/foot-below", {"depth of the swing foot", "m"}},
+      {"set/foot-rises", {"rise of the swing foot", "m/s"}},
+      {"set/foot-falls", {"fall of the swing foot", "m/s"}},
+      {"set/reset-phase", {"minus the size of the phase after the reset", ""}},
+      {"set/reset-level", {"reset inside the fences and forward", "tube widths, or of z2"}},
+      {"orbit/expansion", {"a series less dF/dzeta on the set", "per step"}},
+      {"orbit/gain", {"minus the size of the gain rho on the set's guard", ""}},
+      {"orbit/fence-lower", {"flow inward over the thin tube's lower fence", "widths a step"}},
+      {"orbit/fence-upper", {"flow inward over the thin tube's upper fence", "widths a step"}},
+      {"orbit/foot-above", {"height of the swing foot in the thin tube", "m"}},
+      {"orbit/foot-below", {"depth of the swing foot in the thin tube", "m"}},
+      {"orbit/reset-level", {"reset inside the thin tube", "widths"}},
+      {"orbit/inside", {"thin tube inside the set", "tube widths"}},
+      {"orbit/width", {"minus the thin tube's width in z2", "kg m^2/s"}},
+      {"orbit/slowest", {"dF/dzeta in the thin tube less a series", "per step"}},
+      {"orbit/fastest", {"a series less dF/dzeta in the thin tube", "per step"}},
+      {"orbit/reset-gain-low", {"gain rho on the thin tube's guard", ""}},
+      {"orbit/reset-gain-high", {"minus the gain rho on the thin tube's guard", ""}},
+      {"orbit/nested-above", {"approach to the thin tube from above", "per step"}},
+      {"orbit/nested-below", {"approach to the thin tube from below", "per step"}}};
+  return table;
+}
 
-vector<TM> both_signs(const TM& a) { return {a, -a}; }
 vector<TM> inside(const TM& level) { return {level, ONE - level}; }
 
-// Flow inward over a fence of a tube, in its widths per step, for each dz given.
-vector<TM> inward(const Tube& tube, const TM& phase, Motion<TM>& p, bool upper,
-                  const vector<std::pair<TM, TM>>& rates) {
-  const Fences<Dual> f = sloping_fences(tube, phase);
-  const TM width = f.upper.v - f.lower.v;
+vector<TM> set_margins(const string& n, Place& at) {
+  const Tube& tube = at.model.tube;
+  const WalkingSet& set = *at.theorems.walking;
+  Motion<TM>& p = at.wide();
+  if (n == "set/inertia") return {-p.transversal()};
+  if (n == "set/width") return {relative_width(tube, at.phase)};
+  if (n == "set/fence-lower" || n == "set/fence-upper")
+    return inward(tube, at.phase, p, n == "set/fence-upper", pushed(set, p));
+  if (n == "set/foot-above") return {p.foot().z};
+  if (n == "set/foot-below") return {-p.foot().z};
+  if (n == "set/reset-phase") {
+    const TM phase = phase_of(tube, p.hip_after());
+    return {phase, -phase};
+  }
+  if (n == "set/reset-level") {
+    // Levels do not tell forward from backward, so z2 must keep its sign as well.
+    vector<TM> margins = inside(reset_level(tube, p));
+    margins.push_back(p.z2_after() / p.z2);
+    return margins;
+  }
   vector<TM> out;
-  for (const auto& [dz1, dz2] : rates) {
-    const TM along = flow_slope(p, dz1, dz2);
-    out.push_back((upper ? f.upper.d - along : along - f.lower.d) / width);
+  for (const auto& [dz1, dz2] : pushed(set, p)) {
+    const TM rise = p.foot_per_dz1().z * dz1 + p.foot_per_dz2().z * dz2;
+    if (n == "set/forward") out.push_back(inverse(I(tube.guard) - I(tube.start)) * dz1);
+    else if (n == "set/foot-rises") out.push_back(rise);
+    else if (n == "set/foot-falls") out.push_back(-rise);
+    else throw Unknown{"the output " + n};
   }
   return out;
 }
 
-// What the theorems' outputs that concern no single condition mean.
-struct Meant {
-  const char* words;
-  const char* unit;
-  vector<TM> (*margins)(Place&);
-};
-
-vector<TM> foot_falls(Place& at, double sign) {
-  Motion<TM>& p = at.wide();
-  vector<TM> out;
-  for (const auto& [dz1, dz2] : pushed(*at.theorems.walking, p))
-    out.push_back(I(sign) * (p.foot_per_dz1().z * dz1 + p.foot_per_dz2().z * dz2));
-  return out;
-}
-
-vector<TM> width(Place& at) { return {relative_width(at.model.tube, at.phase)}; }
-
-vector<TM> phase_rate(Place& at) {
-  vector<TM> out;
-  for (const auto& [dz1, dz2] : pushed(*at.theorems.walking, at.wide()))
-    out.push_back(inverse(I(at.model.tube.guard) - I(at.model.tube.start)) * dz1);
-  return out;
-}
-
-vector<TM> fence(Place& at, bool upper) {
-  Motion<TM>& p = at.wide();
-  return inward(at.model.tube, at.phase, p, upper, pushed(*at.theorems.walking, p));
-}
-
-vector<TM> thin_fence(Place& at, bool upper) {
+vector<TM> orbit_margins(const string& n, Place& at) {
+  const Orbit& orbit = *at.theorems.orbit;
+  const auto series = [&at](const vector<double>& coefficients) {
+    return sum(coefficients, chebyshev(at.phase, coefficients.size()));
+  };
+  if (n == "orbit/expansion") return {series(orbit.expansion) - expansion(at.wide())};
+  if (n == "orbit/gain") {
+    const TM gain = reset_gain(at.wide());
+    return {gain, -gain};
+  }
+  if (n == "orbit/nested-above") return {narrowing(at, true)};
+  if (n == "orbit/nested-below") return {narrowing(at, false)};
+  // In the chart of the thin tube.
   Motion<TM>& p = at.thin();
-  return inward(at.theorems.orbit->thin, at.phase, p, upper, {{p.dz1(), p.dz2()}});
-}
-
-TM reset_level(const Tube& tube, Motion<TM>& p) {
-  return level_of(tube, p.hip_after(), p.z2_after());
-}
-
-// Levels do not tell forward from backward, so z2 must keep its sign as well.
-vector<TM> reset_inside(Place& at) {
-  Motion<TM>& p = at.wide();
-  vector<TM> margins = inside(reset_level(at.model.tube, p));
-  margins.push_back(p.z2_after() / p.z2);
-  return margins;
-}
-
-TM bound_less(const vector<double>& series, Place& at, const TM& rate) {
-  return sum(series, chebyshev(at.phase, series.size())) - rate;
-}
-
-const std::map<string, Meant>& set_outputs() {
-  static const std::map<string, Meant> table = {
-      {"set/forward", {"rate of the phase", "1/s", phase_rate}},
-      {"set/inertia", {"transversal inertia -J s", "kg m",
-                       [](Place& at) { return vector<TM>{-at.wide().transversal()}; }}},
-      {"set/width", {"width of the set in z2, of its middle", "", width}},
-      {"set/fence-lower", {"flow inward over the lower fence", "tube widths a step",
-                           [](Place& at) { return fence(at, false); }}},
-      {"set/fence-upper", {"flow inward over the upper fence", "tube widths a step",
-                           [](Place& at) { return fence(at, true); }}},
-      {"set/foot-above", {"height of the swing foot", "m",
-                          [](Place& at) { return vector<TM>{at.wide().foot().z}; }}},
-      {"set/foot-below", {"depth of the swing foot", "m",
-                          [](Place& at) { return vector<TM>{-at.wide().foot().z}; }}},
-      {"set/foot-rises", {"rise of the swing foot", "m/s",
-                          [](Place& at) { return foot_falls(at, 1.0); }}},
-      {"set/foot-falls", {"fall of the swing foot", "m/s",
-                          [](Place& at) { return foot_falls(at, -1.0); }}},
-      {"set/reset-phase", {"minus the size of the phase after the reset", "",
-                           [](Place& at) {
-                             return both_signs(phase_of(at.model.tube, at.wide().hip_after()));
-                           }}},
-      {"set/reset-level", {"reset inside the fences and forward", "tube widths, or of z2",
-                           reset_inside}}};
-  return table;
-}
-
-const std::map<string, Meant>& orbit_outputs() {
-  static const std::map<string, Meant> table = {
-      {"orbit/expansion", {"a series less dF/dzeta on the set", "per step",
-                           [](Place& at) {
-                             return vector<TM>{bound_less(at.theorems.orbit->expansion, at,
-                                                          expansion(at.wide()))};
-                           }}},
-      {"orbit/gain", {"minus the size of the gain rho on the set's guard", "",
-                      [](Place& at) { return both_signs(reset_gain(at.wide())); }}},
-      {"orbit/fence-lower", {"flow inward over the thin tube's lower fence", "of its widths a step",
-                             [](Place& at) { return thin_fence(at, false); }}},
-      {"orbit/fence-upper", {"flow inward over the thin tube's upper fence", "of its widths a step",
-                             [](Place& at) { return thin_fence(at, true); }}},
-      {"orbit/foot-above", {"height of the swing foot in the thin tube", "m",
-                            [](Place& at) { return vector<TM>{at.thin().foot().z}; }}},
-      {"orbit/foot-below", {"depth of the swing foot in the thin tube", "m",
-                            [](Place& at) { return vector<TM>{-at.thin().foot().z}; }}},
-      {"orbit/reset-level", {"reset inside the thin tube", "of its widths",
-                             [](Place& at) {
-                               return inside(reset_level(at.theorems.orbit->thin, at.thin()));
-                             }}},
-      {"orbit/inside", {"thin tube inside the set", "tube widths",
-                        [](Place& at) {
-                          Motion<TM>& p = at.thin();
-                          return inside(level_of(at.model.tube, p.z1, p.z2));
-                        }}},
-      {"orbit/width", {"minus the thin tube's width in z2", "kg m^2/s",
-                       [](Place& at) {
-                         const Fences<TM> f = fences(at.theorems.orbit->thin, at.phase);
-                         return vector<TM>{root(I(2.0) * f.lower) - root(I(2.0) * f.upper)};
-                       }}},
-      {"orbit/slowest", {"dF/dzeta in the thin tube less a series", "per step",
-                         [](Place& at) {
-                           return vector<TM>{-bound_less(at.theorems.orbit->slowest, at,
-                                                         expansion(at.thin()))};
-                         }}},
-      {"orbit/fastest", {"a series less dF/dzeta in the thin tube", "per step",
-                         [](Place& at) {
-                           return vector<TM>{bound_less(at.theorems.orbit->fastest, at,
-                                                        expansion(at.thin()))};
-                         }}},
-      {"orbit/reset-gain-low", {"gain rho on the thin tube's guard", "",
-                                [](Place& at) { return vector<TM>{reset_gain(at.thin())}; }}},
-      {"orbit/reset-gain-high", {"minus the gain rho on the thin tube's guard", "",
-                                 [](Place& at) { return vector<TM>{-reset_gain(at.thin())}; }}},
-      {"orbit/nested-above", {"approach to the thin tube from above", "per step",
-                              [](Place& at) { return vector<TM>{narrowing(at, true)}; }}},
-      {"orbit/nested-below", {"approach to the thin tube from below", "per step",
-                              [](Place& at) { return vector<TM>{narrowing(at, false)}; }}}};
-  return table;
+  if (n == "orbit/fence-lower" || n == "orbit/fence-upper")
+    return inward(orbit.thin, at.phase, p, n == "orbit/fence-upper", {{p.dz1(), p.dz2()}});
+  if (n == "orbit/foot-above") return {p.foot().z};
+  if (n == "orbit/foot-below") return {-p.foot().z};
+  if (n == "orbit/reset-level") return inside(reset_level(orbit.thin, p));
+  if (n == "orbit/inside") return inside(level_of(at.model.tube, p.z1, p.z2));
+  if (n == "orbit/width") {
+    const Fences<TM> f = fences(orbit.thin, at.phase);
+    return {root(I(2.0) * f.lower) - root(I(2.0) * f.upper)};
+  }
+  if (n == "orbit/slowest") return {expansion(p) - series(orbit.slowest)};
+  if (n == "orbit/fastest") return {series(orbit.fastest) - expansion(p)};
+  if (n == "orbit/reset-gain-low") return {reset_gain(p)};
+  if (n == "orbit/reset-gain-high") return {-reset_gain(p)};
+  throw Unknown{"the output " + n};
 }
 
 // dh/dt + alpha(h) of a barrier h at the corners of the disturbance's box.
@@ -2476,32 +2436,35 @@ vector<TM> pushed_rates(const Condition& c, Place& at) {
 
 // An output of the Program: a condition of the spec, or a premise of a theorem.
 struct Output {
-  size_t elements = 0;                  // In the Program.
-  string unknown;                       // Why it cannot be checked here; empty if it can.
-  Margins margins;
+  size_t elements = 0;  // In the Program.
+  string unknown;       // Why it cannot be checked here; empty if it can.
+  std::function<vector<TM>(Place&)> margins;
   std::function<string(double)> words;  // That the margin is at least this.
 };
-
-Output output_of(const Meant& meant) {
-  const string words = meant.words, unit = meant.unit;
-  return {0, "", meant.margins, [words, unit](double least) {
-            return words + " >= " + at_least(least) + (unit.empty() ? "" : " " + unit);
-          }};
-}
 
 Output output_of(const Condition& c) {
   return {0, c.unknown, [&c](Place& at) { return margins(c, at.wide(), at.phase); },
           [&c](double least) { return words_for(c, least); }};
 }
 
+Output output_of(const string& name, const Meaning& meaning) {
+  const bool set = name.rfind("set/", 0) == 0;
+  return {0, "",
+          [name, set](Place& at) { return set ? set_margins(name, at) : orbit_margins(name, at); },
+          [&meaning](double least) {
+            return string(meaning.words) + " >= " + at_least(least) + (*meaning.unit ? " " : "") +
+                   meaning.unit;
+          }};
+}
+
 // set/after NAME, set/value NAME, set/rate NAME, of a barrier condition.
 Output output_of(const string& what, const Condition& c, const WalkingSet& set) {
   if (!c.unknown.empty()) return {0, c.unknown, {}, {}};
   const string h = words_for(c.quantity) + " >= ", unit = " " + unit_of(c.quantity);
-  if (what == "value")
+  if (what == "set/value")
     return {0, "", [&c](Place& at) { return value(c.quantity, at.wide()); },
             [h, unit](double least) { return h + at_least(least) + unit; }};
-  if (what == "after")
+  if (what == "set/after")
     return {0, "", [&c](Place& at) { return value(c.quantity, at.wide().after()); },
             [h, unit](double least) { return "after the reset, " + h + at_least(least) + unit; }};
   // h of a disturbed velocity would not be linear in the disturbance.
@@ -2794,15 +2757,15 @@ class Conclusions {
             at_least(width) + " of its middle or more",
         "every trajectory of the projected hybrid zero dynamics that starts in T" + push +
             " stays between the fences, meets the ground once and transversally within " +
-            at_most(longest.high()) + " s, and is reset into T: it walks for ever",
-        "along it hold: " + listed(t.carried)};
+            at_most(longest.high()) + " s, and is reset into T: it walks for ever"};
+    if (!t.carried.empty()) words.push_back("along it hold: " + listed(t.carried));
     if (!safe.empty()) words.push_back("and h >= 0 along it, from the start, for: " + listed(safe));
     return words;
   }
 
-  // Level 3, which rests on level 2. With zeta = z2^2 / 2 the flow on T is d zeta / d phase = F. The
-  // return map P of the section at mid-step has the slope rho exp(integral of dF/dzeta), from the
-  // phase after the reset to that of the guard: over the step, less or more what lies in the strips.
+  // Level 3, which rests on level 2. With zeta = z2^2 / 2 the flow on T is d zeta / d phase = F.
+  // The return map P of the section at mid-step has the slope rho exp(integral of dF/dzeta), from
+  // the phase after the reset to that of the guard: the step, less or more what is in the strips.
   vector<string> attraction() const {
     const WalkingSet& t = *file_.theorems.walking;
     const Orbit& o = *file_.theorems.orbit;
@@ -2834,8 +2797,8 @@ class Conclusions {
     const I high = root(I(2.0) * sum(o.thin.upper, chebyshev(I(0.5), o.thin.upper.size())));
     // The widths have one sign all along, for margins that are shares of them are bounded.
     if (!(low.high() < high.low())) throw DoesNotFollow{"a thin tube that is upside down"};
-    return {why + ": there is one periodic orbit, and every trajectory of the undisturbed system in "
-                  "T converges to it",
+    return {why + ": there is one periodic orbit, and every trajectory of the undisturbed system "
+                  "in T converges to it",
             "at mid-step the orbit has z2 in [" + at_least(low.low(), 9) + ", " +
                 at_most(high.high(), 9) + "] kg m^2/s, and is known to " +
                 at_most(-bound("orbit/width", t.lower())) + " everywhere",
@@ -2871,8 +2834,8 @@ class Conclusions {
     }
   }
 
-  // Barriers whose h stays >= 0 along every trajectory: T lies in h >= 0, or starts there, and the
-  // condition dh/dt >= -alpha(h) holds on all of T. `start` is told what is asked at the start.
+  // Barriers whose h stays >= 0 along every trajectory: T lies in h >= 0; or h >= 0 at the start and
+  // dh/dt >= -alpha(h) on all of T, which carried() proves. `start` is told what is asked then.
   vector<string> barriers(const WalkingSet& t, string& start) const {
     vector<string> safe;
     string asked;
@@ -2886,8 +2849,10 @@ class Conclusions {
       const bool inside = stated("set/value " + name, t.whole());
       const Box step = {{0.0, 0.0}, {1.0, 1.0}};
       const vector<Box>& region = file_.regions.at(condition->second.region);
-      const bool everywhere = std::any_of(region.begin(), region.end(),
-                                          [&](const Box& box) { return same(box, step); });
+      const bool everywhere =
+          std::count(t.carried.begin(), t.carried.end(), name) > 0 &&
+          std::any_of(region.begin(), region.end(),
+                      [&](const Box& box) { return same(box, step); });
       if (inside || everywhere || t.disturbed()) safe.push_back(name);
       if (!inside) asked += (asked.empty() ? "" : ", ") + name;
     }
@@ -2960,8 +2925,8 @@ class Conclusions {
     if (!(factor.high() < 1.0))
       throw DoesNotFollow{"tubes around the orbit may widen by " + at_most(factor.high()) +
                           " at the impact"};
-    return "outside a thin tube around the orbit every trajectory gets nearer to it along the step, "
-           "and across the impact to " + at_most(factor.high()) +
+    return "outside a thin tube around the orbit every trajectory gets nearer to it along the "
+           "step, and across the impact to " + at_most(factor.high()) +
            " of its distance or less; inside it the return map contracts by " +
            at_most(multiplier.high()) + " or less";
   }
@@ -3204,25 +3169,27 @@ void match(const Constants& constants, const Json& model, const Theorems& theore
 
 // Every output of the Program with its meaning.
 std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile& file) {
+  const Theorems& theorems = file.theorems;
   std::map<string, Output> found;
   for (const auto& [name, elements] : program.outputs) {
     Output& output = found[name];
+    const auto condition = file.conditions.find(name);
+    const auto known = theorem_outputs().find(name);
+    const bool of_set = name.rfind("set/", 0) == 0 && theorems.walking;
+    const bool of_orbit = name.rfind("orbit/", 0) == 0 && theorems.orbit;
     const size_t space = name.find(' ');
-    const string what = name.substr(0, space);
-    if (const auto c = file.conditions.find(name); c != file.conditions.end()) {
-      output = output_of(c->second);
-    } else if (const auto set = set_outputs().find(name);
-               set != set_outputs().end() && file.theorems.walking) {
-      output = output_of(set->second);
-    } else if (const auto orbit = orbit_outputs().find(name);
-               orbit != orbit_outputs().end() && file.theorems.orbit) {
-      output = output_of(orbit->second);
-    } else if (file.theorems.walking && space != string::npos &&
-               (what == "set/after" || what == "set/value" || what == "set/rate")) {
-      const auto barrier = file.conditions.find(name.substr(space + 1));
-      if (barrier == file.conditions.end())
+    if (condition != file.conditions.end()) {
+      output = output_of(condition->second);
+    } else if (known != theorem_outputs().end() && (of_set || of_orbit)) {
+      output = output_of(name, known->second);
+    } else if (of_set && space != string::npos) {
+      const string what = name.substr(0, space), barrier = name.substr(space + 1);
+      if (what != "set/after" && what != "set/value" && what != "set/rate")
+        throw Inconsistent{"the Program's output " + name + " is no theorem's"};
+      const auto about = file.conditions.find(barrier);
+      if (about == file.conditions.end())
         throw Inconsistent{"the Program's output " + name + " is about no condition of the spec"};
-      output = output_of(what.substr(4), barrier->second, *file.theorems.walking);
+      output = output_of(what, about->second, *theorems.walking);
     } else {
       throw Inconsistent{"the Program's output " + name + " is no condition of the spec"};
     }
@@ -3277,7 +3244,8 @@ void read_proof(const Json& table, ProofFile& file) {
     throw Inconsistent{"the Program's hash is " + hash + ", not " + text("program_hash")};
 
   const Json& model = *table.find("model");
-  if (model.type == Json::null) throw Unknown{"a policy of the user's own, or one with learned residuals,"};
+  if (model.type == Json::null)
+    throw Unknown{"a policy of the user's own, or one with learned residuals,"};
   only(model, "the model", {"robot", "policy", "tube", "regions", "conditions"});
   file.model.robot = robot_of(*model.find("robot"));
   file.model.policy =
