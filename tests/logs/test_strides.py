@@ -109,6 +109,30 @@ def test_a_foot_that_bounces_settles_anew(amber, log):
     assert after.left_out["settling"] - before.left_out["settling"] == 30
 
 
+def test_a_foot_that_strikes_in_mid_step_cuts_the_stride(amber, log):
+    down = int(np.flatnonzero(np.diff(log.stance))[2]) + 1
+    dq = log.dq.copy()
+    dq[: down + 200] *= 1.05
+    before, after = (logs.cut([each], amber) for each in (log, replace(log, dq=dq)))
+    assert len(after.strides) == len(before.strides)
+    struck = after.strides[3]
+    assert list(np.unique(struck.piece)) == [0, 1]
+    assert struck.t[struck.piece == 1][0] == pytest.approx(log.t[down + 200] + SETTLING_S, abs=1e-9)
+    assert struck.t[struck.piece == 0][-1] == log.t[down + 199]
+    assert after.left_out["settling"] - before.left_out["settling"] == 20
+    assert after.strides[2].landed is not None
+
+
+def test_a_hip_far_ahead_of_the_foot_is_a_fall(amber, log):
+    down = int(np.flatnonzero(np.diff(log.stance))[5]) + 1
+    q = log.q.copy()
+    q[down - 10 : down, 0] -= 0.5
+    found, left_out = logs.cut([replace(log, q=q)], amber)
+    assert left_out["falling"] == 10
+    assert found[5].t[-1] == log.t[down - 11]
+    assert found[5].landing is None
+
+
 def test_a_fall_is_left_out_from_where_joints_are_far_from_what_was_asked(amber, log):
     down = int(np.flatnonzero(np.diff(log.stance))[5]) + 1
     qd = log.qd.copy()

@@ -45,6 +45,8 @@ def show_episodes(result: Mapping[str, Any]) -> None:
     for entry in rounds:
         if entry["reason"]:
             _print(Text(f"round {entry['round']}: nothing learned: {entry['reason']}"))
+    if result["diverged"]:
+        _print(Text(f"round {len(rounds)}: training diverged: {result['diverged']}", "red"))
     facts = Table(box=None, pad_edge=False, show_header=False)
     for name in ("figure", "run"):
         facts.add_row(name, result[name])

@@ -21,11 +21,13 @@ SETTLING_S = 0.02
 LONGEST_STRIDE_S = 2.0
 """A stance phase longer than this is standing, not walking: three to four usual steps."""
 BOUNCE_S = 0.1
-"""A foot that comes down twice within this time after a touchdown bounces."""
-BOUNCE_NOISES = 6.0
-"""In robust standard deviations of the log's own rates of z2: less is noise, not a bounce."""
+"""An impact within this time after a touchdown belongs to it: the foot bounces."""
+JUMP_NOISES = 6.0
+"""In robust standard deviations of the log's own rates of z2: less is noise, no impact."""
 FALLING_RAD = 0.5
 """Joints further than this from what was asked of them: the robot falls, whatever z says."""
+FALLING_Z1 = 0.4
+"""Hip further than this from above the foot, in leg lengths: twice as far as in a long step."""
 GAP = 2.5
 """Two rows further apart than this many sample periods have a gap between them."""
 SHARES = (0.7, 0.15, 0.15)
@@ -104,10 +106,10 @@ def cut(logs: Sequence[Log], robot: PlanarBiped) -> Cut:
         if len(log) < 2:
             continue
         z = zero_states(robot, log.q, log.dq)
-        bounces = _jumps(log, z, robot)
+        jumps = _jumps(log, z, robot)
         phases = _phases(log)
-        settled = [_settled(log, phase, bounces) for phase in phases]
-        walking = [_walking(log, rows) for rows in settled]
+        settled = [_settled(log, phase, jumps) for phase in phases]
+        walking = [_walking(log, z, rows, robot) for rows in settled]
         for number, (phase, rows) in enumerate(zip(phases, walking, strict=True)):
             left_out["settling"] += phase.size - settled[number].size
             left_out["falling"] += settled[number].size - rows.size
@@ -151,19 +153,21 @@ def _phases(log: Log) -> list[Int[np.ndarray, " k"]]:
 
 
 def _settled(
-    log: Log, phase: Int[np.ndarray, " k"], bounces: Bool[np.ndarray, " k"]
+    log: Log, phase: Int[np.ndarray, " k"], jumps: Bool[np.ndarray, " k"]
 ) -> Int[np.ndarray, " s"]:
-    """Rows of a phase after it has settled, the last bounce of its foot included.
+    """Rows of a phase long enough after its beginning and after any later impact.
 
-    Where a log begins the touchdown is not known: it may have been just before.
+    A foot may bounce, or the other one strike the ground. Where a log begins the touchdown is not
+    known: it may have been just before.
     """
+    t = log.t[phase]
     # Half a period of slack: row times are rounded numbers.
     slack = 0.5 * log.period_s
-    since = log.t[phase] - log.t[phase[0]] + slack
-    later = bounces[phase] & (since >= SETTLING_S) & (since < BOUNCE_S)
-    if later.any():
-        since = since - since[np.flatnonzero(later)[-1]] + slack
-    return phase[since >= SETTLING_S]
+    impact = jumps[phase] & (t - t[0] + slack >= SETTLING_S)
+    impact[0] = True
+    last = np.maximum.accumulate(np.where(impact, t, -np.inf))
+    landed = t[impact & (t - t[0] < BOUNCE_S)][-1]
+    return phase[(t - last + slack >= SETTLING_S) & (t > landed)]
 
 
 def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: PlanarBiped) -> Bool[np.ndarray, " k"]:
@@ -171,13 +175,16 @@ def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: PlanarBiped) -> Bool[np
     rate = np.diff(z[:, 1], prepend=z[0, 1]) / np.diff(log.t, prepend=log.t[0] - log.period_s)
     noise = 1.4826 * float(np.median(np.abs(rate - np.median(rate))))
     weight = float(robot.mass * robot.gravity) * robot.leg_length
-    return np.abs(rate) > max(weight, BOUNCE_NOISES * noise)
+    return np.abs(rate) > max(weight, JUMP_NOISES * noise)
 
 
-def _walking(log: Log, rows: Int[np.ndarray, " s"]) -> Int[np.ndarray, " w"]:
+def _walking(
+    log: Log, z: Float[np.ndarray, "k 2"], rows: Int[np.ndarray, " s"], robot: PlanarBiped
+) -> Int[np.ndarray, " w"]:
     """Rows before the first one in which the robot falls."""
     error = np.abs(log.q[rows, 1:] - log.qd[rows]).max(axis=1, initial=0.0)
-    fallen = np.flatnonzero(error > FALLING_RAD)
+    far = np.abs(z[rows, 0]) > FALLING_Z1 * robot.leg_length
+    fallen = np.flatnonzero((error > FALLING_RAD) | far)
     return rows[: fallen[0]] if fallen.size else rows
 
 

@@ -95,7 +95,7 @@ def walk_round(
     found += more
     files = _write(found, folder)
     up = [not fell for fell in sped["fell"]]
-    held = _longest_run(shares, up)
+    held = longest_run(shares, up)
     asked = [stayed for share, stayed in zip(shares, up, strict=True) if share in SPEEDS]
     return plain(
         {
@@ -182,7 +182,7 @@ def _speeds(run: Run, momentum: float, shares: Sequence[float]) -> list[float]:
     return [float(zd.zdot(np.array([0.0, share * momentum]))[0]) for share in shares]
 
 
-def _longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, float] | None:
+def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, float] | None:
     """First and last of the longest row of neighbouring speeds that all walked."""
     best: list[float] = []
     current: list[float] = []

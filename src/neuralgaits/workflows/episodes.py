@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.report.rounds import draw_file
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
@@ -51,6 +51,8 @@ class Episodes:
     @property
     def walks(self) -> bool | None:
         """Whether the last policy walks; None if only the robot's own logs tell."""
+        if self.summary["diverged"] is not None:
+            return False
         share = self.summary["rounds"][-1]["share_that_walks"]
         return None if share is None else share >= ENOUGH
 
@@ -111,11 +113,11 @@ def episodes(
     else:
         folder = old.gone_on_with(asked, out)
     session = _Session(folder, progress, tell or (lambda number, what: None), root)
-    entries, run, waiting = session.run()
+    entries, run, stopped = session.run()
     summary = {name: folder.config[name] for name in ("robot", "plant", "disturb", "controller")}
     summary |= {"logs": folder.config["logs"], "seed": folder.config["seed"]}
     summary |= {"episodes": str(folder.path), "run": str(run.path), "rounds": entries}
-    summary |= {"waiting_for": waiting, "figure": str(folder.path / FIGURE)}
+    summary |= {**stopped, "figure": str(folder.path / FIGURE)}
     summary = plain(summary | {"wall_s": time.perf_counter() - began})
     folder.write(SUMMARY, summary)
     draw_file(folder.path / SUMMARY, folder.path / FIGURE)
@@ -188,22 +190,25 @@ class _Session:
     tell: Tell
     root: Path
 
-    def run(self) -> tuple[list[dict[str, Any]], Run, str | None]:
-        """Go through all rounds. Returns: entries, the last run, and where logs are missing."""
+    def run(self) -> tuple[list[dict[str, Any]], Run, dict[str, str | None]]:
+        """Go through all rounds. Returns: entries, the last run, and why the rounds stopped."""
         entries: list[dict[str, Any]] = []
-        run, momentum = None, None
+        run, momentum = self._policy(0, None), None
         for number in range(self.folder.config["rounds"] + 1):
-            run = self._policy(number, run)
+            try:
+                run = run if number == 0 else self._policy(number, run)
+            except NonFiniteError as error:
+                # The answer is no: what was learned does not allow a gait nearby.
+                return entries, run, {"waiting_for": None, "diverged": str(error)}
             if momentum is None and self.folder.plant is not None:
                 momentum = nominal_momentum(run)
             missing = self._missing_logs(number)
             if missing is not None:
-                return entries, run, missing
+                return entries, run, {"waiting_for": missing, "diverged": None}
             walked = self._walk(number, run, momentum)
             learned = self._learn(number, run, walked)
             entries.append(_entry(number, run, walked, learned))
-        assert run is not None
-        return entries, run, None
+        return entries, run, {"waiting_for": None, "diverged": None}
 
     def _missing_logs(self, number: int) -> str | None:
         logs = self.folder.config["logs"]
