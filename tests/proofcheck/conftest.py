@@ -17,8 +17,8 @@ import pytest
 TESTS = Path(__file__).parents[1]
 sys.path[:0] = [str(TESTS / "proofcheck"), str(TESTS / "robots"), str(TESTS / "certificate")]
 
-SOURCE = Path(__file__).parents[2] / "tools" / "proofcheck" / "proofcheck.cpp"
-FLAGS = "-std=c++17 -O1 -frounding-math -ffp-contract=off -Wall -Wextra -Werror".split()
+REPOSITORY = Path(__file__).parents[2]
+PROGRAM = REPOSITORY / "build" / "proofcheck"
 
 QUICK = 300
 """Bits of the largest tree of a statement that is checked again and again."""
@@ -28,15 +28,13 @@ Ask = Callable[..., subprocess.CompletedProcess[str]]
 @pytest.fixture(scope="session")
 def proofcheck(tmp_path_factory) -> Ask:
     """Runs the checker with arguments and an optional text on its standard input."""
-    compiler = shutil.which(os.environ.get("CXX", "g++"))
-    if compiler is None:
-        pytest.skip("no g++ to build the C++ checker with")
+    if not all(map(shutil.which, ("make", os.environ.get("CXX", "g++")))):
+        pytest.skip("no make or g++ to build the C++ checker with")
     base = tmp_path_factory.getbasetemp()
-    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-    program = _built(compiler, shared / "proofcheck")
+    _build(base.parent if "PYTEST_XDIST_WORKER" in os.environ else base)
 
     def ask(*arguments: object, text: str = "") -> subprocess.CompletedProcess[str]:
-        command = [str(program), *map(str, arguments)]
+        command = [str(PROGRAM), *map(str, arguments)]
         return subprocess.run(command, input=text, capture_output=True, text=True, timeout=120)
 
     return ask
@@ -90,9 +88,9 @@ def asked(proofcheck, tmp_path):
     return ask
 
 
-def _built(compiler: str, program: Path) -> Path:
-    """Compile; the first worker to come does it, the others wait."""
-    done, claim = program.with_suffix(".done"), program.with_suffix(".claim")
+def _build(shared: Path) -> None:
+    """Build what users build, if it is older than its source; the first worker does it."""
+    done, claim = shared / "proofcheck.done", shared / "proofcheck.claim"
     try:
         claim.mkdir()
     except FileExistsError:
@@ -100,8 +98,7 @@ def _built(compiler: str, program: Path) -> Path:
             time.sleep(0.1)
     else:
         try:
-            subprocess.run([compiler, *FLAGS, str(SOURCE), "-o", str(program)], check=True)
+            subprocess.run(["make", "--silent", "proofcheck"], cwd=REPOSITORY, check=True)
         finally:
             done.touch()
-    assert program.exists(), "the C++ checker does not compile"
-    return program
+    assert PROGRAM.exists(), "the C++ checker does not compile"
