@@ -1,10 +1,10 @@
 """Exact walks against the rigid dynamics with all degrees of freedom, integrated apart."""
 
-import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from neuralgaits.gait import ZeroDynamics
@@ -51,33 +51,34 @@ def test_a_walk_is_one_of_the_full_rigid_dynamics(trained, system, start, walked
     robot, n = trained.robot, trained.robot.n
     zd = ZeroDynamics(robot, trained.gait.policy)
 
-    def rate(t, x, args):
-        del t, args
+    @jax.jit
+    def rate(x):
         eta, z = zd.phi(x)
         torque = system.point(z, eta).torque
         return jnp.concatenate([x[n:], dynamics.acceleration(robot, x[:n], x[n:], torque)])
 
-    def height(t, y, args, **kwargs):
-        del t, args, kwargs
-        ahead = robot.hip_gradient @ y[:n] > 0.0
-        return jnp.where(ahead, dynamics.swing_foot(robot, y[:n])[1], 1.0)
-
     @jax.jit
-    def swing(x):
-        import optimistix as optx
+    def foot(x):
+        ahead = robot.hip_gradient @ x[:n] > 0.0
+        return jnp.where(ahead, dynamics.swing_foot(robot, x[:n])[1], 1.0)
 
-        solution = diffrax.diffeqsolve(
-            diffrax.ODETerm(rate),
-            diffrax.Tsit5(),
-            t0=0.0,
-            t1=2.0,
-            dt0=1e-3,
-            y0=x,
-            event=diffrax.Event(height, optx.Newton(1e-11, 1e-11), direction=False),
-            stepsize_controller=diffrax.PIDController(rtol=1e-9, atol=1e-10),
+    def height(t, x):
+        del t
+        return float(foot(x))
+
+    height.terminal, height.direction = True, -1.0
+
+    def swing(x):
+        found = solve_ivp(
+            lambda t, x: np.asarray(rate(x)),
+            (0.0, 2.0),
+            np.asarray(x),
+            method="DOP853",
+            events=height,
+            rtol=1e-10,
+            atol=1e-11,
         )
-        assert solution.ys is not None and solution.ts is not None
-        return solution.ys[-1], solution.ts[-1]
+        return jnp.asarray(found.y_events[0][0]), found.t_events[0][0]
 
     x, total = zd.phi_inv(*start), 0.0
     for _ in range(2):

@@ -94,10 +94,14 @@ class ExactOutputs(eqx.Module):
         z2, time = y + h * total
         return _Swing(to, z2, time, state.eta)
 
-    def at(self, state: "_Swing") -> FullPoint:
+    def state(self, at: "_Swing") -> tuple[ZeroState, Float[Array, " two_m"]]:
+        """Both z and eta at a moment of the swing."""
+        z = jnp.stack([self._z1(at.phase), at.z2])
+        return z, self.outputs(at.eta, at.time)
+
+    def at(self, moment: "_Swing") -> FullPoint:
         """The robot at a moment of the swing."""
-        z = jnp.stack([self._z1(state.phase), state.z2])
-        return self.point(z, self.outputs(state.eta, state.time))
+        return self.point(*self.state(moment))
 
     def _z1(self, phase: Scalar) -> Scalar:
         start, guard = self.gait.span
@@ -123,34 +127,37 @@ def walk_exactly(
     """Walk from a state in mid-step through some impacts. Use `jax.vmap` for batches."""
 
     def step(carry, _):
-        z, eta, before, foot, duration = carry
+        z, eta, least, foot, duration = carry
         swing = _Swing(system.gait.phase(z[0]), z[1], jnp.zeros(()), eta)
-        swing, least = _to_last_phase(system, observe, swing)
-        swing = _to_guard(system, swing)
-        point = system.at(swing)
-        least = jnp.minimum(jnp.minimum(before, least), observe(point))
+        last, nodes = _to_last_phase(system, swing)
+        guard = _to_guard(system, last)
+        point = system.at(guard)
+        after = point.z_after, point.eta_after
+        moments = [jax.vmap(system.state)(nodes), system.state(guard), after]
+        states = jax.tree.map(
+            lambda *part: jnp.concatenate([part[0], jnp.stack(part[1:])]), *moments
+        )
+        # One after the other: what is observed is compiled once.
+        seen = jax.lax.map(lambda state: observe(system.point(*state)), states)
+        least = jnp.minimum(least, jnp.min(seen, axis=0))
         foot = jnp.maximum(foot, jnp.abs(point.foot[1]))
-        return (point.z_after, point.eta_after, least, foot, duration + swing.time), None
+        return (*after, least, foot, duration + guard.time), None
 
     zero = jnp.zeros(())
     count = jax.eval_shape(lambda: observe(system.point(z, eta))).shape
     first = (z, eta, jnp.full(count, jnp.inf), zero, zero)
     (z, eta, least, foot, duration), _ = jax.lax.scan(step, first, None, length=steps)
-    least = jnp.minimum(least, observe(system.point(z, eta)))
     return ExactWalk(least, z, eta, foot, duration)
 
 
-def _to_last_phase(
-    system: ExactOutputs, observe: Observe, swing: _Swing
-) -> tuple[_Swing, Float[Array, " k"]]:
-    """Integrate to `LAST_PHASE`, observing at every node; stay where that is behind."""
+def _to_last_phase(system: ExactOutputs, swing: _Swing) -> tuple[_Swing, _Swing]:
+    """Integrate to `LAST_PHASE`; stay where that is behind. Returns: the end, all before it."""
     h = (jnp.maximum(swing.phase, LAST_PHASE) - swing.phase) / NODES
 
     def node(swing, _):
-        return system.advance(swing, swing.phase + h), observe(system.at(swing))
+        return system.advance(swing, swing.phase + h), swing
 
-    swing, seen = jax.lax.scan(node, swing, None, length=NODES)
-    return swing, jnp.min(seen, axis=0)
+    return jax.lax.scan(node, swing, None, length=NODES)
 
 
 def _to_guard(system: ExactOutputs, swing: _Swing) -> _Swing:
