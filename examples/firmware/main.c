@@ -1,0 +1,49 @@
+/*
+ * A bare main loop around an exported controller: self-test, then a tick every NG_PERIOD.
+ * No operating system, no heap; all memory stands below.
+ */
+#include "board.h"
+
+#define BLEND_S NG(1.0) /* from holding the posture found to the gait [s] */
+#define FIRST_SELFTEST_LINE 100
+
+static void walk(void)
+{
+    ng_config config = ng_config_of(&ng_laws[NG_LAW_PD]);
+    ng_state state;
+    ng_encoders encoders;
+    ng_measurement reading;
+    ng_command command;
+    ng_real motors[NG_LEGS][NG_LEG_JOINTS];
+    config.blend_s = BLEND_S;
+    ng_start(&state, 0);
+    while (board_enabled()) {
+        if (!board_wait_for_tick()) {
+            /* A late tick is one long gap between readings: the controller judges it. */
+            board_report(NG_FAULT_TIME);
+        }
+        board_read(&encoders);
+        ng_measure(&encoders, &reading);
+        ng_step(&config, &state, &reading, &command);
+        ng_drive(&command, motors);
+        board_drive(motors);
+        if (command.fault != NG_NO_FAULT) {
+            board_report((int)command.fault);
+        }
+    }
+}
+
+int main(void)
+{
+    const int failed = ng_selftest();
+    if (failed != 0) {
+        board_report(FIRST_SELFTEST_LINE + failed);
+        return 1;
+    }
+    for (;;) {
+        if (board_enabled()) {
+            board_report(NG_NO_FAULT);
+            walk();
+        }
+    }
+}
