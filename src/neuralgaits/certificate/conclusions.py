@@ -156,10 +156,11 @@ def walking(
         "relative_width": bounds["set/width", (first, 0.0), (last, 0.0)],
         "foot_falls_at_least_m_s": bounds["set/foot-falls", (shape.falling, 0.0), whole[1]],
     }
-    pushed, safe = "", ""
+    pushed, safe, meant = "", "", ""
     if any(shape.disturbance):
         bound = "({!r} m/s, {!r} N m)".format(*shape.disturbance)
         pushed = f", whatever d(t) with |d| <= {bound} is added to dz"
+        meant = ", with rates and forces of the undisturbed flow at each state"
     unsafe = [premise for premise in safe_premises(shape) if _missing([premise], bounds)]
     if unsafe:
         safe = " and the barrier functions not negative"
@@ -169,7 +170,7 @@ def walking(
         f"every trajectory of the projected hybrid zero dynamics that starts in T{pushed}, stays "
         "between the fences, meets the ground once and transversally within "
         f"{figures['step_time_at_most_s']:.4g} s, and is reset into T: it walks for ever",
-        f"along it hold: {', '.join(shape.carried)}",
+        f"along it hold{meant}: {', '.join(shape.carried)}",
     )
     if uncarried:
         words += (f"holding on their regions only: {', '.join(sorted(uncarried))}",)
