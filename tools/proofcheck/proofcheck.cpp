@@ -2758,7 +2758,9 @@ class Conclusions {
         "every trajectory of the projected hybrid zero dynamics that starts in T" + push +
             " stays between the fences, meets the ground once and transversally within " +
             at_most(longest.high()) + " s, and is reset into T: it walks for ever"};
-    if (!t.carried.empty()) words.push_back("along it hold: " + listed(t.carried));
+    const string meant =
+        t.disturbed() ? ", with rates and forces of the undisturbed flow at each state" : "";
+    if (!t.carried.empty()) words.push_back("along it hold" + meant + ": " + listed(t.carried));
     if (!safe.empty()) words.push_back("and h >= 0 along it, from the start, for: " + listed(safe));
     return words;
   }
