@@ -16,6 +16,7 @@ import numpy as np
 from neuralgaits import logs
 from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw
+from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Log
 from neuralgaits.logs.satisfaction import satisfaction
@@ -93,7 +94,7 @@ def walk_round(
         longest_s=longest,
     )
     found += more
-    files = _write(found, folder)
+    files = _write(found, folder, run.robot)
     up = [not fell for fell in sped["fell"]]
     held = longest_run(shares, up)
     asked = [stayed for share, stayed in zip(shares, up, strict=True) if share in SPEEDS]
@@ -113,6 +114,7 @@ def walk_round(
             "barriers": _judged(run, found),
             "walked_s": float(sum(log.t[-1] - log.t[0] for log in found)),
             "logs": [str(file) for file in files],
+            "logs_left_out": len(found) - len(files),
             "wall_s": time.perf_counter() - began,
         }
     )
@@ -192,11 +194,20 @@ def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, flo
     return (best[0], best[-1]) if best else None
 
 
-def _write(found: Sequence[Log], folder: Path) -> list[Path]:
-    """Write the logs in which a foot came down: the others hold no complete stride."""
+def _write(found: Sequence[Log], folder: Path, robot: PlanarBiped) -> list[Path]:
+    """Write the logs that can be learned from.
+
+    The others hold no complete stride, or a fall in which the foot moved so much that z2 is not
+    that of the robot any more.
+    """
     files = []
     for number, log in enumerate(found):
-        if np.any(np.diff(log.stance)):
-            files.append(folder / f"walk-{number:02d}.csv")
-            logs.write(files[-1], log)
+        file = folder / f"walk-{number:02d}.csv"
+        logs.write(file, log)
+        try:
+            logs.read(file, robot)
+        except InputError:
+            file.unlink()
+        else:
+            files.append(file)
     return files
