@@ -7,9 +7,10 @@ between the fences, into the strip around phase 0. Each margin here belongs to a
 and C7, safety and valid contact, are the spec's own conditions, carried over to the strips.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float, ZeroState
@@ -54,8 +55,7 @@ def margins(
         found[f"set/after {barrier.name}"] = barrier.function(point.after)
         found[f"set/value {barrier.name}"] = barrier.function(point)
         if any(shape.disturbance):
-            rates = [barrier.margins(gait, zd, p) for p in pushed]
-            found[f"set/rate {barrier.name}"] = jnp.stack(rates)
+            found[f"set/rate {barrier.name}"] = _pushed_rates(barrier, zd, z, pushed)
     return found
 
 
@@ -86,6 +86,22 @@ class _Pushed:
     def __call__(self, z: ZeroState) -> ZeroState:
         constant = jnp.array(self.bound) * jnp.array(self.corner)
         return constant if self.residual is None else constant + self.residual(z)  # pyright: ignore[reportCallIssue]
+
+
+def _pushed_rates(
+    barrier: Barrier, zd: ZeroDynamics, z: ZeroState, pushed: Sequence[Point]
+) -> Float[Array, "..."]:
+    """dh/dt + alpha(h) along every flow, as margins are.
+
+    What h reads is that of the undisturbed flow at z: a function of z alone, so that its rate is
+    linear in dz whatever it reads. A velocity of the disturbed flow would jump with the push.
+    """
+
+    def h(z: ZeroState) -> Float[Array, "..."]:
+        return barrier.function(zd.point(z))
+
+    value, slopes = h(z), jax.jacfwd(h)(z)
+    return jnp.stack([barrier.bent(value, slopes @ point.dz) for point in pushed])
 
 
 def _inward(gait: Gait, point: Point) -> tuple[Float[Array, ""], Float[Array, ""]]:
