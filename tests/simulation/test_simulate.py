@@ -102,10 +102,15 @@ def test_a_log_that_fails_late_does_not_cost_the_summary(run, walked, tmp_path, 
     assert kept["law"]["stiffness"] == 578.0
 
 
-def test_the_log_is_that_of_the_first_walk(amber, walked):
-    log = logs.read(walked[1], amber).log
-    assert len(log) == walked[0].walk.episodes.gauge.ticks[0]
-    assert np.count_nonzero(np.diff(log.stance)) == 4
+def test_every_walk_has_a_log_of_its_own(amber, walked):
+    simulation, first = walked
+    files = [first, first.with_name("walk-1.csv")]
+    assert simulation.summary["logs"] == [str(file) for file in files]
+    read = [logs.read(file, amber).log for file in files]
+    for log, ticks in zip(read, simulation.walk.episodes.gauge.ticks, strict=True):
+        assert len(log) == ticks
+        assert np.count_nonzero(np.diff(log.stance)) == 4
+    assert np.abs(read[0].q[0] - read[1].q[0]).max() > 1e-3
 
 
 @pytest.mark.parametrize(
