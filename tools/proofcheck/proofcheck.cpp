@@ -2222,11 +2222,12 @@ struct Box {
 };
 
 struct WalkingSet {
-  double start_strip, guard_strip, risen, falling;
-  double first, before, last;  // Phases -start_strip, 1 - guard_strip, 1 + guard_strip, as doubles.
-  double push[2];              // Bound on what may be added to dz.
+  double start_strip = 0.0, guard_strip = 0.0, risen = 0.0, falling = 0.0;
+  // Phases -start_strip, 1 - guard_strip and 1 + guard_strip, as doubles.
+  double first = 0.0, before = 0.0, last = 0.0;
+  double push[2] = {0.0, 0.0};       // Bound on what may be added to dz.
   vector<string> barriers, carried;  // Names of conditions.
-  bool claimed;
+  bool claimed = false;
 
   bool disturbed() const { return push[0] != 0.0 || push[1] != 0.0; }
   // T, its two fences, and the strip around the guard.
@@ -2238,10 +2239,10 @@ struct WalkingSet {
 
 struct Orbit {
   Tube thin;
-  bool nested;  // Attraction by nested tubes, not by contraction.
-  double guard_from, guard_to;
+  bool nested = false;  // Attraction by nested tubes, not by contraction.
+  double guard_from = 0.0, guard_to = 0.0;
   vector<double> expansion, slowest, fastest;  // Chebyshev series of bounds on dF/dzeta.
-  bool claimed;
+  bool claimed = false;
 };
 
 struct Theorems {
@@ -3081,7 +3082,7 @@ WalkingSet walking_set_of(const Json& table) {
   only(table, what, {"start_strip", "guard_strip", "risen", "falling", "disturbance", "barriers",
                      "carried"});
   const auto number = [&](const char* name) { return hexadecimal(field(table, what, name), name); };
-  WalkingSet t{};
+  WalkingSet t;
   t.start_strip = number("start_strip");
   t.guard_strip = number("guard_strip");
   t.risen = number("risen");
