@@ -1,11 +1,13 @@
 """The verb certify: exit codes, one JSON object, a table."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 
 import neuralgaits as ng
+from neuralgaits.certificate.conclusions import Conclusion
 from neuralgaits.cli import screen
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
@@ -80,7 +82,7 @@ def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
     result = {
         "verdict": "refuted",
         "level": 2,
-        "levels": [{"level": 2, "verdict": "undecided", "reason": "no strip", "words": []}],
+        "levels": [asdict(Conclusion(2, "undecided", "no strip", (), {}))],
         "boxes": 9,
         "wall_s": 1.5,
         "proof": None,
