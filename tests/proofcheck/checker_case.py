@@ -201,7 +201,7 @@ class SetCase(Case):
         low, high = (np.asarray(side) * float(tube.unit) for side in (tube.lower, tube.upper))
         thin = [tuple((low + share * (high - low)).tolist()) for share in (0.4, 0.6)]
         rates = [tuple(row) for row in np.random.default_rng(4).normal(size=(3, 4)).tolist()]
-        pushed = WalkingSet(0.01, 0.008, 0.1, 0.8, self.disturbance, ("lean", "bent"), ())
+        pushed = WalkingSet(0.01, 0.008, 0.1, 0.8, self.disturbance, ("lean", "bent", "brisk"), ())
         return Sets(pushed, Orbit(self.attraction, 0.99, 1.01, thin[0], thin[1], *rates))
 
     @cached_property
@@ -210,6 +210,7 @@ class SetCase(Case):
         own = (
             Barrier("lean", "tube", 1.0, f.hip_height, 3.0),
             Barrier("bent", "tube", 1.0, f.joint_angles, (2.0, 7.0)),
+            Barrier("brisk", "tube", 1.0, f.hip_speed, 3.0),
             TubeWidth("width", "tube", 1.0, 0.2),
         )
         return replace(found, conditions=own)

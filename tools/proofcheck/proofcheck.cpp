@@ -2317,15 +2317,6 @@ TM narrowing(Place& at, bool upper) {
   return width.d / width.v - (flow_slope(state) - middle.d) / (zeta - middle.v);
 }
 
-// Whether a quantity is a function of the angles and of z alone.
-bool of_pose(const Quantity& q) {
-  static const std::set<string> names = {
-      "torso_angle", "joint_angles", "foot_height", "foot_forward", "foot_above_arc",
-      "foot_on_circle", "parabolic_clearance", "knee_bend", "hip_height", "hip_forward",
-      "hip_state", "momentum", "orbital_energy"};
-  return (q.name == "at_least" || q.name == "at_most") ? of_pose(*q.of) : names.count(q.name) > 0;
-}
-
 // What the outputs of the theorems say that concern no single condition.
 const std::map<string, Meaning>& theorem_outputs() {
   static const std::map<string, Meaning> table = {
@@ -2422,7 +2413,8 @@ vector<TM> orbit_margins(const string& n, Place& at) {
   throw Unknown{"the output " + n};
 }
 
-// dh/dt + alpha(h) of a barrier h at the corners of the disturbance's box.
+// dh/dt + alpha(h) of a barrier h at the corners of the disturbance's box. Whatever h reads is that
+// of the undisturbed surface, so that h is a function of z and its rate is linear in dz.
 vector<TM> pushed_rates(const Condition& c, Place& at) {
   Motion<TM>& p = at.wide();
   vector<TM> out;
@@ -2459,7 +2451,7 @@ Output output_of(const string& name, const Meaning& meaning) {
 }
 
 // set/after NAME, set/value NAME, set/rate NAME, of a barrier condition.
-Output output_of(const string& what, const Condition& c, const WalkingSet& set) {
+Output output_of(const string& what, const Condition& c) {
   if (!c.unknown.empty()) return {0, c.unknown, {}, {}};
   const string h = words_for(c.quantity) + " >= ", unit = " " + unit_of(c.quantity);
   if (what == "set/value")
@@ -2468,10 +2460,7 @@ Output output_of(const string& what, const Condition& c, const WalkingSet& set) 
   if (what == "set/after")
     return {0, "", [&c](Place& at) { return value(c.quantity, at.wide().after()); },
             [h, unit](double least) { return "after the reset, " + h + at_least(least) + unit; }};
-  // h of a disturbed velocity would not be linear in the disturbance.
-  const bool linear = !set.disturbed() || of_pose(c.quantity);
-  return {0, linear ? "" : "a disturbed barrier function of velocities",
-          [&c](Place& at) { return pushed_rates(c, at); },
+  return {0, "", [&c](Place& at) { return pushed_rates(c, at); },
           [&c](double least) { return "disturbed, " + words_for(c, least); }};
 }
 
@@ -3192,7 +3181,7 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
       const auto about = file.conditions.find(barrier);
       if (about == file.conditions.end())
         throw Inconsistent{"the Program's output " + name + " is about no condition of the spec"};
-      output = output_of(what, about->second, *theorems.walking);
+      output = output_of(what, about->second);
     } else {
       throw Inconsistent{"the Program's output " + name + " is no condition of the spec"};
     }
