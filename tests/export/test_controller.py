@@ -21,7 +21,7 @@ from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 
-STATES = 3000
+STATES = 2000
 
 
 def files_of(design, reference):
@@ -95,7 +95,7 @@ def test_a_planted_error_is_found(design, files, asked, tmp_path, name):
     after = re.sub(pattern, text, before, count=1)
     assert after != before
     (folder / file).write_text(after)
-    program = build.build("gcc", folder, "check", build.CHECKED, ("-O1",))
+    program = build.build("gcc", folder, "check", build.CHECKED, ("-O0",))
     with pytest.raises(MismatchError, match=r"disagree|selftest"):
         agree(design, asked, program, "double")
 
@@ -143,10 +143,10 @@ def test_hostile_inputs_under_sanitizers(files, tmp_path, flags):
     """No torque beyond its limit, none after a fault, no undefined step, whatever comes in."""
     sanitize = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1")
     program = compiled(tmp_path, files, (*sanitize, *flags))
-    words = build.run(program, "fuzz", "60000", "7").decode().split()
+    words = build.run(program, "fuzz", "20000", "7").decode().split()
     counts = dict(zip(words[::2], map(int, words[1::2]), strict=True))
     assert counts["broken"] == 0
-    assert counts["spoilt"] > 10_000 and 1_000 < counts["faults"] < 50_000
+    assert counts["spoilt"] > 3_000 and 300 < counts["faults"] < 17_000
     assert build.run(program, "selftest") == b"selftest 0\n"
 
 

@@ -20,7 +20,7 @@ from neuralgaits.workflows.connect import SOURCES
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.simulate import simulate
 
-STEPS = 6
+STEPS = 4
 
 
 @pytest.fixture(scope="module")
@@ -96,8 +96,8 @@ def test_the_process_writes_a_log_that_is_read(both, trained):
 
 
 def test_it_walks_with_lost_and_late_packets(trained, program):
-    config = LinkConfig(lockstep=True, loss=0.01, jitter_ms=2.0)
-    done, summary = walked(trained, program, config, record=False)
+    config = LinkConfig(law="fblin", lockstep=True, loss=0.01, jitter_ms=2.0)
+    done, summary = walked(trained, program, config, controller="fblin", record=False)
     assert not done.episodes.endings[0].fell
     assert summary is not None
     assert summary["packets_lost"] > 0.005 * summary["packets_sent"]
@@ -209,13 +209,13 @@ def test_bad_link_settings_are_one_line(text, message):
         parse_link(text)
 
 
-def test_refusals_of_simulate(trained):
+def test_refusals(trained, program):
     with pytest.raises(InputError, match=r"only, found 'loss=0.1'"):
         simulate(trained, link="loss=0.1")
     with pytest.raises(InputError, match=r"1 episode in real time"):
-        simulate(trained, controller="c", episodes=2)
-    with pytest.raises(InputError, match=r"link law: expected one of pd, fblin, paper"):
-        simulate(trained, controller="c", link="law=lqr")
+        Remote(program, ["pd"], LinkConfig(), 2, 0)
+    with pytest.raises(InputError, match=r"link law: expected one of pd, found 'lqr'"):
+        Remote(program, ["pd"], LinkConfig(law="lqr"), 1, 0)
 
 
 def test_the_process_refuses_bad_usage(program, tmp_path):

@@ -10,7 +10,6 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import jax.numpy as jnp
-import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Int, Scalar
 from neuralgaits.control.controller import Command, Controller
@@ -105,9 +104,9 @@ def joint_ranges(robot: PlanarBiped) -> tuple[Float[Array, "2 k"], Float[Array, 
     return jnp.minimum(low, high), jnp.maximum(low, high)
 
 
-def torque_rate(controller: Controller, config: SafeguardConfig) -> Scalar | float:
+def torque_rate(controller: Controller, config: SafeguardConfig) -> Scalar:
     """Largest change of a torque (N m/s)."""
-    return 2.0 * float(np.max(controller.torque_limit)) / config.torque_swing_s
+    return 2.0 * jnp.max(controller.torque_limit) / config.torque_swing_s
 
 
 def check(

@@ -1,9 +1,9 @@
 """What the Python controller does with the cases: the other side of every comparison."""
 
-from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -21,10 +21,6 @@ from neuralgaits.export.programs import path
 
 _ROWS = 4096
 """Cases evaluated at once; another number would be compiled again."""
-
-
-Ticks = Callable[..., dict[str, Array]]
-"""(columns of cases, measurements) to columns of `Results`."""
 
 
 class Results(NamedTuple):
@@ -60,26 +56,24 @@ class Reference:
     def __init__(self, design: Design):
         """Nothing is compiled before it is asked for."""
         self._design = design
-        self._ticks = {
-            number: _compiled(design, controller)
-            for number, controller in enumerate(design.controllers.values())
-        }
 
     def evaluate(self, cases: Cases) -> Results:
         """Run the controller and its safeguard on every case."""
         parts, order = [], []
-        for number, tick in self._ticks.items():
+        for number, controller in enumerate(self._design.controllers.values()):
             which = np.flatnonzero(cases.law == number)
             for start in range(0, which.size, _ROWS):
                 chosen = which[start : start + _ROWS]
                 order.append(chosen)
-                parts.append(self._some(tick, cases.take(np.resize(chosen, _ROWS)), chosen.size))
+                some = cases.take(np.resize(chosen, _ROWS))
+                parts.append(self._some(controller, some, chosen.size))
         back = np.argsort(np.concatenate(order))
         return Results(*(np.concatenate(columns)[back] for columns in zip(*parts, strict=True)))
 
-    def _some(self, tick: Ticks, cases: Cases, wanted: int) -> Results:
+    def _some(self, controller: Controller, cases: Cases, wanted: int) -> Results:
         arrays = {field.name: getattr(cases, field.name) for field in fields(cases)}
-        found = tick(arrays, cases.measurement(self._design))
+        safeguard = self._design.safeguard
+        found = _ticks(controller, safeguard, arrays, cases.measurement(self._design))
         rows = {name: np.asarray(column)[:wanted] for name, column in found.items()}
         result = Results(**{name: column.astype(np.float64) for name, column in rows.items()})
         torque = result.torque.reshape(wanted, -1)
@@ -99,12 +93,16 @@ def policy_path(design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray) 
     return np.asarray(ask(z, dz, ddz))
 
 
-def _compiled(design: Design, controller: Controller) -> Ticks:
-    """The guarded tick of one law, for many cases."""
+@eqx.filter_jit
+def _ticks(
+    controller: Controller,
+    safeguard: SafeguardConfig,
+    cases: dict[str, Array],
+    measurements: Measurement,
+) -> dict[str, Array]:
+    """The guarded tick on many cases; gaits of one structure share a compilation."""
 
-    @jax.jit
-    @jax.vmap
-    def tick(case: dict[str, jax.Array], measurement: Measurement) -> dict[str, Array]:
+    def tick(case: dict[str, Array], measurement: Measurement) -> dict[str, Array]:
         state = ControllerState(
             StanceState(case["leg"].astype(jnp.int32), case["since"]),
             case["ticks"].astype(jnp.int32),
@@ -119,12 +117,11 @@ def _compiled(design: Design, controller: Controller) -> Ticks:
             case["airborne"],
             case["fault"].astype(jnp.int32),
         )
-        limit = float(np.max(controller.torque_limit))
-        swing = 2.0 * limit / case["torque_rate"]
-        config = replace(design.safeguard, blend_s=case["blend_s"], torque_swing_s=swing)
+        swing = 2.0 * jnp.max(controller.torque_limit) / case["torque_rate"]
+        config = replace(safeguard, blend_s=case["blend_s"], torque_swing_s=swing)
         return _tick(controller, config, state, safe, measurement)
 
-    return tick
+    return jax.vmap(tick)(cases, measurements)
 
 
 def _tick(
