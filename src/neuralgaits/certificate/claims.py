@@ -161,15 +161,9 @@ def _claims(table: Any) -> Claims:
         program=program,
         program_hash=_text(fields["program_hash"], "program_hash"),
         statements=tuple(_statement(entry, outputs) for entry in entries),
-        theorems=_theorems(fields["theorems"]),
+        theorems=Theorems.read(fields["theorems"]),
         model=_model(fields["model"]),
     )
-
-
-def _theorems(entries: Any) -> Theorems:
-    if not isinstance(entries, list):
-        raise ValueError("theorems that are no list")
-    return Theorems.read(entries)
 
 
 def _model(entry: Any) -> dict[str, Any] | None:

@@ -4,7 +4,7 @@ The reader accepts what the writer writes, field by field. Needs no JAX.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
@@ -43,8 +43,10 @@ class Theorems(NamedTuple):
         )
 
     @classmethod
-    def read(cls, tables: Sequence[Any]) -> "Theorems":
+    def read(cls, tables: Any) -> "Theorems":
         """Read what `tables` wrote. Raises: ValueError on anything else."""
+        if not isinstance(tables, list | tuple):
+            raise ValueError("theorems that are no list")
         found: dict[int, Any] = {}
         claimed = []
         for table in tables:
