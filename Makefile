@@ -18,7 +18,7 @@ build/proofcheck: tools/proofcheck/proofcheck.cpp
 	$(CXX) -std=c++17 -O2 -frounding-math -ffp-contract=off -Wall -Wextra -Werror $< -o $@
 
 test: .venv/dev.stamp
-	.venv/bin/python -m pytest -n 2
+	.venv/bin/python -m pytest -n 2 --dist loadfile
 
 # Print the figures the tests do not assert: times, rates, long walks.
 bench: .venv/dev.stamp
