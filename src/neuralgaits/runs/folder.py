@@ -7,8 +7,6 @@ on it is a run), checkpoints, and last `summary.json` (from here on it is finish
 import hashlib
 import json
 import platform
-import re
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -19,6 +17,7 @@ from typing import Any, TypeVar
 from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes, write_text
+from neuralgaits.runs.claim import claim
 from neuralgaits.runs.metrics import Row, from_csv, to_csv
 from neuralgaits.runs.plain import to_json
 from neuralgaits.runs.tree import read_tree, write_tree
@@ -67,7 +66,7 @@ class RunFolder:
 
         Raises: RunError if `out` is a file or a folder that is not empty.
         """
-        path = _fresh_folder(root / _file_name(name), seed) if out is None else _claim(out)
+        path = claim(out, root, name, seed, what="the run")
         contents = {
             file: content.encode() if isinstance(content, str) else content
             for file, content in copies.items()
@@ -165,35 +164,6 @@ class RunFolder:
         """Rows of `metrics.csv`; none if the run has not written any."""
         path = self.path / METRICS
         return from_csv(path.read_text(), str(path)) if path.is_file() else []
-
-
-def _claim(out: Path) -> Path:
-    """Take an exact place for a run, which must be new or empty."""
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        found = "a folder with files in it" if out.is_dir() else "a file"
-        raise RunError(
-            f"expected a new or empty folder for the run, found {found} at {out}: choose another "
-            "--out, or --resume that run"
-        )
-    out.mkdir(parents=True, exist_ok=True)
-    return out
-
-
-def _fresh_folder(parent: Path, seed: int) -> Path:
-    """Make a folder named after this second; making it is what claims the name."""
-    parent.mkdir(parents=True, exist_ok=True)
-    while True:
-        path = parent / f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}-{seed}"
-        try:
-            path.mkdir()
-        except FileExistsError:
-            time.sleep(0.05)
-        else:
-            return path
-
-
-def _file_name(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-") or "robot"
 
 
 def _versions() -> dict[str, str]:

@@ -40,6 +40,7 @@ from neuralgaits.workflows.sets import (
     set_margins,
     trace_certificate,
 )
+from neuralgaits.workflows.settings import check_budget, check_disturbance
 
 FOLDER = "certificate"
 PROOF, SUMMARY = f"{FOLDER}/proof.json", f"{FOLDER}/summary.json"
@@ -101,8 +102,9 @@ def certify(
         SearchInterrupted for KeyboardInterrupt, with everything found by then in the folder.
     """
     began = time.perf_counter()
-    deadline = time.monotonic() + _seconds(budget)
     _refuse(level, disturbance)
+    check_budget(budget)
+    deadline = time.monotonic() + (np.inf if budget is None else budget)
     trained = open_run(run)
     try:
         sets = find_sets(trained, level, disturbance)
@@ -155,20 +157,9 @@ def _refuse(level: int, disturbance: tuple[float, float]) -> None:
             "expected level 1 (conditions), 2 (walking set), 3 (orbit) or 4 (full order), "
             f"found {level}"
         )
-    if not all(0.0 <= bound < np.inf for bound in disturbance):
-        raise InputError(
-            f"expected a disturbance of two bounds >= 0 (m/s, N m), found {disturbance}"
-        )
+    check_disturbance(disturbance)
     if any(disturbance) and level < 2:
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
-
-
-def _seconds(budget: float | None) -> float:
-    if budget is None:
-        return np.inf
-    if not 0.0 < budget < np.inf:
-        raise InputError(f"expected a budget of more than 0 seconds, found {budget}")
-    return budget
 
 
 def _problems(run: Run, program: Program) -> list[Problem]:

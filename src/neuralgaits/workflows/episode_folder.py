@@ -8,10 +8,8 @@ round-K/walks/  summary.json and logs/*.csv of its walks
 
 import json
 import shutil
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +17,7 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import plain, write_text
+from neuralgaits.runs.claim import claim
 from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.plain import to_json
 from neuralgaits.workflows.run import Run
@@ -67,7 +66,8 @@ class EpisodeFolder:
         Raises: RunError if `out` is taken.
         """
         robot, plant = asked["robot"], asked["plant"]
-        path = _new(root / HOME / robot.name, asked["seed"]) if out is None else _claim(Path(out))
+        place = None if out is None else Path(out)
+        path = claim(place, root / HOME, robot.name, asked["seed"], what="the episodes")
         write_text(path / ROBOT, robot.layout.xml)
         if plant is not None:
             write_text(path / PLANT, plant.layout.xml)
@@ -171,27 +171,3 @@ def _copy_run(source: Path, place: Path) -> None:
         return [name for name in names if (Path(folder) / name).is_dir()]
 
     shutil.copytree(source, place, ignore=folders)
-
-
-def _claim(out: Path) -> Path:
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        found = "a folder with files in it" if out.is_dir() else "a file"
-        raise RunError(
-            f"expected a new or empty folder for the episodes, found {found} at {out}: choose "
-            "another --out, or --resume those episodes"
-        )
-    out.mkdir(parents=True, exist_ok=True)
-    return out
-
-
-def _new(parent: Path, seed: int) -> Path:
-    """Make a folder named after this second; making it is what claims the name."""
-    parent.mkdir(parents=True, exist_ok=True)
-    while True:
-        path = parent / f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}-{seed}"
-        try:
-            path.mkdir()
-        except FileExistsError:
-            time.sleep(0.05)
-        else:
-            return path

@@ -25,6 +25,7 @@ from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.run import Run, open_run
+from neuralgaits.workflows.settings import check_seed
 from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
@@ -137,8 +138,7 @@ def _begin(
     given = {name: value for name, value in asked.items() if value is not None}
     config: dict[str, Any] = dict.fromkeys(asked) | usual | given
     law_named(config["controller"])
-    if not 0 <= config["seed"] < 2**31:
-        raise InputError(f"expected a seed from 0 to 2147483647, found {config['seed']}")
+    check_seed(config["seed"])
     plant, logs = asked["plant"], asked["logs"]
     if (plant is None) == (logs is None):
         found = "neither" if plant is None else "both"

@@ -25,6 +25,7 @@ from neuralgaits.residual.trajectories import largest_defects, missed, root_mean
 from neuralgaits.residual.trust import landing_errors
 from neuralgaits.runs import plain
 from neuralgaits.workflows.run import Run, open_run
+from neuralgaits.workflows.settings import check_seed
 
 FOLDER = "residual"
 FILE, SUMMARY = f"{FOLDER}/residual.safetensors", f"{FOLDER}/summary.json"
@@ -76,8 +77,7 @@ def fit(
     """
     began = time.perf_counter()
     config = FitConfig(optimizer=optimizer) if config is None else config
-    if not 0 <= seed < 2**31:
-        raise InputError(f"expected a seed from 0 to 2147483647, found {seed}")
+    check_seed(seed)
     trained = open_run(run)
     read, left_out = walks.read_all(logs, trained.robot)
     cut = walks.cut(read, trained.robot)

@@ -1,17 +1,22 @@
 """Train a gait on, from where it stands, on the zero dynamics that logs have corrected."""
 
-import math
 import time
 from pathlib import Path
 from typing import Literal
 
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.errors import RunError
 from neuralgaits.residual import stored
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.workflows import fit
 from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.run import RESIDUAL, ROBOT, SPEC, START, WEIGHTS, Run, open_run
+from neuralgaits.workflows.settings import (
+    check_disturbance,
+    check_proof_budget,
+    check_seed,
+    check_steps,
+)
 from neuralgaits.workflows.training_session import TrainingSession
 
 STEPS_SHARE = 0.7
@@ -67,14 +72,11 @@ def refine(
     learned = stored.read(file, parent.robot)
     if disturbance == "learned":
         disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))
-    if disturbance is not None and not all(0.0 <= bound < math.inf for bound in disturbance):
-        raise InputError(
-            f"expected a disturbance of two bounds >= 0 (m/s, N m), found {disturbance}"
-        )
-    if not 0 <= seed < 2**31:
-        raise InputError(f"expected a seed from 0 to 2147483647, found {seed}")
-    if steps is not None and steps < 1:
-        raise InputError(f"expected at least 1 gradient step, found {steps}")
+    if disturbance is not None:
+        check_disturbance(disturbance)
+    check_seed(seed)
+    check_steps(steps)
+    check_proof_budget(certify, budget)
     kept = parent.folder.config
     config = {name: kept[name] for name in ("robot", "spec", "init", "hidden", "described")} | {
         "seed": seed,

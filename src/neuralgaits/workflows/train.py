@@ -1,6 +1,5 @@
 """Train a gait and leave a run folder that can be continued, checked and simulated."""
 
-import math
 import time
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
 from neuralgaits.workflows.run import ROBOT, SPEC, Run, open_parts, untrained
+from neuralgaits.workflows.settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.workflows.training_session import TrainingSession
 
 
@@ -64,7 +64,7 @@ def train(
         gait = untrained(folder, loaded)
     else:
         _check(seed, init, hidden, steps)
-        _check_budget(certify, budget)
+        check_proof_budget(certify, budget)
         loaded = specs.load(spec, robot) if isinstance(spec, str) else spec
         gait = loaded.new_gait(jax.random.key(seed), init, hidden)
         if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
@@ -102,23 +102,12 @@ def _resumed(
 
 
 def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | None) -> None:
-    if not 0 <= seed < 2**31:
-        raise InputError(f"expected a seed from 0 to 2147483647, found {seed}")
+    check_seed(seed)
     if init not in ("posture", "random"):
         raise InputError(f"expected init posture or random, found {init!r}")
     if hidden is not None and (not hidden or min(hidden) < 1):
         raise InputError(f"expected hidden widths of at least 1, found {hidden}")
-    if steps is not None and steps < 1:
-        raise InputError(f"expected at least 1 gradient step, found {steps}")
-
-
-def _check_budget(certify: bool, budget: float | None) -> None:
-    if budget is None:
-        return
-    if not certify:
-        raise InputError("expected a budget with --certify only, found it alone: add --certify")
-    if not 0.0 < budget < math.inf:
-        raise InputError(f"expected a budget of more than 0 seconds, found {budget}")
+    check_steps(steps)
 
 
 def _widths(gait: Gait) -> list[int] | None:

@@ -1,0 +1,34 @@
+"""Settings of several verbs: what makes no sense is refused in one line."""
+
+import math
+
+import pytest
+
+from neuralgaits.errors import InputError
+from neuralgaits.workflows import settings
+
+
+@pytest.mark.parametrize(
+    ("check", "good", "bad"),
+    [
+        (settings.check_seed, [(0,), (2**31 - 1,)], [(-1,), (2**31,)]),
+        (settings.check_steps, [(None,), (1,)], [(0,), (-5,)]),
+        (
+            settings.check_disturbance,
+            [((0.0, 0.0),), ((0.1, 2.0),)],
+            [((-0.1, 0.0),), ((0.0, math.inf),), ((math.nan, 0.0),)],
+        ),
+        (settings.check_budget, [(None,), (0.5,)], [(0.0,), (-1.0,), (math.nan,), (math.inf,)]),
+        (
+            settings.check_proof_budget,
+            [(True, 5.0), (False, None)],
+            [(False, 5.0), (True, 0.0)],
+        ),
+    ],
+)
+def test_only_what_makes_sense_passes(check, good, bad):
+    for arguments in good:
+        check(*arguments)
+    for arguments in bad:
+        with pytest.raises(InputError, match=r"^expected .*found"):
+            check(*arguments)
