@@ -42,5 +42,5 @@ clean:
 	@touch $@
 
 .venv/dev.stamp: .venv/run.stamp
-	@$(PIP_INSTALL) --editable '.[dev,video]'
+	@$(PIP_INSTALL) --editable '.[dev,onnx,video]'
 	@touch $@
