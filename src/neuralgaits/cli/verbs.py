@@ -1,12 +1,10 @@
 """One function a verb: call the workflow, judge the answer, say how to show it."""
 
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
-from neuralgaits.cli import episodes_screen, learning_screen, screen
+from neuralgaits.cli import screen
 from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
@@ -21,33 +19,17 @@ from neuralgaits.cli.arguments import (
     Train,
     Verb,
 )
+from neuralgaits.cli.learning_verbs import (
+    carry_out_episodes,
+    carry_out_fit,
+    carry_out_refine,
+    disturbance_bounds,
+)
+from neuralgaits.cli.outcome import Outcome
 from neuralgaits.errors import InputError
 
 _TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out")
 """Settings of a training that a resumed run has of its own."""
-LEARNED: Literal["learned"] = "learned"
-"""In place of two bounds: those of the residual."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """A verb's answer.
-
-    Attributes:
-        result: what `--json` prints.
-        good: False if the answer is no.
-        table: shows the result to a person.
-        undecided: True if there is no answer.
-    """
-
-    result: dict[str, Any]
-    good: bool
-    table: Callable[[dict[str, Any]], None]
-    undecided: bool = False
-
-    def show(self) -> None:
-        """Print the result for a person on stdout."""
-        self.table(self.result)
 
 
 def carry_out(verb: Verb) -> Outcome:
@@ -62,11 +44,11 @@ def carry_out(verb: Verb) -> Outcome:
         case CheckProof():
             return _check_proof(verb)
         case Fit():
-            return _fit(verb)
+            return carry_out_fit(verb)
         case Refine():
-            return _refine(verb)
+            return carry_out_refine(verb)
         case Episodes():
-            return _episodes(verb)
+            return carry_out_episodes(verb)
         case Export():
             return _export(verb)
         case Inspect():
@@ -151,42 +133,13 @@ def _certify(verb: Certify) -> Outcome:
         done = certify(
             verb.run,
             level=verb.level,
-            disturbance=_bounds(verb.disturbance, verb.run),
+            disturbance=disturbance_bounds(verb.disturbance, verb.run),
             budget=verb.budget,
             resume=verb.resume,
             progress=progress,
         )
     verdict = done.verdict
     return Outcome(done.summary, verdict == "proved", screen.show_proof, verdict == "undecided")
-
-
-def _bounds(text: str | None, run: str) -> tuple[float, float]:
-    """Read `A,B`, or what a run has learned. Raises: InputError unless there are two numbers."""
-    if text is None:
-        return 0.0, 0.0
-    if text != LEARNED:
-        return _pair(text)
-    from neuralgaits.workflows.run import open_run
-
-    learned = open_run(run).learned
-    if learned is None:
-        raise InputError(
-            f"expected --disturbance {LEARNED} for a run with a residual, found one without in "
-            f"{run}: refine a run first, or write A,B"
-        )
-    first, second = learned.error_bound
-    return float(first), float(second)
-
-
-def _pair(text: str) -> tuple[float, float]:
-    try:
-        first, second = (float(word) for word in text.split(","))
-    except ValueError:
-        raise InputError(
-            f"expected --disturbance as two numbers A,B (m/s, N m) or {LEARNED}, found {text!r}: "
-            "write 0.01,0.3"
-        ) from None
-    return first, second
 
 
 def _check_proof(verb: CheckProof) -> Outcome:
@@ -197,62 +150,6 @@ def _check_proof(verb: CheckProof) -> Outcome:
         result = check_proof(verb.file, run=verb.run)
     verdict = result["verdict"]
     return Outcome(result, verdict == "proved", screen.show_check, verdict == "undecided")
-
-
-def _fit(verb: Fit) -> Outcome:
-    from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.workflows.fit import fit
-
-    with TrainingProgress() as progress:
-        done = fit(
-            verb.run, verb.logs, optimizer=verb.optimizer, seed=verb.seed, progress=progress
-        ).summary
-    better = done["heldout_error"] < done["nominal_heldout_error"]
-    return Outcome(done, better, learning_screen.show_fit)
-
-
-def _refine(verb: Refine) -> Outcome:
-    from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.workflows.proof_rounds import Watch
-    from neuralgaits.workflows.refine import refine
-
-    given = verb.disturbance
-    disturbance = LEARNED if given == LEARNED else None if given is None else _pair(given)
-    with TrainingProgress() as progress:
-        run = refine(
-            verb.run,
-            residual=verb.residual,
-            seed=verb.seed,
-            steps=verb.steps,
-            disturbance=disturbance,
-            certify=verb.certify,
-            budget=verb.budget,
-            out=verb.out,
-            progress=progress,
-            watch=Watch(progress.proved, progress.round_ended),
-        )
-    proof = run.summary["certificate"]
-    proved = proof is None or proof["verdict"] == "proved"
-    return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
-
-
-def _episodes(verb: Episodes) -> Outcome:
-    from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.robots import load_robot
-    from neuralgaits.workflows.episodes import episodes
-
-    names = ("disturb", "controller", "logs", "seed", "out", "plant")
-    given = {name: value for name in names if (value := getattr(verb, name)) is not None}
-    robot = load_robot(verb.robot)
-
-    def tell(number: int, what: str) -> None:
-        print(f"round {number}: {what}", file=sys.stderr)
-
-    with TrainingProgress() as progress:
-        done = episodes(
-            robot, rounds=verb.rounds, resume=verb.resume, progress=progress, tell=tell, **given
-        )
-    return Outcome(done.summary, done.walks is not False, episodes_screen.show_episodes)
 
 
 def _export(verb: Export) -> Outcome:

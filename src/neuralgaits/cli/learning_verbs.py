@@ -1,0 +1,97 @@
+"""The verbs that learn from logs, and the error bounds that they and `certify` take."""
+
+import sys
+from typing import Literal
+
+from neuralgaits.cli import episodes_screen, learning_screen, screen
+from neuralgaits.cli.arguments import Episodes, Fit, Refine
+from neuralgaits.cli.outcome import Outcome
+from neuralgaits.errors import InputError
+
+LEARNED: Literal["learned"] = "learned"
+"""In place of two bounds: those of the residual."""
+
+
+def carry_out_fit(verb: Fit) -> Outcome:
+    from neuralgaits.cli.progress import TrainingProgress
+    from neuralgaits.workflows.fit import fit
+
+    with TrainingProgress() as progress:
+        done = fit(
+            verb.run, verb.logs, optimizer=verb.optimizer, seed=verb.seed, progress=progress
+        ).summary
+    better = done["heldout_error"] < done["nominal_heldout_error"]
+    return Outcome(done, better, learning_screen.show_fit)
+
+
+def carry_out_refine(verb: Refine) -> Outcome:
+    from neuralgaits.cli.progress import TrainingProgress
+    from neuralgaits.workflows.proof_rounds import Watch
+    from neuralgaits.workflows.refine import refine
+
+    given = verb.disturbance
+    disturbance = LEARNED if given == LEARNED else None if given is None else _pair(given)
+    with TrainingProgress() as progress:
+        run = refine(
+            verb.run,
+            residual=verb.residual,
+            seed=verb.seed,
+            steps=verb.steps,
+            disturbance=disturbance,
+            certify=verb.certify,
+            budget=verb.budget,
+            out=verb.out,
+            progress=progress,
+            watch=Watch(progress.proved, progress.round_ended),
+        )
+    proof = run.summary["certificate"]
+    proved = proof is None or proof["verdict"] == "proved"
+    return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
+
+
+def carry_out_episodes(verb: Episodes) -> Outcome:
+    from neuralgaits.cli.progress import TrainingProgress
+    from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.episodes import episodes
+
+    names = ("disturb", "controller", "logs", "seed", "out", "plant")
+    given = {name: value for name in names if (value := getattr(verb, name)) is not None}
+    robot = load_robot(verb.robot)
+
+    def tell(number: int, what: str) -> None:
+        print(f"round {number}: {what}", file=sys.stderr)
+
+    with TrainingProgress() as progress:
+        done = episodes(
+            robot, rounds=verb.rounds, resume=verb.resume, progress=progress, tell=tell, **given
+        )
+    return Outcome(done.summary, done.walks is not False, episodes_screen.show_episodes)
+
+
+def disturbance_bounds(text: str | None, run: str) -> tuple[float, float]:
+    """Read `A,B`, or what a run has learned. Raises: InputError unless there are two numbers."""
+    if text is None:
+        return 0.0, 0.0
+    if text != LEARNED:
+        return _pair(text)
+    from neuralgaits.workflows.run import open_run
+
+    learned = open_run(run).learned
+    if learned is None:
+        raise InputError(
+            f"expected --disturbance {LEARNED} for a run with a residual, found one without in "
+            f"{run}: refine a run first, or write A,B"
+        )
+    first, second = learned.error_bound
+    return float(first), float(second)
+
+
+def _pair(text: str) -> tuple[float, float]:
+    try:
+        first, second = (float(word) for word in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"expected --disturbance as two numbers A,B (m/s, N m) or {LEARNED}, found {text!r}: "
+            "write 0.01,0.3"
+        ) from None
+    return first, second
