@@ -11,7 +11,7 @@ from neuralgaits import errors
 from neuralgaits.cli import main as entry
 from neuralgaits.cli import verbs
 from neuralgaits.cli.main import main
-from neuralgaits.cli.verbs import Outcome
+from neuralgaits.cli.outcome import Outcome
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.workflows import train as training
 

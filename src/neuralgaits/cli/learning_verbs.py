@@ -13,6 +13,7 @@ LEARNED: Literal["learned"] = "learned"
 
 
 def carry_out_fit(verb: Fit) -> Outcome:
+    """Run `fit`. Good if the residual beats the model alone on strides it has not seen."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.fit import fit
 
@@ -25,6 +26,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
 
 
 def carry_out_refine(verb: Refine) -> Outcome:
+    """Run `refine`. Undecided if a proof was asked for and not found."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.proof_rounds import Watch
     from neuralgaits.workflows.refine import refine
@@ -50,6 +52,7 @@ def carry_out_refine(verb: Refine) -> Outcome:
 
 
 def carry_out_episodes(verb: Episodes) -> Outcome:
+    """Run `episodes`. Good unless the last policy fell."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.episodes import episodes
