@@ -24,7 +24,7 @@ def main() -> None:
         violation = conditions[worst]["max_violation"]
         name = f"{robot.name} ({float(robot.mass):.0f} kg, leg {robot.leg_length:.2f} m)"
         show(f"{name}: largest violation ({worst})", violation, "0")
-        start = full_states(robot, run.gait, "centre", seed=0, episodes=1)
+        start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)
         for controller in ("fblin", "pd"):
             result = walk(
                 robot,

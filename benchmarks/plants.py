@@ -31,7 +31,9 @@ def fallen(
     walked = walk(
         run.robot,
         run.gait.policy,
-        full_states(run.robot, run.gait, "region", seed=run.folder.config["seed"], episodes=STARTS),
+        full_states(
+            run.zero_dynamics, run.gait, "region", seed=run.folder.config["seed"], episodes=STARTS
+        ),
         plant=load_robot(plant),
         controller=controller,
         steps=steps,

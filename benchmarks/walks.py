@@ -32,7 +32,7 @@ def main() -> None:
     robot = runs[0].robot
     policies = [run.gait.policy for run in runs]
     centres = np.concatenate(
-        [full_states(robot, run.gait, "centre", seed=0, episodes=1) for run in runs]
+        [full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1) for run in runs]
     )
     low, high = np.transpose([momentum_range(run.gait) for run in runs])
     bounds = (float(low.min()), float(high.max()))
@@ -53,7 +53,7 @@ def main() -> None:
         show(f"{controller}: seeds that walk {LONG} steps", up(result), f"{len(runs)}")
         gait(controller, result)
     first = runs[0]
-    starts = full_states(robot, first.gait, "region", seed=1, episodes=200)
+    starts = full_states(first.zero_dynamics, first.gait, "region", seed=1, episodes=200)
     for controller in CONTROLLERS:
         result = walked(controller, starts, first.gait.policy, 100)
         show(f"{controller}: starts in the tube that walk 100 steps", up(result), "200")
@@ -63,7 +63,7 @@ def main() -> None:
             result = walked(controller, centres, policies, 50, **settings)
             show(f"{controller}: {name}, 50 steps", up(result), f"{len(runs)}")
     for controller in CONTROLLERS:
-        starts = full_states(robot, first.gait, "centre", seed=0, episodes=200)
+        starts = full_states(first.zero_dynamics, first.gait, "centre", seed=0, episodes=200)
         rough = Disturbance(floor_height=0.01)
         result = walked(controller, starts, first.gait.policy, 50, disturbance=rough)
         show(f"{controller}: floor +-1 cm, walks of 50 steps, seed 0", up(result), ">= 190 of 200")

@@ -39,7 +39,7 @@ def walked(trained, program, config, controller="pd", record=True):
         "z2_range": momentum_range(trained.gait),
         "record": record,
     }
-    start = full_states(trained.robot, trained.gait, "centre", seed=0, episodes=1)
+    start = full_states(trained.zero_dynamics, trained.gait, "centre", seed=0, episodes=1)
     if program is None:
         return walk(trained.robot, trained.gait.policy, start, **setting), None
     with Remote(program, ["pd", "fblin", "paper"], config, 1, 0) as remote:

@@ -8,7 +8,6 @@ from neuralgaits._types import Float
 from neuralgaits.barriers import Gait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics, poincare
-from neuralgaits.robots import PlanarBiped
 
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.
@@ -16,12 +15,12 @@ _FENCE_SAMPLES = 101
 
 
 def full_states(
-    robot: PlanarBiped, gait: Gait, kind: str, *, seed: int, episodes: int
+    zd: ZeroDynamics, gait: Gait, kind: str, *, seed: int, episodes: int
 ) -> Float[np.ndarray, "B two_n"]:
     """Full states x = (q, dq) to start from (rad, rad/s).
 
     Args:
-        robot: of the gait.
+        zd: of the gait's robot under its policy, with what was learned of the robot if anything.
         gait: policy and region.
         kind: `centre` of the region; `region`: anywhere in it, by seed and episode number;
             `fixed-point` of the Poincare map, at mid-step.
@@ -37,20 +36,20 @@ def full_states(
             [np.random.default_rng([seed, i, 0]).uniform(size=2) for i in range(episodes)]
         )
     elif kind == "fixed-point":
-        orbit = periodic_orbit(robot, gait)
+        orbit = periodic_orbit(zd, gait)
         if orbit.result != "found":
             raise InputError(f"start fixed-point: {orbit.result}; start from the centre instead")
-        x = ZeroDynamics(robot, gait.policy).phi_inv(jnp.asarray(orbit.fixed_point))
+        x = zd.phi_inv(jnp.asarray(orbit.fixed_point))
         return np.tile(np.asarray(x), (episodes, 1))
     else:
         raise InputError(f"unknown start {kind!r}: expected one of {', '.join(KINDS)}")
-    lift = jax.jit(jax.vmap(lambda u: ZeroDynamics(robot, gait.policy).phi_inv(gait.z(u))))
+    lift = jax.jit(jax.vmap(lambda u: zd.phi_inv(gait.z(u))))
     return np.asarray(lift(charts))
 
 
-def periodic_orbit(robot: PlanarBiped, gait: Gait) -> Orbit:
+def periodic_orbit(zd: ZeroDynamics, gait: Gait) -> Orbit:
     """The gait's periodic orbit, looked for from the centre of its region."""
-    return poincare(ZeroDynamics(robot, gait.policy), gait.z(jnp.array([0.5, 0.5])))
+    return poincare(zd, gait.z(jnp.array([0.5, 0.5])))
 
 
 def momentum_range(gait: Gait) -> tuple[float, float]:

@@ -60,7 +60,7 @@ class Field:
 
 def nominal_momentum(run: Run) -> float:
     """z2 of the model's periodic orbit at z1 = 0; of the tube's middle if there is none."""
-    orbit = periodic_orbit(run.robot, run.gait)
+    orbit = periodic_orbit(run.zero_dynamics, run.gait)
     if orbit.result == "found":
         return float(orbit.fixed_point[1])
     phase = float(run.gait.phase(jax.numpy.zeros(())))
@@ -81,7 +81,7 @@ def walk_round(
     """
     began = time.perf_counter()
     shares = sorted({*SPEEDS, *BEYOND})
-    anywhere = full_states(run.robot, run.gait, "region", seed=seed, episodes=STARTS)
+    anywhere = full_states(run.zero_dynamics, run.gait, "region", seed=seed, episodes=STARTS)
     longest = LOGGED_S / (STARTS + len(shares))
     tried, found = _walk(run, field, anywhere, steps=STEPS, seed=seed, longest_s=longest)
     sped, more = _walk(

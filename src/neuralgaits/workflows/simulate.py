@@ -96,7 +96,7 @@ def simulate(
         walked = walk(
             robot,
             gait.policy,
-            full_states(robot, gait, start, seed=seed, episodes=episodes),
+            full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
             plant=None if plant is None else load_robot(plant),
             controller=controller if wire is None else wire.law,
             steps=steps,
@@ -112,7 +112,7 @@ def simulate(
     settings |= {"steps": steps, "logs": [str(file) for file in files]}
     if remote is not None:
         settings["link"] = remote.summary()
-    result = plain(settings | summary(walked, periodic_orbit(robot, gait)))
+    result = plain(settings | summary(walked, periodic_orbit(trained.zero_dynamics, gait)))
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     trained.folder.write_json(SUMMARY, result)
     if recorder is not None:
