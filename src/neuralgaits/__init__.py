@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.check_proof import check_proof
     from neuralgaits.workflows.doctor import doctor
     from neuralgaits.workflows.episodes import episodes
+    from neuralgaits.workflows.figures import figures
     from neuralgaits.workflows.fit import fit
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.refine import refine
@@ -39,6 +40,7 @@ _HOMES = {
     "check_proof": "neuralgaits.workflows.check_proof",
     "doctor": "neuralgaits.workflows.doctor",
     "episodes": "neuralgaits.workflows.episodes",
+    "figures": "neuralgaits.workflows.figures",
     "fit": "neuralgaits.workflows.fit",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
@@ -60,6 +62,7 @@ __all__ = [
     "check_proof",
     "doctor",
     "episodes",
+    "figures",
     "fit",
     "inspect",
     "load_robot",

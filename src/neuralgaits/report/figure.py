@@ -1,0 +1,75 @@
+"""What becomes of a figure: two files and words, or the reason why it is missing."""
+
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from neuralgaits.report import style
+from neuralgaits.runs import write_bytes
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure on disk.
+
+    Attributes:
+        name: of the figure, the same for every run; also of its files.
+        title: a few words.
+        caption: what is to be seen and why it matters, in plain words.
+        path_png, path_svg: the files.
+    """
+
+    name: str
+    title: str
+    caption: str
+    path_png: Path
+    path_svg: Path
+
+
+@dataclass(frozen=True)
+class Missing:
+    """A figure that cannot be drawn yet.
+
+    Attributes:
+        name, title: as of the figure.
+        reason: what is not there.
+        command: what to type to get it.
+    """
+
+    name: str
+    title: str
+    reason: str
+    command: str
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as a PNG file."""
+    buffer = BytesIO()
+    with style.settings():
+        FigureCanvasAgg(figure).print_png(buffer)
+    return buffer.getvalue()
+
+
+def svg(figure: Figure) -> bytes:
+    """The figure as an SVG file, without the time of its making."""
+    buffer = BytesIO()
+    with style.settings():
+        FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None})
+    return buffer.getvalue()
+
+
+def write(figure: Figure, folder: Path, name: str) -> tuple[Path, Path]:
+    """Write NAME.png and NAME.svg. Returns: both paths."""
+    paths = folder / f"{name}.png", folder / f"{name}.svg"
+    # The layout is found once; both files share it.
+    with style.settings():
+        FigureCanvasAgg(figure)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+    for path, content in zip(paths, (png(figure), svg(figure)), strict=True):
+        write_bytes(path, content)
+    return paths

@@ -1,0 +1,96 @@
+"""One look for all figures: sizes, and colours that never stand alone.
+
+Colours are those of Okabe and Ito (2008), which colour-blind readers tell apart. Printed in grey
+some fall together, so every series has a line style or a marker of its own too.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+BLACK, GREY, LIGHT = "#1a1a1a", "#767676", "#c9c9c9"
+BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
+    "#0072b2",
+    "#e69f00",
+    "#009e73",
+    "#d55e00",
+    "#56b4e9",
+    "#cc79a7",
+)
+DPI = 110
+"""Of PNG files and of rasterised layers: 880 pixels across, sharp where a page shows 700."""
+WIDTH = 8.0
+"""Of a figure [in]: text of 10 points is 12 pixels high where a page shows 700."""
+
+_SETTINGS: dict[str, Any] = {
+    "font.size": 10.0,
+    "axes.titlesize": 10.0,
+    "axes.labelsize": 10.0,
+    "legend.fontsize": 9.0,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": GREY,
+    "axes.linewidth": 0.8,
+    "legend.frameon": True,
+    "legend.framealpha": 0.9,
+    "legend.edgecolor": LIGHT,
+    "lines.linewidth": 1.6,
+    "hatch.linewidth": 0.5,
+    # The same data gives the same file, byte for byte.
+    "svg.hashsalt": "neuralgaits",
+}
+_COLOURS = (BLUE, RED, GREEN, ORANGE, PURPLE, BLACK, SKY)
+_DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+@contextmanager
+def settings() -> Iterator[None]:
+    """The look, for as long as it is needed: matplotlib's own settings come back."""
+    with mpl.rc_context(_SETTINGS):
+        yield
+
+
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """Let a function draw in the common look."""
+
+    @wraps(draw)
+    def wrapped(*args: P.args, **kwargs: P.kwargs) -> R:
+        with settings():
+            return draw(*args, **kwargs)
+
+    return wrapped
+
+
+def new_figure(height: float, width: float = WIDTH) -> Figure:
+    """An empty figure [in]; labels and legends make room for one another."""
+    return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+
+
+def series(number: int) -> dict[str, Any]:
+    """Colour and line style of the number-th series of a plot; together they do not repeat."""
+    shift = number // len(_COLOURS)
+    return {
+        "color": _COLOURS[number % len(_COLOURS)],
+        "linestyle": _DASHES[(number + shift) % len(_DASHES)],
+    }
+
+
+def marker(number: int) -> str:
+    """Marker of the number-th series."""
+    return _MARKERS[number % len(_MARKERS)]
+
+
+def panel(axes: Axes, letter: str, title: str) -> None:
+    """Name a panel, above its left edge."""
+    axes.set_title(f"{letter})  {title}", loc="left")
