@@ -1,64 +1,19 @@
 """C written from Programs against the Programs themselves, operation by operation."""
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from compiled import DOUBLE, FLOAT, filter_program, filter_source, through
+from program_cases import CASES, network, points_of
 
 from neuralgaits.errors import SpecError
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import path, rate
-from neuralgaits.gait import BezierPolicy, MLPPolicy
 from neuralgaits.interpreters import POINT, evaluate
 from neuralgaits.interpreters.c99 import emit
 from neuralgaits.interpreters.c99_tables import Tables
 from neuralgaits.interpreters.ops import KINDS
 from neuralgaits.interpreters.tracer import trace
-from neuralgaits.robots import load_robot
-
-RNG = np.random.default_rng(5)
-MATRIX, TALL, OFFSET = RNG.normal(size=(3, 3)), RNG.normal(size=(8, 3)), RNG.normal(size=8)
-WIDE = RNG.normal(size=(5, 8))
-
-
-def elementwise(x):
-    a, b = jnp.sin(x), jnp.cos(x) + 2.0
-    c = jnp.exp(0.1 * a) / b - jnp.log1p(b * b)
-    return {"y": jnp.tanh(c) * jax.lax.logistic(x) - jnp.square(a), "z": -c}
-
-
-def products(x):
-    hidden = jnp.tanh(jnp.asarray(TALL) @ x + OFFSET)
-    other = jnp.asarray(TALL) @ (x * x)
-    return {"y": jnp.asarray(WIDE) @ (hidden * other), "z": jnp.asarray(WIDE) @ hidden}
-
-
-def tables(x):
-    """Matrices of values, sums, moves, broadcasting."""
-    table = x[:, None] * jnp.cos(x)[None, :] - x[None, ::-1]
-    turned = jnp.asarray(MATRIX) @ table @ jnp.asarray(MATRIX).T
-    mixed = jnp.concatenate([turned[0], jnp.diag(table), jnp.array([1.0, 2.0]), x[1:]])
-    return {"y": jnp.sum(turned, axis=1) * x[2], "z": mixed, "s": jnp.sum(mixed) + turned @ x}
-
-
-def network(widths):
-    return MLPPolicy.init(load_robot("amber3m"), key=jax.random.key(1), hidden=widths)
-
-
-CASES = {
-    "elementwise": (elementwise, {"x": (3,)}),
-    "products": (products, {"x": (3,)}),
-    "tables": (tables, {"x": (3,)}),
-    "constant": (lambda x: {"c": jnp.asarray(OFFSET) * 2.0, "x": x}, {"x": (1,)}),
-    "unread": (lambda x, a: {"y": x[0] * 3.0}, {"x": (2,), "a": (2,)}),
-    "network": (rate(network((16, 16))), {"z": (2,), "dz": (2,)}),
-    "odd network": (path(network((7, 5))), {"z": (2,), "dz": (2,), "ddz": (2,)}),
-    "bezier": (
-        rate(BezierPolicy(RNG.normal(size=(4, 6)), (-0.2, 0.2))),
-        {"z": (2,), "dz": (2,)},
-    ),
-}
 
 
 def _compiled(program, folder, flags):
@@ -73,13 +28,6 @@ def _compiled(program, folder, flags):
     return filter_program(folder, filter_source(before, call, sum(sizes), sum(outs)), flags)
 
 
-def _points(program, count=200):
-    return {
-        item.name: RNG.uniform(-1.0, 1.0, (count, *item.shape)).astype(np.float32).astype(float)
-        for item in program.inputs
-    }
-
-
 def _flat(program, values, count=200):
     """Inputs or outputs side by side. [count, ...]."""
     return np.concatenate([values[item.name].reshape(count, -1) for item in program], axis=1)
@@ -90,7 +38,7 @@ def test_c_computes_what_the_program_says(name, tmp_path):
     """In double to rounding, in float within the bound of the running error analysis."""
     function, shapes = CASES[name]
     program = trace(function, shapes)
-    points = _points(program)
+    points = points_of(program)
     expected = _flat(program.outputs, evaluate(program, points, POINT))
     inputs = _flat(program.inputs, points)
     found = through(_compiled(program, tmp_path / "double", DOUBLE), inputs)

@@ -179,14 +179,15 @@ class Episodes:
 
 @dataclass(frozen=True)
 class Export:
-    """Write the gait as a controller in C, compile it and compare it with Python."""
+    """Write the gait for a robot, as C or ONNX, and compare what was written with Python."""
 
     run: Run
     """Run folder, or latest."""
     out: Annotated[Path, arg(metavar="DIR")]
     """Folder to write to; new or empty unless --force."""
-    format: Literal["c"] = "c"
-    """C99 without dependencies."""
+    format: Literal["c", "onnx"] = "c"
+    """c: the controller in C99 without dependencies. onnx: the policy and its rate; needs the onnx
+    extra."""
     force: bool = False
     """Replace the files of an earlier export."""
     output: Annotated[Output, arg(name="")] = Output()

@@ -157,7 +157,7 @@ def _export(verb: Export) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.export import export
 
-    with waiting("writing C, compiling it, comparing it with Python"):
+    with waiting("writing it, comparing it with Python"):
         done = export(verb.run, verb.out, format=verb.format, force=verb.force)
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
 

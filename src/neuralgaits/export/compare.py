@@ -1,9 +1,8 @@
 """C against Python: the same inputs into both, and how far apart the outputs are."""
 
 import tempfile
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -65,8 +64,8 @@ class Build:
     compiler: str
     precision: str
     flags: str
-    agreement: Agreement | None = None
-    latency_us: dict[str, dict[str, float]] = field(default_factory=dict)
+    agreement: Agreement
+    latency_us: dict[str, dict[str, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,14 +100,20 @@ def questions(design: Design, reference: Reference, states: int = STATES) -> Que
         [of_region(design, states, SEED), of_guard(design, SEED), of_faults(design, SEED)]
     )
     ticks = reference.evaluate(cases)
+    return Questions(cases, ticks, *policy_questions(design, states))
+
+
+def policy_questions(
+    design: Design, states: int
+) -> tuple[Float[np.ndarray, "N 6"], Float[np.ndarray, "N 4 m"]]:
+    """Random z, dz and ddz of the region, and Python's answers there, see `Questions`."""
     rng = np.random.default_rng(SEED)
     bounds = design.controller.bounds
     z = rng.uniform(bounds.lower, bounds.upper, (states, 2))
     dz = rng.uniform([-0.5, -60.0], [1.5, 60.0], (states, 2))
     ddz = np.stack([np.zeros(states), rng.uniform(-400.0, 400.0, states)], axis=1)
     points = np.concatenate([z, dz, ddz], axis=1).astype(np.float32).astype(np.float64)
-    answers = policy_path(design, *np.split(points, 3, axis=1))
-    return Questions(cases, ticks, points, answers)
+    return points, policy_path(design, *np.split(points, 3, axis=1))
 
 
 def agree(design: Design, asked: Questions, program: Path, precision: str) -> Agreement:
@@ -163,11 +168,6 @@ def float_bound(design: Design, rates: Part, asked: Questions) -> dict[str, floa
         "output": float(np.max(errors["y"] / ranges[0])),
         "rate": float(np.max(errors["dy"] / ranges[1])),
     }
-
-
-def summary(agreement: Agreement) -> dict[str, Any]:
-    """As a dict of numbers."""
-    return asdict(agreement)
 
 
 def _same_decisions(design: Design, asked: Questions, found: Results) -> None:

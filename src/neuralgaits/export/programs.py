@@ -24,6 +24,8 @@ from neuralgaits.robots.dynamics import (
     swing_foot,
 )
 
+_OF_POLICY = {"z": (2,), "dz": (2,)}
+
 
 class Part(NamedTuple):
     """A Program that becomes one C function."""
@@ -62,6 +64,18 @@ def path(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
     return compute
 
 
+def policy_rate(policy: AbstractPolicy) -> Part:
+    """The Program of y_d and its rate.
+
+    Raises: SpecError naming the primitive of a policy that cannot be traced.
+    """
+    return Part(
+        "ng_policy_rate",
+        "Policy: desired outputs y [rad] and rates dy [rad/s] at z (m, kg m^2/s), dz.",
+        _policy(rate(policy), _OF_POLICY, policy),
+    )
+
+
 def parts(robot: PlanarBiped, policy: AbstractPolicy) -> list[Part]:
     """Every Program of a controller.
 
@@ -81,18 +95,13 @@ def parts(robot: PlanarBiped, policy: AbstractPolicy) -> list[Part]:
     def feet(q: Coordinates) -> dict[str, Array]:
         return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
 
-    of_policy = {"z": (2,), "dz": (2,)}
     of_state = {"q": (n,), "dq": (n,)}
     return [
-        Part(
-            "ng_policy_rate",
-            "Policy: desired outputs y [rad] and rates dy [rad/s] at z (m, kg m^2/s), dz.",
-            _policy(rate(policy), of_policy, policy),
-        ),
+        policy_rate(policy),
         Part(
             "ng_policy_path",
             "Policy along z(t): y [rad], dy [rad/s], slope dy/dz1 [rad/m], drift ddy [rad/s^2].",
-            _policy(path(policy), of_policy | {"ddz": (2,)}, policy),
+            _policy(path(policy), _OF_POLICY | {"ddz": (2,)}, policy),
         ),
         Part(
             "ng_zero_state",
@@ -120,6 +129,6 @@ def _policy(
     except SpecError as error:
         found = re.search(r"cannot trace [^:]*", str(error))
         raise SpecError(
-            "expected a smooth policy, which is what C is written from, found one that "
+            "expected a smooth policy, which is what C and ONNX are written from, found one that "
             f"{found.group() if found else error}: train with tanh or softplus"
         ) from None

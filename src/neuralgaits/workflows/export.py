@@ -1,4 +1,4 @@
-"""Write a trained gait as a controller in C, compile it, and compare it with Python."""
+"""Write a trained gait for a robot, in C or ONNX, and compare it with Python."""
 
 import hashlib
 import json
@@ -7,19 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._version import __version__
-from neuralgaits.errors import InputError, MismatchError
+from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
-from neuralgaits.export.compare import (
-    STATES,
-    Build,
-    agree,
-    float_bound,
-    latency,
-    limits,
-    questions,
-)
+from neuralgaits.export.c_check import check_controller
+from neuralgaits.export.compare import STATES
 from neuralgaits.export.facts import Design, Origin
-from neuralgaits.export.programs import parts
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
@@ -29,8 +21,19 @@ from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
 
 PROOF, CERTIFICATE = "certificate/proof.json", "certificate/summary.json"
-FORMATS = ("c",)
+FORMATS = ("c", "onnx")
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
+NO_EXTRA = (
+    "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
+    "pip install 'neuralgaits[onnx]'"
+)
+_UNKNOWN: dict[str, Any] = {
+    "checked": False,
+    "max_abs_error": None,
+    "latency_us": None,
+    "flash_bytes": None,
+    "ram_bytes": None,
+}
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,7 @@ def export(
     Args:
         run: a run, its folder, or `latest`.
         out: folder to write to; new or empty unless `force`.
-        format: `c`.
+        format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`.
         force: replace the files of an earlier export.
         states: random states on which C and Python are compared.
 
@@ -72,20 +75,11 @@ def export(
     trained, folder = open_run(run), Path(out)
     writing.refuse_used(folder, force=force)
     design = design_of(trained)
-    reference = Reference(design)
-    files = writing.shipped() | controller_files(design, reference)
-    compilers = build.compilers()
-    found: dict[str, Any] = {"checked": bool(compilers)}
-    if compilers:
-        with writing.scratch(files | writing.harness()) as place:
-            found |= _check(design, reference, place, compilers, states)
-    else:
-        found |= {"reason": NO_COMPILER, "max_abs_error": None, "latency_us": None}
-        found |= {"flash_bytes": None, "ram_bytes": None}
+    files, found = (_c if format == "c" else _onnx)(design, states)
     written = writing.publish(folder, files)
     about = {"run": str(trained.path), "format": format, "out": str(folder), "files": written}
     about |= {"laws": list(design.controllers)}
-    return Export(plain(about | found), bool(compilers))
+    return Export(plain(about | found), found["checked"])
 
 
 def design_of(trained: Run) -> Design:
@@ -120,68 +114,25 @@ def _sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _check(
-    design: Design, reference: Reference, place: Path, compilers: list[str], states: int
-) -> dict[str, Any]:
-    """Compile with every compiler in both precisions, compare, and measure."""
-    asked = questions(design, reference, states)
-    builds: list[Build] = []
-    for compiler in compilers:
-        for precision, defines in build.PRECISIONS.items():
-            flags = (*build.PLAIN, *defines)
-            program = build.build(compiler, place, "check", build.CHECKED, flags)
-            one = Build(compiler, precision, " ".join(build.PLAIN))
-            one.agreement = agree(design, asked, program, precision)
-            one.latency_us = latency(asked, program)
-            builds.append(one)
-            program = build.build(
-                compiler, place, "check", build.CHECKED, (*build.NATIVE, *defines)
-            )
-            fast = Build(compiler, precision, " ".join(build.NATIVE))
-            fast.agreement = agree(design, asked, program, precision)
-            fast.latency_us = latency(asked, program)
-            builds.append(fast)
-    sizes = {
-        precision: _sizes(place, compilers[0], defines)
-        for precision, defines in build.PRECISIONS.items()
-    }
-    first = builds[0]
-    assert first.agreement is not None
-    steps = [first.latency_us[name] for name in design.controllers]
-    rates = next(
-        part
-        for part in parts(design.robot, design.gait.policy)
-        if part.function == "ng_policy_rate"
-    )
-    return {
-        "max_abs_error": first.agreement.absolute,
-        "latency_us": max(steps, key=lambda step: step["p99"]),
-        "flash_bytes": sizes["double"]["flash_bytes"],
-        "ram_bytes": sizes["double"]["ram_bytes"],
-        "states": asked.cases.count,
-        "limits": {precision: vars(limits(design, precision)) for precision in build.PRECISIONS},
-        "float_bound": float_bound(design, rates, asked),
-        "sizes": sizes,
-        "builds": builds,
-    }
+def _c(design: Design, states: int) -> tuple[dict[str, str], dict[str, Any]]:
+    """Files of the controller, and what is known of them."""
+    reference = Reference(design)
+    files = writing.shipped() | controller_files(design, reference)
+    compilers = build.compilers()
+    if not compilers:
+        return files, _UNKNOWN | {"reason": NO_COMPILER}
+    with writing.scratch(files | writing.harness()) as place:
+        found = check_controller(design, reference, place, compilers, states)
+    return files, {"checked": True} | found
 
 
-def _sizes(place: Path, compiler: str, defines: tuple[str, ...]) -> dict[str, Any]:
-    """Memory of one precision. Raises: MismatchError for a heap call or memory that is kept."""
-    core = build.inspect(compiler, place, (*build.PLAIN, *defines))
-    if core.foreign or core.static_bytes:
-        raise MismatchError(
-            "expected a controller that calls no library and keeps no memory, found "
-            f"{', '.join(core.foreign) or 'no calls'} and {core.static_bytes} bytes: report it"
-        )
-    program = build.build(compiler, place, "check", build.CHECKED, (*build.PLAIN, *defines))
-    rows = build.run(program, "sizes").decode().split()
-    structs = dict(zip(rows[::2], map(int, rows[1::2]), strict=True))
-    kept = sum(structs.values())
-    stack = core.stack_bytes
-    return {
-        "flash_bytes": core.flash_bytes,
-        "ram_bytes": None if stack is None else kept + stack,
-        "stack_bytes": stack,
-        "structs": structs,
-    }
+def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """Models of the policy, and what is known of them. Raises: InputError without the extra."""
+    try:
+        from neuralgaits.export.onnx_check import check_models
+        from neuralgaits.export.onnx_model import model_files
+    except ModuleNotFoundError as error:
+        raise InputError(NO_EXTRA.format(error.name)) from None
+    files = model_files(design)
+    memory = {"flash_bytes": None, "ram_bytes": None}
+    return files, {"checked": True} | memory | check_models(design, files, states)

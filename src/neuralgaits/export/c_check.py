@@ -1,0 +1,102 @@
+"""A controller in C: compiled with every compiler, compared with Python, timed and weighed."""
+
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.errors import MismatchError
+from neuralgaits.export import build
+from neuralgaits.export.compare import (
+    Build,
+    Questions,
+    agree,
+    float_bound,
+    latency,
+    limits,
+    questions,
+)
+from neuralgaits.export.facts import Design
+from neuralgaits.export.programs import policy_rate
+from neuralgaits.export.reference import Reference
+
+
+def check_controller(
+    design: Design, reference: Reference, folder: Path, compilers: list[str], states: int
+) -> dict[str, Any]:
+    """Compile with every compiler in both precisions, compare, and measure.
+
+    Args:
+        design: what the files were written from.
+        reference: Python's side of it.
+        folder: the files, with those of the exporter.
+        compilers: names of programs.
+        states: random states of the region.
+
+    Returns: the part of an export's summary that is measured; `max_abs_error`, `latency_us` and
+        sizes are those of the first compiler in double precision at -O2.
+    Raises: MismatchError if C does not compile, or does not do what Python does.
+    """
+    asked = questions(design, reference, states)
+    builds = [
+        _built(design, asked, folder, compiler, precision, flags)
+        for compiler in compilers
+        for precision in build.PRECISIONS
+        for flags in (build.PLAIN, build.NATIVE)
+    ]
+    sizes = {
+        precision: _sizes(folder, compilers[0], defines)
+        for precision, defines in build.PRECISIONS.items()
+    }
+    first = builds[0]
+    steps = [first.latency_us[name] for name in design.controllers]
+    return {
+        "max_abs_error": first.agreement.absolute,
+        "latency_us": max(steps, key=lambda step: step["p99"]),
+        "flash_bytes": sizes["double"]["flash_bytes"],
+        "ram_bytes": sizes["double"]["ram_bytes"],
+        "states": asked.cases.count,
+        "limits": {precision: vars(limits(design, precision)) for precision in build.PRECISIONS},
+        "float_bound": float_bound(design, policy_rate(design.gait.policy), asked),
+        "sizes": sizes,
+        "builds": builds,
+    }
+
+
+def _built(
+    design: Design,
+    asked: Questions,
+    folder: Path,
+    compiler: str,
+    precision: str,
+    flags: tuple[str, ...],
+) -> Build:
+    """One build, compared and timed."""
+    defines = build.PRECISIONS[precision]
+    program = build.build(compiler, folder, "check", build.CHECKED, (*flags, *defines))
+    return Build(
+        compiler,
+        precision,
+        " ".join(flags),
+        agree(design, asked, program, precision),
+        latency(asked, program),
+    )
+
+
+def _sizes(folder: Path, compiler: str, defines: tuple[str, ...]) -> dict[str, Any]:
+    """Memory of one precision. Raises: MismatchError for a heap call or memory that is kept."""
+    core = build.inspect(compiler, folder, (*build.PLAIN, *defines))
+    if core.foreign or core.static_bytes:
+        raise MismatchError(
+            "expected a controller that calls no library and keeps no memory, found "
+            f"{', '.join(core.foreign) or 'no calls'} and {core.static_bytes} bytes: report it"
+        )
+    program = build.build(compiler, folder, "check", build.CHECKED, (*build.PLAIN, *defines))
+    rows = build.run(program, "sizes").decode().split()
+    structs = dict(zip(rows[::2], map(int, rows[1::2]), strict=True))
+    kept = sum(structs.values())
+    stack = core.stack_bytes
+    return {
+        "flash_bytes": core.flash_bytes,
+        "ram_bytes": None if stack is None else kept + stack,
+        "stack_bytes": stack,
+        "structs": structs,
+    }

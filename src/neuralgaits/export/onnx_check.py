@@ -1,0 +1,101 @@
+"""ONNX Runtime against Python: the same states into both, how far apart, and how fast."""
+
+from collections.abc import Callable, Mapping
+from time import perf_counter_ns
+from typing import Any
+
+import numpy as np
+import onnxruntime
+
+from neuralgaits._types import Float
+from neuralgaits.errors import MismatchError
+from neuralgaits.export.compare import limits, policy_questions
+from neuralgaits.export.facts import Design
+from neuralgaits.export.onnx_model import FILES, REALS
+
+_TIMED_CALLS = 20_000
+_ERRORS_ONLY = 3
+"""Severity from which the runtime speaks."""
+
+Policy = Callable[[np.ndarray, np.ndarray], list[np.ndarray]]
+
+
+def check_models(design: Design, files: Mapping[str, bytes], states: int) -> dict[str, Any]:
+    """Run every model on random states of the region.
+
+    Args:
+        design: what the models were written from.
+        files: models by file name.
+        states: how many states.
+
+    Returns: `max_abs_error` and `latency_us` of the model in double precision, `states`, and
+        `builds`, one entry a precision.
+    Raises: MismatchError if a model is too far from Python.
+    """
+    points, answers = policy_questions(design, states)
+    builds = []
+    for precision, name in FILES.items():
+        policy = _session(files[name])
+        agreement = _agree(design, policy, points, answers[:, :2], precision)
+        builds.append(
+            {
+                "runtime": f"onnxruntime {onnxruntime.__version__}",
+                "precision": precision,
+                "file": name,
+                "agreement": agreement,
+                "latency_us": _latency(policy, points.astype(REALS[precision])),
+                "model_bytes": len(files[name]),
+            }
+        )
+    return {
+        "max_abs_error": builds[0]["agreement"]["absolute"],
+        "latency_us": builds[0]["latency_us"],
+        "states": states,
+        "limits": {precision: {"output": limits(design, precision).output} for precision in FILES},
+        "builds": builds,
+    }
+
+
+def _session(model: bytes) -> Policy:
+    """The model as a function of z and dz, on one thread."""
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.log_severity_level = _ERRORS_ONLY
+    session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
+    return lambda z, dz: session.run(["y", "dy"], {"z": z, "dz": dz})  # type: ignore[return-value]
+
+
+def _agree(
+    design: Design,
+    policy: Policy,
+    points: Float[np.ndarray, "N 6"],
+    expected: Float[np.ndarray, "N 2 m"],
+    precision: str,
+) -> dict[str, float]:
+    """Largest distances, as shares of each output's range and in rad and rad/s."""
+    given = points.astype(REALS[precision])
+    found = np.array([policy(z, dz) for z, dz in zip(given[:, :2], given[:, 2:4], strict=True)])
+    gaps = np.max(np.abs(found.astype(np.float64) - expected), axis=0)
+    ranges = np.ptp(expected, axis=0)
+    # A policy of z1 alone may have an output that never moves.
+    output, rate = np.max(gaps / np.where(ranges > 0.0, ranges, 1.0), axis=1)
+    limit = limits(design, precision).output
+    if not max(output, rate) <= limit:
+        raise MismatchError(
+            f"ONNX Runtime and Python disagree: expected outputs within {limit:g} of their range "
+            f"in {precision} precision, found {max(output, rate):.3g}: do not use this model"
+        )
+    return {"output": float(output), "rate": float(rate), "absolute": float(np.max(gaps))}
+
+
+def _latency(policy: Policy, points: Float[np.ndarray, "N 6"]) -> dict[str, float]:
+    """Times of calls from Python (us), one state each."""
+    times = np.empty(_TIMED_CALLS)
+    for i in range(_TIMED_CALLS):
+        row = points[i % len(points)]
+        z, dz = row[:2], row[2:4]
+        began = perf_counter_ns()
+        policy(z, dz)
+        times[i] = perf_counter_ns() - began
+    p50, p99 = np.percentile(times, [50, 99]) * 1e-3
+    return {"p50": float(p50), "p99": float(p99)}

@@ -1,0 +1,73 @@
+"""The policy and its rate as ONNX models, with the controller's facts in their metadata."""
+
+import json
+
+import numpy as np
+from onnx import checker, helper
+
+from neuralgaits.export import statement
+from neuralgaits.export.facts import Design
+from neuralgaits.export.programs import Part, policy_rate
+from neuralgaits.interpreters.onnx_graph import OPERATOR_SET, graph
+
+REALS = {"double": np.float64, "float": np.float32}
+FILES = {"double": "policy.onnx", "float": "policy_float.onnx"}
+IR_VERSION = 8
+"""Of the file format: the one that came with operator set 17, which older runtimes read too."""
+
+
+def model_files(design: Design) -> dict[str, bytes]:
+    """A model for each precision, by file name.
+
+    Raises: SpecError naming the primitive of a policy that has no form in ONNX.
+    """
+    part = policy_rate(design.gait.policy)
+    return {FILES[precision]: _model(design, part, precision) for precision in REALS}
+
+
+def metadata(design: Design) -> dict[str, str]:
+    """What the header in C says, by name; numbers, arrays and lists are JSON.
+
+    `units` says of each number and array what it is.
+    """
+    origin, layout = design.origin, design.robot.layout
+    stated = [*statement.numbers(design), *statement.arrays(design)]
+    words = statement.names(design) | {
+        "about": "\n".join(statement.prose(design)),
+        "spec": origin.spec,
+        "version": origin.version,
+        "proof_verdict": origin.proof_verdict or "",
+    }
+    lists = {
+        "coordinate_names": list(design.robot.joint_names),
+        "actuated_names": list(design.robot.joint_names[1:]),
+        "leg_joint_names": [list(names) for names in layout.leg_joints],
+        "actuators": [list(names) for names in layout.actuators],
+        "laws": {name: statement.gains(c.law) for name, c in design.controllers.items()},
+        "units": {fact.name: fact.unit for fact in stated},
+    }
+    values = {fact.name: np.asarray(fact.value).tolist() for fact in stated}
+    return {name: str(word) for name, word in words.items()} | {
+        name: json.dumps(value) for name, value in (lists | values).items()
+    }
+
+
+def _model(design: Design, part: Part, precision: str) -> bytes:
+    actuated = ", ".join(design.robot.joint_names[1:])
+    about = {
+        "z": "hip ahead of the stance foot [m], angular momentum about it [kg m^2/s]",
+        "dz": "rates of z [m/s], [N m]",
+        "y": f"desired angles [rad] of {actuated}",
+        "dy": f"their rates [rad/s]: {actuated}",
+    }
+    model = helper.make_model(
+        graph(part.program, "policy", REALS[precision], about),
+        opset_imports=[helper.make_opsetid("", OPERATOR_SET)],
+        ir_version=IR_VERSION,
+        producer_name="neuralgaits",
+        producer_version=design.origin.version,
+        doc_string=part.about,
+    )
+    helper.set_model_props(model, metadata(design))
+    checker.check_model(model, full_check=True)
+    return model.SerializeToString()

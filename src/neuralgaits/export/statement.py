@@ -1,0 +1,164 @@
+"""The facts of a controller, as the header in C and the metadata of ONNX state them."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits.control import AbstractLaw, Fblin, Pd
+from neuralgaits.control.fblin import SMALLEST_DENOMINATOR
+from neuralgaits.control.safeguard import joint_ranges, torque_rate
+from neuralgaits.errors import InputError
+from neuralgaits.export.facts import Design
+
+
+class Number(NamedTuple):
+    """A number with its name and what it is, unit included."""
+
+    name: str
+    value: float | int
+    unit: str
+
+
+class Array(NamedTuple):
+    """An array with its name and what it is, unit included."""
+
+    name: str
+    value: np.ndarray
+    unit: str
+
+
+def prose(design: Design) -> list[str]:
+    """What it is, in lines: joint order, limits, gains, hashes."""
+    robot, origin = design.robot, design.origin
+    lines = [
+        f"A walking gait of {robot.name}, spec {origin.spec}, by neuralgaits {origin.version}.",
+        "Written by a program: change the gait, not this file.",
+        "",
+        f"robot file  sha256 {origin.robot_sha256}",
+        f"policy      sha256 {origin.policy_sha256}",
+        f"proof       {_proof(design)}",
+        "",
+        "Coordinates q, stance leg first [rad]: " + ", ".join(robot.joint_names),
+        "Actuated are all but the first.",
+        "",
+        "Joints of each leg as in the robot file, lowest first; leg 0, then leg 1:",
+        *_joints(design),
+        "",
+        f"Ticks of {design.controller.period_s:g} s. Laws:",
+    ]
+    for name, controller in design.controllers.items():
+        lines.append(f"  {name}: {gains(controller.law)}")
+    return [
+        *lines,
+        "",
+        "z = (hip ahead of the stance foot [m], angular momentum about it [kg m^2/s]), both",
+        "positive forward. Angles are positive counter-clockwise, with forward to the right.",
+    ]
+
+
+def gains(law: AbstractLaw) -> str:
+    """A law in words. Raises: InputError if it is not one of this package."""
+    rate = f"policy asked every {law.hold_ticks} ticks"
+    if isinstance(law, Pd):
+        told = "" if law.measure_z2 else ", told z2 = 0"
+        return f"{law.stiffness:g} N m/rad, {law.damping:g} N m s/rad, {rate}{told}"
+    if isinstance(law, Fblin):
+        return f"input-output linearisation, {law.bandwidth:g} rad/s, {rate}"
+    raise InputError(
+        f"expected a law of this package (pd, fblin, paper), found {type(law).__name__}: C is "
+        "written for those"
+    )
+
+
+def names(design: Design) -> dict[str, str | int]:
+    """Words and counts."""
+    robot, origin = design.robot, design.origin
+    return {
+        "robot": robot.name,
+        "robot_sha256": origin.robot_sha256,
+        "policy_sha256": origin.policy_sha256,
+        "proof_sha256": origin.proof_sha256 or "",
+        "coordinates": robot.n,
+        "actuated": robot.n - 1,
+        "legs": 2,
+        "leg_joints": design.leg_joints,
+        "has_torso": int(robot.torso is not None),
+        "law_count": len(design.controllers),
+    }
+
+
+def numbers(design: Design) -> list[Number]:
+    """Numbers with a unit."""
+    robot, controller, safe = design.robot, design.controller, design.safeguard
+    stance, layout = controller.stance, design.robot.layout
+    weight = float(robot.mass * robot.gravity)
+    smallest = SMALLEST_DENOMINATOR * float(robot.mass) * robot.leg_length
+    rows = [
+        ("period", controller.period_s, "of a control tick [s]"),
+        ("touchdown_force", stance.force_share * weight, "on the swing foot [N]"),
+        ("touchdown_advance", stance.advance_share * robot.leg_length, "of the swing foot [m]"),
+        ("lockout", stance.lockout_s, "after a touchdown [s]"),
+        ("smallest_denominator", smallest, "that is divided by [kg m]"),
+        ("pitch_sign", layout.pitch_sign, "of the file's pitch"),
+        ("root_angle", layout.root_angle, "up-angle of the root at pitch 0 [rad]"),
+        ("root_to_hip_x", layout.root_to_hip[0], "pitch axis to hip at pitch 0 [m]"),
+        ("root_to_hip_z", layout.root_to_hip[1], "[m]"),
+        ("torque_rate", torque_rate(controller, safe), "largest change of a torque [N m/s]"),
+        ("hold_stiffness", safe.hold_stiffness, "while blending [N m/rad]"),
+        ("hold_damping", safe.hold_damping, "while blending [N m s/rad]"),
+        ("largest_pitch", safe.largest_pitch, "either way [rad]"),
+        ("angle_margin", safe.angle_margin, "beyond the joint ranges [rad]"),
+        ("largest_rate", safe.largest_rate, "of a joint or the pitch [rad/s]"),
+        ("largest_speed", safe.largest_speed, "of the hip [m/s]"),
+        ("largest_force", safe.force_share * weight, "on a foot [N]"),
+        ("contact_force", safe.contact_share * weight, "a foot on the ground feels more [N]"),
+        ("airborne", safe.airborne_s, "both feet in the air [s]"),
+    ]
+    reals = [Number(name, float(value), unit) for name, value, unit in rows]
+    return [*reals, Number("gap_us", round(safe.gap_s * 1e6), "between two readings [us]")]
+
+
+def arrays(design: Design) -> list[Array]:
+    """Arrays of reals."""
+    robot, controller, layout = design.robot, design.controller, design.robot.layout
+    root = robot.n // 2 - 1 if robot.torso is None else robot.torso
+    low, high = joint_ranges(robot)
+    bounds = controller.bounds
+    pitch_row = np.stack([robot.link_angles[root], robot.link_angles[robot.n - 1 - root]])
+    rows = [
+        ("hip_gradient", robot.hip_gradient, "z1 = gradient . q [m/rad]"),
+        ("pitch_row", pitch_row, "pitch = row . q for each stance leg"),
+        ("torque_limit", controller.torque_limit, "actuated joints, stance leg first [N m]"),
+        ("joint_lower", low, "by leg [rad]"),
+        ("joint_upper", high, "by leg [rad]"),
+        ("joint_sign", layout.leg_joint_signs, "of the file's joints, by leg"),
+        ("joint_offset", layout.leg_joint_offsets, "angle where the file's is zero, by leg [rad]"),
+        ("gear", layout.gears, "joint torque per motor command, by leg [N m]"),
+        ("z_lower", bounds.lower, "the policy knows z between these (m, kg m^2/s)"),
+        ("z_upper", bounds.upper, "(m, kg m^2/s)"),
+        (
+            "z_margin",
+            bounds.margin,
+            "what it is told levels off within this much more (m, kg m^2/s)",
+        ),
+    ]
+    return [Array(name, np.asarray(value, dtype=np.float64), unit) for name, value, unit in rows]
+
+
+def _proof(design: Design) -> str:
+    origin = design.origin
+    if origin.proof_sha256 is None:
+        return "none"
+    return f"sha256 {origin.proof_sha256}, {origin.proof_verdict}"
+
+
+def _joints(design: Design) -> list[str]:
+    layout = design.robot.layout
+    low, high = joint_ranges(design.robot)
+    limit = np.abs(design.by_leg(design.controller.torque_limit))
+    return [
+        f"  [{leg}][{i}] {name}, motor {layout.actuators[leg][i]}: "
+        f"{low[leg][i]:.4g} to {high[leg][i]:.4g} rad, torque at most {limit[leg][i]:.4g} N m"
+        for leg, joints in enumerate(layout.leg_joints)
+        for i, name in enumerate(joints)
+    ]
