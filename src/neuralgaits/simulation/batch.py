@@ -70,20 +70,30 @@ def compile_batch(scene: Scene, legs: Int[np.ndarray, " B"], *, shared: bool) ->
 
     Returns: `Batch`. A scene of the same structure is compiled only once in a process.
     """
-    arrays, fixed = eqx.partition(scene, eqx.is_array)
-    own = _own(arrays)
-    leaves, tree = jax.tree.flatten((own, eqx.tree_at(_own, arrays, (None, None))))
+    fixed = eqx.filter(scene, eqx.is_array, inverse=True)
+    tree = jax.tree.structure(_numbers(scene))
     fixed_leaves, fixed_tree = jax.tree.flatten(fixed)
     run, first, shapes_of = _compiled(tree, tuple(fixed_leaves), fixed_tree, shared)
-    leaves = [jnp.asarray(leaf) for leaf in leaves]
+    leaves = numbers(scene)
     carry = first(leaves, jnp.asarray(legs, jnp.int32))
     shapes = shapes_of(leaves, carry, jnp.zeros(scene.reading_size))
     return Batch(run, leaves, carry, *(Unpack(shape) for shape in shapes))
 
 
+def numbers(scene: Scene) -> list[jax.Array]:
+    """The `arrays` of a batch for another scene of the same structure: nothing is compiled."""
+    return [jnp.asarray(leaf) for leaf in jax.tree.leaves(_numbers(scene))]
+
+
 def pack(tree: Reading) -> Float[np.ndarray, "B r"]:
     """One array of a tree whose leaves have a leading axis of episodes. Returns: [B, ...]."""
     return np.concatenate([leaf.reshape(len(leaf), -1) for leaf in tree], axis=1)
+
+
+def _numbers(scene: Scene) -> tuple[Any, Scene]:
+    """What may differ between episodes, and everything else."""
+    arrays = eqx.filter(scene, eqx.is_array)
+    return _own(arrays), eqx.tree_at(_own, arrays, (None, None))
 
 
 def _own(scene: Scene):
