@@ -1,0 +1,110 @@
+"""HTML from data: every text is escaped where it becomes HTML, and nowhere else.
+
+`Html` marks what is escaped already. A plain `str` is text and never taken for markup.
+"""
+
+import html
+import math
+import shlex
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+
+class Html(str):
+    """Markup, safe to put into the page."""
+
+    __slots__ = ()
+
+
+def text(value: Any) -> Html:
+    """Markup as it is, anything else escaped."""
+    return value if isinstance(value, Html) else Html(html.escape(str(value)))
+
+
+def join(parts: Iterable[Any], between: str = "") -> Html:
+    """Parts one after another, each escaped unless it is markup."""
+    return Html(html.escape(between).join(text(part) for part in parts))
+
+
+def tag(name: str, *parts: Any, **attributes: Any) -> Html:
+    """An element; `class_` is the attribute class, True an attribute without value."""
+    written = "".join(
+        f" {key.rstrip('_').replace('_', '-')}"
+        + ("" if value is True else f'="{html.escape(str(value))}"')
+        for key, value in attributes.items()
+        if value is not None and value is not False
+    )
+    return Html(f"<{name}{written}>{join(parts)}</{name}>")
+
+
+def paragraph(*parts: Any, class_: str | None = None) -> Html:
+    """A paragraph."""
+    return tag("p", *parts, class_=class_)
+
+
+def items(entries: Iterable[Any]) -> Html:
+    """A list with a dot before each entry; nothing if there are none."""
+    rows = [tag("li", entry) for entry in entries]
+    return tag("ul", *rows) if rows else Html("")
+
+
+def section(name: str, title: str, *parts: Any) -> Html:
+    """A part of the page that the list of contents names."""
+    return tag("section", tag("h2", title, id=name), *parts)
+
+
+def table(
+    caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]], *, numbers: str = ""
+) -> Html:
+    """A table that scrolls sideways on a narrow screen, by keys too.
+
+    Args:
+        caption: what it shows.
+        head: of the columns.
+        rows: of cells.
+        numbers: one letter a column, `n` for numbers, which are set to the right.
+    """
+    kinds = ["number" if kind == "n" else None for kind in numbers.ljust(len(head))]
+    top = tag(
+        "tr", *(tag("th", h, scope="col", class_=k) for h, k in zip(head, kinds, strict=True))
+    )
+    body = [
+        tag("tr", *(tag("td", cell, class_=k) for cell, k in zip(row, kinds, strict=True)))
+        for row in rows
+    ]
+    whole = tag("table", tag("caption", caption), tag("thead", top), tag("tbody", *body))
+    return tag("div", whole, class_="scroll", tabindex=0, role="region", aria_label=caption)
+
+
+def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:
+    """Names and values."""
+    body = [
+        tag("tr", tag("th", name, scope="row"), tag("td", value))
+        for name, value in rows
+        if value is not None
+    ]
+    whole = tag("table", tag("caption", caption), tag("tbody", *body))
+    return tag("div", whole, class_="scroll", tabindex=0, role="region", aria_label=caption)
+
+
+def command(*words: Any) -> str:
+    """A line for a shell, each word quoted if it must be."""
+    return shlex.join(str(word) for word in words)
+
+
+def shell(lines: Iterable[str]) -> Html:
+    """Commands to copy."""
+    return tag("pre", tag("code", "\n".join(lines)), tabindex=0)
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """A number as a person writes it; a dash if there is none."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\u202f")
+    if not math.isfinite(value):
+        return str(value)
+    return f"{value:.{digits}g}".replace("-", "\u2212") if value else "0"
