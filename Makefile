@@ -2,7 +2,7 @@
 PYTHON ?= python3
 PIP_INSTALL = .venv/bin/python -m pip install --quiet --constraint constraints.txt
 
-.PHONY: walk proofcheck test bench lint clean
+.PHONY: walk proofcheck test bench docs lint clean
 .DELETE_ON_ERROR:
 
 # Train a gait for AMBER-3M and walk it in MuJoCo.
@@ -24,11 +24,16 @@ test: .venv/dev.stamp
 bench: .venv/dev.stamp
 	@for script in benchmarks/*.py; do echo "== $$script"; .venv/bin/python $$script || exit 1; done
 
+# The pages, for a browser: build/docs/index.html. A warning is an error.
+docs: .venv/dev.stamp
+	.venv/bin/sphinx-build -q -W --keep-going -E -d build/doctrees docs build/docs
+
 lint: .venv/dev.stamp
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/pyright
 	.venv/bin/lint-imports
+	@$(MAKE) --no-print-directory docs
 
 clean:
 	rm -rf .venv .cache build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -52,7 +52,7 @@ def walked(run: str) -> tuple[Plant, np.ndarray]:
     done = walk(
         trained.robot,
         trained.gait.policy,
-        full_states(trained.robot, trained.gait, "centre", seed=0, episodes=1),
+        full_states(trained.zero_dynamics, trained.gait, "centre", seed=0, episodes=1),
         plant=load_robot("amber3m"),
         steps=steps,
         record=True,

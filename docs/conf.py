@@ -1,0 +1,52 @@
+"""How the pages are built: `make docs`, then open build/docs/index.html."""
+
+import os
+import re
+import sys
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+# Signatures are read from the imported package.
+os.environ["JAX_ENABLE_X64"] = "1"
+os.environ["JAX_PLATFORMS"] = "cpu"
+sys.path.insert(0, str(Path(__file__).parents[1] / "src"))
+sys.path.insert(0, str(Path(__file__).parent))
+
+project = "Neural Gaits"
+author = "The Neural Gaits developers"
+copyright = author
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "house_docstrings"]
+exclude_patterns = ["images"]
+
+# Anchors are those of code hosts, so that a link works in both places.
+myst_heading_anchors = 4
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+autodoc_class_signature = "separated"
+napoleon_numpy_docstring = False
+napoleon_google_docstring = True
+napoleon_use_ivar = True
+default_role = "py:obj"
+python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 80
+add_module_names = False
+
+html_theme = "furo"
+html_title = project
+html_copy_source = False
+html_show_sphinx = False
+html_show_copyright = False
+
+
+def _outside(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Links to pages outside this folder become files to download: they are no pages here."""
+    source[0] = re.sub(r"\]\((\.\./[^)#\s]+\.md)(#[^)\s]*)?\)", r"](path:\1)", source[0])
+
+
+def setup(app: Sphinx) -> None:
+    """Register with Sphinx."""
+    app.connect("source-read", _outside)
