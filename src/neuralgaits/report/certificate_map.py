@@ -1,23 +1,33 @@
 """Map of a certificate: which boxes of the zero dynamics plane are proved, refuted, undecided."""
 
 import textwrap
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from neuralgaits.report.figure import png
+from neuralgaits.report.phase_portrait import X_LABEL, Y_LABEL
+from neuralgaits.report.style import BLACK, ORANGE, new_figure, styled
 from neuralgaits.runs import read_arrays, write_bytes
+
+TITLE = "What is proved, where"
+CAPTION = (
+    "Every box is a set of states on which all conditions that apply there were bounded at once. "
+    "Green boxes are proved, the darker the further from a limit; orange ones are open, red ones "
+    "broken. Where all is green nothing is left to chance: no state lies between samples."
+)
 
 PROVED, UNDECIDED, REFUTED = 0, 1, 2
 """States of a box: all conditions proved, some open, some violated everywhere on it."""
 
 _GREENS = LinearSegmentedColormap.from_list("margin", ["#e5f5e0", "#74c476", "#00592b"])
-_ORANGE, _RED = "#fdae61", "#b2182b"
+_RED = "#7f0000"
+_NOT_PROVED = (UNDECIDED, ORANGE, "///"), (REFUTED, _RED, "xxx")
+"""Colour and hatch: in grey they differ too."""
 
 
 def draw_file(data: Path, figure: Path) -> Path:
@@ -30,12 +40,11 @@ def draw_file(data: Path, figure: Path) -> Path:
         arrays["counterexamples"],
         metadata.get("title", ""),
     )
-    buffer = BytesIO()
-    FigureCanvasAgg(drawn).print_png(buffer)
-    write_bytes(figure, buffer.getvalue())
+    write_bytes(figure, png(drawn))
     return figure
 
 
+@styled
 def draw(
     corners: np.ndarray,
     answer: np.ndarray,
@@ -52,7 +61,7 @@ def draw(
         counterexamples: states that break a condition. [M, 2]
         title: one line.
     """
-    figure = Figure(figsize=(8.0, 5.5), dpi=150, layout="constrained")
+    figure = new_figure(5.4)
     axes = figure.add_subplot()
     proved = np.flatnonzero(answer == PROVED)
     # The least margin on top: regions overlap, and the picture shows the worst.
@@ -64,29 +73,35 @@ def draw(
     boxes = PolyCollection(
         list(corners[proved]), array=margin[proved], cmap=_GREENS, edgecolors="face"
     )
+    # Thousands of boxes: a picture of them is smaller than their corners.
+    boxes.set_rasterized(True)
     boxes.set(clim=(0.0, top), linewidths=width[proved])
     axes.add_collection(boxes)
     outlines = proved[~curve[proved]]
     axes.add_collection(
         PolyCollection(
-            list(corners[outlines]), facecolors="none", edgecolors="#00441b30", linewidths=0.3
+            list(corners[outlines]),
+            facecolors="none",
+            edgecolors="#00441b30",
+            linewidths=0.3,
+            rasterized=True,
         )
     )
-    for state, colour in ((UNDECIDED, _ORANGE), (REFUTED, _RED)):
+    for state, colour, hatch in _NOT_PROVED:
         chosen = answer == state
         axes.add_collection(
             PolyCollection(
                 list(corners[chosen]),
                 facecolors=colour,
-                edgecolors=colour,
+                edgecolors=np.where(curve[chosen], colour, BLACK),
+                hatch=hatch,
                 linewidths=width[chosen],
             )
         )
     if len(counterexamples):
         axes.plot(*counterexamples.T, "kx", markersize=8, markeredgewidth=2)
     axes.autoscale_view()
-    axes.set(xlabel="z1, hip ahead of the stance foot [m]")
-    axes.set(ylabel="z2, angular momentum about the stance foot [kg m²/s]")
+    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
     axes.set_title("\n".join(textwrap.wrap(title, 90)), fontsize=10)
     figure.colorbar(boxes, ax=axes, label="least proved margin of the box [scale of its condition]")
     _legend(axes, answer, len(counterexamples))
@@ -95,11 +110,16 @@ def draw(
 
 def _legend(axes, answer: np.ndarray, points: int) -> None:
     handles: list = [
-        Patch(color=colour, label=f"{label} ({np.sum(answer == state)} boxes)")
-        for state, colour, label in (
-            (PROVED, "#74c476", "proved"),
-            (UNDECIDED, _ORANGE, "undecided"),
-            (REFUTED, _RED, "violated"),
+        Patch(
+            facecolor=colour,
+            edgecolor=BLACK,
+            hatch=hatch,
+            label=f"{label} ({np.sum(answer == state)} boxes)",
+        )
+        for (state, colour, hatch), label in zip(
+            ((PROVED, "#74c476", ""), *_NOT_PROVED),
+            ("proved", "undecided", "violated"),
+            strict=True,
         )
     ]
     if points:

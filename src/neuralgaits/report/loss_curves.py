@@ -7,6 +7,11 @@ from matplotlib.figure import Figure
 
 from neuralgaits.report.style import BLACK, GREY, marker, new_figure, panel, series, styled
 
+TITLE = "How it was trained"
+CAPTION = (
+    "The loss says by how much the conditions are broken on random states, zero being not at all. "
+    "What remains at the end is effort, and the distance that training keeps from the limits."
+)
 NOT_CONDITIONS = ("step", "loss", "validation_loss", "effort")
 FLOOR = 1e-6
 """Losses below this are drawn here: a logarithm has no zero [1]."""

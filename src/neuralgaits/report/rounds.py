@@ -1,34 +1,37 @@
 """Figure of episodes: what changed from round to round."""
 
 import json
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from neuralgaits.report.figure import png
+from neuralgaits.report.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
 from neuralgaits.runs import write_bytes
 
-_BLUE, _GREY, _GREEN, _ORANGE = "#2166ac", "#878787", "#1b7837", "#e08214"
+TITLE = "Learning on the robot"
+CAPTION = (
+    "The gait walks on a robot that differs from its model; what differs is learned from the logs, "
+    "and the policy is trained on with it. From round to round it should walk further, from more "
+    "speeds, and predict its own motion better."
+)
 
 
 def draw_file(summary: Path, figure: Path) -> Path:
     """Draw a saved summary of episodes. Returns: the path of the PNG file."""
-    drawn = draw(json.loads(summary.read_text()))
-    buffer = BytesIO()
-    FigureCanvasAgg(drawn).print_png(buffer)
-    write_bytes(figure, buffer.getvalue())
+    write_bytes(figure, png(draw(json.loads(summary.read_text()))))
     return figure
 
 
+@styled
 def draw(summary: dict[str, Any]) -> Figure:
     """Steps walked, speeds held, barriers held and held-out error, over the rounds."""
     rounds = summary["rounds"]
     numbers = [entry["round"] for entry in rounds]
-    figure = Figure(figsize=(9.0, 6.5), dpi=150, layout="constrained")
+    figure = new_figure(6.0)
     axes = figure.subplots(2, 2)
     _steps(axes[0, 0], rounds)
     _speeds(axes[0, 1], rounds)
@@ -55,7 +58,7 @@ def _steps(axes: Axes, rounds: list[dict[str, Any]]) -> None:
     for entry in rounds:
         walked = np.asarray(entry["steps_walked"])
         spread = np.linspace(-0.2, 0.2, len(walked))
-        axes.plot(entry["round"] + spread, walked, "o", color=_BLUE, markersize=4)
+        axes.plot(entry["round"] + spread, walked, "o", color=BLUE, markersize=4)
     axes.set(title="one dot a walk", ylabel="steps walked")
     axes.set_ylim(bottom=0)
 
@@ -64,9 +67,9 @@ def _speeds(axes: Axes, rounds: list[dict[str, Any]]) -> None:
     for entry in rounds:
         span = entry["speed_range_m_s"]
         if span is not None:
-            axes.plot([entry["round"]] * 2, span, "-_", color=_GREEN, linewidth=4, markersize=14)
+            axes.plot([entry["round"]] * 2, span, "-_", color=GREEN, linewidth=4, markersize=14)
         else:
-            axes.annotate("none", (entry["round"], 0.02), ha="center", color=_GREY)
+            axes.annotate("none", (entry["round"], 0.02), ha="center", color=GREY)
     axes.set(title="speeds at mid-step it walks on from", ylabel="hip speed dz1 [m/s]")
     axes.set_ylim(bottom=0)
 
@@ -76,9 +79,9 @@ def _barriers(axes: Axes, rounds: list[dict[str, Any]]) -> None:
     lowest = [min(entry["barriers"]["conditions"].values(), default=0.0) for entry in rounds]
     # The second may lie on the first: dashes let it through.
     for label, style, colour, shares in (
-        ("inside the tube", "o-", _BLUE, [entry["barriers"]["tube"] for entry in rounds]),
-        ("and all conditions", "o--", _GREEN, [entry["barriers"]["all"] for entry in rounds]),
-        ("the worst condition", "o-", _ORANGE, lowest),
+        ("inside the tube", "o-", BLUE, [entry["barriers"]["tube"] for entry in rounds]),
+        ("and all conditions", "o--", GREEN, [entry["barriers"]["all"] for entry in rounds]),
+        ("the worst condition", "o-", ORANGE, lowest),
     ):
         axes.plot(numbers, 100.0 * np.asarray(shares), style, color=colour, label=label)
     axes.set(title="measured on the robot", ylabel="share of logged time [%]", ylim=(0, 105))
@@ -87,9 +90,9 @@ def _barriers(axes: Axes, rounds: list[dict[str, Any]]) -> None:
 
 def _errors(axes: Axes, rounds: list[dict[str, Any]]) -> None:
     for name, label, colour in (
-        ("nominal_heldout_error", "model alone", _GREY),
-        ("binned_floor", "best table over z", _ORANGE),
-        ("heldout_error", "with what was learned", _BLUE),
+        ("nominal_heldout_error", "model alone", GREY),
+        ("binned_floor", "best table over z", ORANGE),
+        ("heldout_error", "with what was learned", BLUE),
     ):
         known = [(entry["round"], entry[name]) for entry in rounds if entry[name] is not None]
         if known:

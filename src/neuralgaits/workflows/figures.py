@@ -2,15 +2,35 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 
-from neuralgaits.report import certificate_map, loss_curves, rounds
+from neuralgaits.report import (
+    barrier_sketches,
+    certificate_map,
+    full_order_set,
+    gait_tiles,
+    loss_curves,
+    margins_orbit,
+    margins_region,
+    phase_portrait,
+    residual_field,
+    return_map,
+    rounds,
+    stride,
+)
+from neuralgaits.report.data import GaitData, MeasuredWalk
 from neuralgaits.report.figure import Drawn, Missing, write
 from neuralgaits.runs import read_arrays
 from neuralgaits.workflows.certificate_figure import DATA as MAP
+from neuralgaits.workflows.gait_data import gait_data
+from neuralgaits.workflows.proved import Certificate, certificate_of
+from neuralgaits.workflows.residual_data import residual_data
 from neuralgaits.workflows.run import Run, open_run
+from neuralgaits.workflows.walk_log import measured_walk
 
 FOLDER = "figures"
 EPISODES, SUMMARY = "episodes.json", "summary.json"
@@ -18,16 +38,42 @@ EPISODES, SUMMARY = "episodes.json", "summary.json"
 
 
 @dataclass(frozen=True)
-class Sketch:
-    """A figure that is not on disk yet. Attributes: see `Drawn`."""
+class Source:
+    """What figures are drawn from. Attributes: run: opened."""
 
-    name: str
-    title: str
-    caption: str
-    figure: Figure
+    run: Run
+
+    @cached_property
+    def data(self) -> GaitData:
+        """The gait in arrays."""
+        return gait_data(self.run)
+
+    @cached_property
+    def walk(self) -> MeasuredWalk | None:
+        """A logged walk, if the run has one."""
+        return measured_walk(self.run)
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """What is proved of the run."""
+        return certificate_of(self.run)
+
+    @property
+    def robot(self) -> str:
+        """Name or file of the robot that was trained."""
+        return self.run.folder.config["robot"]
 
 
-Maker = Callable[[Run], Sketch | Missing]
+@dataclass(frozen=True)
+class Absent(Exception):
+    """Why a figure cannot be drawn, and the command that changes that."""
+
+    reason: str
+    command: str
+
+
+Made = tuple[str, Figure]
+"""Caption and figure."""
 
 
 def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn | Missing]:
@@ -40,30 +86,61 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
     Returns: one entry a figure, always in the same order; `Missing` names what makes the figure.
     Raises: RunError with one line if the run is missing or damaged.
     """
-    run = open_run(run)
-    folder = run.path / FOLDER if out is None else Path(out)
+    source = Source(open_run(run))
+    folder = source.run.path / FOLDER if out is None else Path(out)
     drawn: list[Drawn | Missing] = []
-    for make in _MAKERS:
-        made = make(run)
-        if isinstance(made, Missing):
-            drawn.append(made)
+    for name, title, make in MAKERS:
+        try:
+            caption, figure = make(source)
+        except Absent as absent:
+            drawn.append(Missing(name, title, absent.reason, absent.command))
             continue
-        png, svg = write(made.figure, folder, made.name)
-        drawn.append(Drawn(made.name, made.title, made.caption, png, svg))
+        drawn.append(Drawn(name, title, caption, *write(figure, folder, name)))
     return drawn
 
 
-def _certificate_map(run: Run) -> Sketch | Missing:
-    name, title = "certificate-map", "What is proved where"
-    path = run.path / "certificate" / MAP
-    if not path.is_file():
-        return Missing(name, title, "the run has no certificate", f"neuralgaits certify {run.path}")
-    arrays, words = read_arrays(path)
-    caption = (
-        "Every box is a set of states for which all conditions that apply there were bounded at "
-        "once. Green boxes are proved, the darker the further from the limit; orange ones are "
-        "open and red ones are broken."
+def _phase_portrait(source: Source) -> Made:
+    data, walk = source.data, source.walk
+    return phase_portrait.caption(data, walk), phase_portrait.draw(data, walk)
+
+
+def _barrier_sketches(source: Source) -> Made:
+    return barrier_sketches.CAPTION, barrier_sketches.draw(_periodic(source))
+
+
+def _gait_tiles(source: Source) -> Made:
+    data = _periodic(source)
+    figure = gait_tiles.draw(data["orbit/skeleton"], data["orbit/t"], data.torso)
+    return gait_tiles.CAPTION, figure
+
+
+def _walk_tiles(source: Source) -> Made:
+    walk = source.walk
+    if walk is None:
+        log = source.run.path / "simulation" / "walk.csv"
+        command = f"neuralgaits simulate {source.run.path} --log {log}"
+        raise Absent("the run has no log of a walk", command)
+    rows = walk.last_step
+    figure = gait_tiles.draw(
+        walk.skeleton[rows], walk.t[rows] - walk.t[rows[0]], source.run.robot.torso is not None
     )
+    return gait_tiles.measured_caption(walk.source), figure
+
+
+def _margins_orbit(source: Source) -> Made:
+    return margins_orbit.CAPTION, margins_orbit.draw(source.data, source.certificate.margins)
+
+
+def _margins_region(source: Source) -> Made:
+    return margins_region.CAPTION, margins_region.draw(source.data)
+
+
+def _certificate_map(source: Source) -> Made:
+    path = source.run.path / "certificate" / MAP
+    if source.certificate.reason is not None or not path.is_file():
+        reason = source.certificate.reason or f"{path.name} is missing in the certificate"
+        raise Absent(reason, f"neuralgaits certify {source.run.path}")
+    arrays, words = read_arrays(path)
     figure = certificate_map.draw(
         arrays["corners"],
         arrays["answer"],
@@ -71,34 +148,72 @@ def _certificate_map(run: Run) -> Sketch | Missing:
         arrays["counterexamples"],
         words.get("title", ""),
     )
-    return Sketch(name, title, caption, figure)
+    return certificate_map.CAPTION, figure
 
 
-def _loss(run: Run) -> Sketch | Missing:
-    name, title = "loss", "Training"
-    rows = run.folder.read_metrics()
+def _return_map(source: Source) -> Made:
+    data, proved = _periodic(source), source.certificate.orbit
+    return return_map.caption(data, proved), return_map.draw(data, proved)
+
+
+def _full_order_set(source: Source) -> Made:
+    certificate = source.certificate
+    if certificate.full is None:
+        raise Absent(certificate.no_full, f"neuralgaits certify {source.run.path} --level 4")
+    return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
+
+
+def _stride(source: Source) -> Made:
+    return stride.caption(source.walk), stride.draw(_periodic(source), source.walk)
+
+
+def _loss(source: Source) -> Made:
+    rows = source.run.folder.read_metrics()
     if not rows:
-        command = f"neuralgaits train {run.folder.config['robot']}"
-        return Missing(name, title, "the run took no training step", command)
-    caption = (
-        "The loss says by how much the conditions are broken on random states, zero being not at "
-        "all. What remains at the end is effort and the distance that training keeps from the "
-        "limits."
-    )
-    return Sketch(name, title, caption, loss_curves.draw(rows))
+        raise Absent("the run took no training step", f"neuralgaits train {source.robot}")
+    return loss_curves.CAPTION, loss_curves.draw(rows)
 
 
-def _rounds(run: Run) -> Sketch | Missing:
-    name, title = "rounds", "Learning on the robot"
-    if not all((run.path.parent / file).is_file() for file in (EPISODES, SUMMARY)):
-        robot = run.folder.config["robot"]
-        command = f"neuralgaits episodes {robot} --plant ROBOT --resume {run.path}"
-        return Missing(name, title, "the run is no part of episodes", command)
-    caption = (
-        "From round to round the gait walks on a robot that differs from its model, the difference "
-        "is learned from the logs, and the policy is trained on with it."
-    )
-    return Sketch(name, title, caption, rounds.draw(run.folder.read_json(f"../{SUMMARY}")))
+def _residual_field(source: Source) -> Made:
+    data = residual_data(source.run)
+    if data is None:
+        path, log = source.run.path, source.run.path / "simulation" / "walk.csv"
+        steps = [f"neuralgaits simulate {path} --log {log}", f"neuralgaits fit {path} {log}"]
+        if source.walk is not None and log.is_file():
+            steps = steps[1:]
+        raise Absent("nothing was learned from logs of this gait", " && ".join(steps))
+    return residual_field.caption(data), residual_field.draw(data)
 
 
-_MAKERS: tuple[Maker, ...] = (_certificate_map, _loss, _rounds)
+def _rounds(source: Source) -> Made:
+    folder = source.run.path.parent
+    if not all((folder / file).is_file() for file in (EPISODES, SUMMARY)):
+        command = f"neuralgaits episodes {source.robot} --plant ROBOT --resume {source.run.path}"
+        raise Absent("the run is no round of episodes", command)
+    return rounds.CAPTION, rounds.draw(source.run.folder.read_json(f"../{SUMMARY}"))
+
+
+def _periodic(source: Source) -> GaitData:
+    """The data of a gait with a periodic orbit."""
+    if not source.data.periodic:
+        command = f"neuralgaits train {source.robot}"
+        raise Absent("the gait has no periodic orbit between its fences: train longer", command)
+    return source.data
+
+
+MAKERS: tuple[tuple[str, str, Callable[[Source], Any]], ...] = (
+    ("gait-tiles", gait_tiles.TITLE, _gait_tiles),
+    ("walk-tiles", gait_tiles.MEASURED_TITLE, _walk_tiles),
+    ("phase-portrait", phase_portrait.TITLE, _phase_portrait),
+    ("barrier-sketches", barrier_sketches.TITLE, _barrier_sketches),
+    ("stride", stride.TITLE, _stride),
+    ("margins-orbit", margins_orbit.TITLE, _margins_orbit),
+    ("margins-region", margins_region.TITLE, _margins_region),
+    ("certificate-map", certificate_map.TITLE, _certificate_map),
+    ("return-map", return_map.TITLE, _return_map),
+    ("full-order-set", full_order_set.TITLE, _full_order_set),
+    ("loss", loss_curves.TITLE, _loss),
+    ("residual-field", residual_field.TITLE, _residual_field),
+    ("rounds", rounds.TITLE, _rounds),
+)
+"""Name, title and maker of every figure, in the order of a report."""

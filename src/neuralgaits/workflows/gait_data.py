@@ -12,7 +12,7 @@ from neuralgaits.report.data import GaitData
 from neuralgaits.report.skeleton import skeleton
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.workflows import gait_flow
-from neuralgaits.workflows.gait_quantities import Chart, Look, looks
+from neuralgaits.workflows.gait_quantities import Chart, Look, quantities
 from neuralgaits.workflows.run import RESIDUAL, ROBOT, SPEC, WEIGHTS, Run
 
 FILE = "figures/data.safetensors"
@@ -66,7 +66,8 @@ def _with_names(run: Run, arrays: dict[str, np.ndarray]) -> GaitData:
 
 def compute(run: Run) -> dict[str, np.ndarray]:
     """All arrays of `report.data`. Raises: SpecError if the gait cannot be evaluated."""
-    look, motion = looks(run)
+    look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
+    motion = look.only("dz", "foot", "z_after")
     span = (float(run.gait.span[0]), float(run.gait.span[1]))
     tube = Chart(run.gait, run.spec)
     with np.errstate(all="ignore"):

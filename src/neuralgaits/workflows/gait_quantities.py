@@ -13,39 +13,45 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.interpreters import POINT, Program, evaluate, fold
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.interpreters.tracer import trace
-from neuralgaits.workflows.run import Run
 
 ENDS = 1e-9
 """Phases and levels this near to an edge of a region are on it."""
-Look = Callable[[np.ndarray], dict[str, np.ndarray]]
-"""Quantities of many states: z [N, 2] to arrays [N, ...]."""
-_OF_MOTION = ("dz", "foot", "z_after")
 
 
-def looks(run: Run) -> tuple[Look, Look]:
-    """Everything that is drawn of a state, and what moves it alone."""
-    zd, gait, spec = run.zero_dynamics, run.gait, run.spec
-    named = quantities(zd, gait, spec)
-    try:
-        program = trace(named, {"z": (2,)}, parameters=gait)
-    except SpecError:
-        # A ReLU has no place in a Program: compiling is slower, and does the same.
-        return _compiled(named, None), _compiled(named, _OF_MOTION)
-    return _evaluated(program), _evaluated(prune(program, list(_OF_MOTION)))
+class Look:
+    """Quantities of one state, for many states: z [N, 2] to arrays [N, ...] by name."""
 
+    def __init__(self, named: Callable[[Any], dict[str, Any]], program: Program | None = None):
+        """Trace a function of one z; what cannot be traced is compiled, which takes longer.
 
-def _evaluated(program: Program) -> Look:
-    folded = fold(program, POINT)
-    return lambda z: evaluate(program, {"z": z}, POINT, folded)
+        Args:
+            named: quantities by name, as a function of z.
+            program: of the same function, if it is known.
+        """
+        self._named = named
+        try:
+            self._program = trace(named, {"z": (2,)}) if program is None else program
+        except SpecError:
+            # A ReLU has no place in a Program.
+            self._program = None
+            self._compiled = jax.jit(jax.vmap(named))
+        else:
+            self._folded = fold(self._program, POINT)
 
+    def __call__(self, z: np.ndarray) -> dict[str, np.ndarray]:
+        """The quantities at states. [N, 2]."""
+        if self._program is not None:
+            return evaluate(self._program, {"z": z}, POINT, self._folded)
+        return {name: np.asarray(array) for name, array in self._compiled(z).items()}
 
-def _compiled(named: Callable[[Any], dict[str, Any]], names: tuple[str, ...] | None) -> Look:
-    def chosen(z: Any) -> dict[str, Any]:
-        found = named(z)
-        return found if names is None else {name: found[name] for name in names}
+    def only(self, *names: str) -> "Look":
+        """Some of them: the rest is not computed."""
 
-    function = jax.jit(jax.vmap(chosen))
-    return lambda z: {name: np.asarray(array) for name, array in function(z).items()}
+        def chosen(z: Any) -> dict[str, Any]:
+            found = self._named(z)
+            return {name: found[name] for name in names}
+
+        return Look(chosen, None if self._program is None else prune(self._program, list(names)))
 
 
 def quantities(zd: ZeroDynamics, gait: Gait, spec: GaitSpec) -> Callable[[Any], dict[str, Any]]:

@@ -1,0 +1,116 @@
+"""What was learned of the robot beyond its model: the field, and the flow before and after."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from neuralgaits._types import Float
+from neuralgaits.report.data import GaitData
+from neuralgaits.report.phase_portrait import X_LABEL, Y_LABEL, flow
+from neuralgaits.report.style import BLACK, BLUE, GREY, new_figure, panel, styled
+
+TITLE = "What the robot taught the model"
+SHADES = 11
+
+
+@dataclass(frozen=True)
+class ResidualData:
+    """A learned residual over the plane.
+
+    Attributes:
+        gait: of the policy that walked or was trained with it.
+        epsilon: residual of dz on the gait's plane (m/s, N m). [B, A, 2]
+        visited: logged states it was learned from; none if the logs are gone. [K, 2]
+        trained: whether the policy was trained with it.
+    """
+
+    gait: GaitData
+    epsilon: Float[np.ndarray, "B A 2"]
+    visited: Float[np.ndarray, "K 2"]
+    trained: bool
+
+
+def caption(data: ResidualData) -> str:
+    """What is to be seen."""
+    end = (
+        "The policy of this run was trained on the corrected flow."
+        if data.trained
+        else "The policy of this run has not been trained with it yet."
+    )
+    dots = (
+        " Black dots are the states that were seen; elsewhere the correction is a guess."
+        if len(data.visited)
+        else ""
+    )
+    return (
+        "The difference between how the logged robot moved and how its model says it should, as a "
+        f"function of the state (a, b), and the flow without and with it (c).{dots} {end}"
+    )
+
+
+@styled
+def draw(data: ResidualData) -> Figure:
+    """Both components of the residual, and the flow nominal and corrected."""
+    gait = data.gait
+    figure = new_figure(7.6)
+    grid = figure.add_gridspec(2, 2, height_ratios=[1.0, 1.15])
+    parts = [figure.add_subplot(grid[0, column]) for column in (0, 1)]
+    for number, (axes, label) in enumerate(
+        zip(parts, ("correction of dz1/dt [m/s]", "correction of dz2/dt [N m]"), strict=True)
+    ):
+        _component(figure, axes, data, number, label)
+    panel(parts[0], "a", "how fast the hip moves")
+    panel(parts[1], "b", "how the momentum changes")
+    axes = figure.add_subplot(grid[1, :])
+    corrected = GaitData(
+        {**gait.arrays, "plane/corrected": gait["plane/nominal_dz"] + data.epsilon},
+        gait.conditions,
+        gait.barriers,
+        gait.described,
+        gait.joints,
+        gait.torso,
+        gait.residual,
+    )
+    flow(axes, corrected, "nominal_dz", GREY)
+    flow(axes, corrected, "corrected", BLUE)
+    _fences(axes, gait)
+    handles = [
+        Line2D([], [], color=GREY, linewidth=0.8, marker=">", ms=3, label="flow of the model"),
+        Line2D([], [], color=BLUE, linewidth=1.4, marker=">", ms=3, label="corrected flow"),
+        Line2D([], [], color=BLACK, linewidth=1.4, label="fences of the tube"),
+    ]
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3)
+    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
+    panel(axes, "c", "flow before and after")
+    return figure
+
+
+def _component(figure: Figure, axes: Axes, data: ResidualData, number: int, label: str) -> None:
+    gait, field = data.gait, data.epsilon[..., number]
+    z1, z2 = gait["plane/z1"], gait["plane/z2"]
+    most = max(float(np.abs(field).max()), 1e-12)
+    shades = np.linspace(-most, most, SHADES + 1)
+    area = axes.contourf(z1, z2, field, shades, cmap="PuOr")
+    # Signs must survive printing in grey: falling values are dashed.
+    axes.contour(
+        z1, z2, field, shades[1:-1], colors=BLACK, linewidths=0.5, negative_linestyles="dashed"
+    )
+    bar = figure.colorbar(area, ax=axes, location="bottom", format="%.2g")
+    bar.set_label(label)
+    bar.ax.tick_params(labelsize=8)
+    bar.set_ticks(shades[:: SHADES // 3])
+    _fences(axes, gait)
+    if len(data.visited):
+        dots = {"color": BLACK, "marker": ".", "ms": 1.2, "linestyle": "none"}
+        axes.plot(*data.visited.T, **dots, rasterized=True)
+    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL if number == 0 else "")
+    axes.set_xlim(z1[[0, -1]])
+    axes.set_ylim(z2[[0, -1]])
+
+
+def _fences(axes: Axes, gait: GaitData) -> None:
+    for fence in gait["fences/z2"]:
+        axes.plot(gait["fences/z1"], fence, color=BLACK, linewidth=1.4, zorder=3)

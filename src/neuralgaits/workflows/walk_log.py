@@ -1,0 +1,58 @@
+"""The walk that a run has a log of, ready to be drawn."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from neuralgaits import logs
+from neuralgaits.errors import InputError
+from neuralgaits.logs import Log
+from neuralgaits.report.data import MeasuredWalk
+from neuralgaits.report.skeleton import skeleton
+from neuralgaits.workflows.run import Run
+
+SIMULATED, WALKED = "simulation", "walks/logs"
+"""Folders of a run that logs lie in: of `simulate`, and of a round of episodes."""
+
+
+def measured_walk(run: Run) -> MeasuredWalk | None:
+    """The first log of the run that holds a finished step; None if there is none."""
+    for path in _candidates(run.path):
+        try:
+            log = logs.read(path, run.robot).log
+        except InputError:
+            # A walk that fell at once, or a file of something else: the next may do.
+            continue
+        if log.z is not None:
+            return _walk(run, log, path)
+    return None
+
+
+def _candidates(run: Path) -> Iterator[Path]:
+    """Logs in the run's folder, those of the last simulation first."""
+    summary = run / SIMULATED / "summary.json"
+    named: list[Path] = []
+    if summary.is_file():
+        try:
+            found = json.loads(summary.read_text()).get("logs") or []
+        except ValueError:
+            found = []
+        # A run that was moved keeps its logs, but not their names.
+        for path in map(Path, found):
+            named += [path, run / SIMULATED / path.name]
+    others = [*sorted((run / SIMULATED).glob("*.csv")), *sorted((run / WALKED).glob("*.csv"))]
+    yield from (path for path in dict.fromkeys([*named, *others]) if path.is_file())
+
+
+def _walk(run: Run, log: Log, path: Path) -> MeasuredWalk:
+    robot = run.robot
+    assert log.z is not None
+    theta = log.q @ np.asarray(robot.link_angles).T
+    step = np.concatenate([[0], np.cumsum(log.stance[1:] != log.stance[:-1])])
+    points = skeleton(theta, np.asarray(robot.foot), robot.torso)
+    source = f"{'MuJoCo' if SIMULATED in path.parts else 'log'}, {path.name}"
+    return MeasuredWalk(
+        source, log.t, log.z, log.q[:, 1:], log.qd, log.tau, points, step.astype(int)
+    )
