@@ -1,4 +1,4 @@
-"""The code and the claims of docs/conditions.md."""
+"""The claims of docs/conditions.md; its code runs in tests/docs."""
 
 import re
 from pathlib import Path
@@ -15,7 +15,6 @@ from neuralgaits.interpreters.tracer import trace
 from neuralgaits.robots import load_robot
 
 PAGE = (Path(__file__).parents[2] / "docs" / "conditions.md").read_text(encoding="utf-8")
-SPEC, TRACING = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
 
 QUANTITIES = {
     "at_least": functions.at_least(functions.hip_height, 0.7),
@@ -52,17 +51,6 @@ def robot():
 def gait(robot):
     """An untrained gait of the default spec."""
     return specs.walking(robot).new_gait(jax.random.key(0), "posture", None)
-
-
-def test_the_spec_on_the_page(robot, tmp_path, monkeypatch):
-    """Loads as a user's file and traces; its margins come out by name."""
-    (tmp_path / "gentle.py").write_text(SPEC, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    names: dict = {"robot": robot}
-    exec(TRACING, names)  # The page is the source.
-    assert names["margins"]["hip-height"].shape == (1,)
-    assert names["margins"]["power-upper"].shape == (4,)
-    assert names["margins"]["symmetric-step"].shape == (2, 1)
 
 
 def test_every_quantity_can_be_traced(agree, robot, gait):

@@ -1,0 +1,26 @@
+"""A place like a reader's: a run that `latest` names, and the files that a page says to save."""
+
+import shutil
+import sys
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from neuralgaits.workflows import train as training
+
+STEPS = 3
+"""Gradient steps of a training on a page."""
+
+
+@pytest.fixture
+def place(trained, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to be in, where `latest` is a trained run; trainings there are short."""
+    runs = tmp_path / "runs"
+    shutil.copytree(trained.path, runs / "amber3m" / "before")
+    (runs / "latest").write_text("amber3m/before\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(training, "train", partial(training.train, steps=STEPS))
+    return tmp_path

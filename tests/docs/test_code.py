@@ -1,0 +1,51 @@
+"""Every Python block on a page runs, in the page's order, in a folder with a trained run."""
+
+import jax
+import pages
+import pytest
+
+from neuralgaits.barriers import specs
+from neuralgaits.robots import load_robot
+
+WITH_CODE = [page for page in pages.PAGES if pages.blocks(page, "python")]
+
+
+def run(page, place) -> dict:
+    """Save the page's files, then run its blocks in one namespace. Returns: its names."""
+    for name, text in pages.files(page).items():
+        (place / name).write_text(text, encoding="utf-8")
+    names: dict = {"__name__": page.stem}
+    for block in pages.blocks(page, "python"):
+        # Blank lines before it, so that an error shows the line of the page.
+        source = "\n" * (block.line - 1) + block.text
+        exec(compile(source, pages.name(page), "exec"), names)
+    return names
+
+
+CONDITIONS = pages.ROOT / "docs" / "conditions.md"
+
+
+@pytest.mark.parametrize("page", [p for p in WITH_CODE if p != CONDITIONS], ids=pages.name)
+def test_code_of_a_page_runs(page, place):
+    assert run(page, place)
+
+
+def test_margins_of_the_conditions_page(place):
+    """One margin an inequality: of the hip, of two bounds on four joints, of a tolerance."""
+    margins = run(CONDITIONS, place)["margins"]
+    assert margins["hip-height"].shape == (1,)
+    assert margins["power-upper"].shape == (4,)
+    assert margins["symmetric-step"].shape == (2, 1)
+
+
+def test_the_spec_of_the_recipe_is_one(place):
+    page = pages.ROOT / "CONTRIBUTING.md"
+    run(page, place)
+    robot = load_robot("amber3m")
+    brisk = specs.load("mine.py:brisk", robot)
+    more = {condition.name for condition in brisk.conditions} - {
+        condition.name for condition in specs.walking(robot).conditions
+    }
+    assert more == {"brisk"}
+    gait = brisk.new_gait(jax.random.key(0), "posture", None)
+    assert gait.policy is not None

@@ -1,0 +1,58 @@
+"""Every command on a page is one: the parser takes its flags, make knows its target."""
+
+import re
+from pathlib import Path
+
+import pages
+import pytest
+
+from neuralgaits.cli.arguments import read
+from neuralgaits.cli.main import main
+
+ALL = [(pages.name(page), words) for page in pages.PAGES for words in pages.commands(page)]
+CHEAP = ("inspect", "robots")
+"""Verbs that are carried out, too."""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [words[1:] for _, words in ALL if words[0] == "neuralgaits"],
+    ids=[f"{page}: {' '.join(words)}" for page, words in ALL if words[0] == "neuralgaits"],
+)
+def test_the_parser_takes_it(words):
+    # A placeholder is as good as a path; "..." stands for more of them.
+    assert read([word for word in words if word != "..."])
+
+
+@pytest.mark.parametrize("page", pages.PAGES, ids=pages.name)
+def test_cheap_ones_run(page, place, capsys):
+    for name, text in pages.files(page).items():
+        (place / name).write_text(text, encoding="utf-8")
+    for words in pages.commands(page):
+        placeholder = any(re.match(r"[A-Z]+\b", word) for word in words)
+        if words[0] == "neuralgaits" and words[1] in CHEAP and not placeholder:
+            assert main(words[1:]) == 0, words
+            assert capsys.readouterr().out
+
+
+def test_make_knows_its_targets():
+    asked = [words[1:] for _, words in ALL if words[0] == "make"]
+    assert asked
+    for words in asked:
+        folder = Path(words[words.index("-C") + 1]) if "-C" in words else Path()
+        makefile = (pages.ROOT / folder / "Makefile").read_text(encoding="utf-8")
+        targets = [w for w in words if "=" not in w and w != "-C" and Path(w) != folder]
+        for target in targets:
+            assert re.search(rf"^{re.escape(target)}:", makefile, re.MULTILINE), words
+
+
+def test_names_in_c_exist():
+    """Functions and constants of the blocks in C are those of the exporter or of a main loop."""
+    folders = pages.ROOT / "src" / "neuralgaits" / "export", pages.ROOT / "examples"
+    sources = [file for folder in folders for file in folder.rglob("*.[chp]*") if file.is_file()]
+    written = "\n".join(file.read_text(encoding="utf-8") for file in sources)
+    shown = [block for page in pages.PAGES for block in pages.blocks(page, "c")]
+    assert shown
+    for block in shown:
+        for name in set(re.findall(r"\bng_\w+|\bNG_\w+", block.text)):
+            assert re.search(rf"\b{name}\b", written), name
