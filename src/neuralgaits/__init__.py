@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.fit import fit
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.refine import refine
+    from neuralgaits.workflows.report import write_report
     from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.simulate import simulate
     from neuralgaits.workflows.train import train
@@ -50,6 +51,8 @@ _HOMES = {
     "simulate": "neuralgaits.workflows.simulate",
     "specs": "neuralgaits.barriers",
     "train": "neuralgaits.workflows.train",
+    # `report` is the room of figures and pages.
+    "write_report": "neuralgaits.workflows.report",
 }
 
 __all__ = [
@@ -72,6 +75,7 @@ __all__ = [
     "simulate",
     "specs",
     "train",
+    "write_report",
 ]
 
 

@@ -8,16 +8,19 @@ from neuralgaits.cli import screen
 from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
+    Demo,
     Doctor,
     Episodes,
     Export,
     Fit,
     Inspect,
     Refine,
+    Report,
     Robots,
     Simulate,
     Train,
     Verb,
+    View,
 )
 from neuralgaits.cli.learning_verbs import (
     carry_out_episodes,
@@ -26,6 +29,8 @@ from neuralgaits.cli.learning_verbs import (
     disturbance_bounds,
 )
 from neuralgaits.cli.outcome import Outcome
+from neuralgaits.cli.report_verb import carry_out_report
+from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
 from neuralgaits.errors import InputError
 
 _TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out")
@@ -51,6 +56,12 @@ def carry_out(verb: Verb) -> Outcome:
             return carry_out_episodes(verb)
         case Export():
             return _export(verb)
+        case Report():
+            return carry_out_report(verb)
+        case View():
+            return carry_out_view(verb)
+        case Demo():
+            return carry_out_demo(verb)
         case Inspect():
             return _inspect(verb)
         case Robots():

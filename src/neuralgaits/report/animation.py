@@ -34,7 +34,7 @@ _STICK_COLOURS = ((0.27, 0.31, 0.37), (0.95, 0.55, 0.16), (0.10, 0.42, 0.75))
 
 
 class Motion(NamedTuple):
-    """Where the bodies of a robot are in a row of states; b bodies, the world left out."""
+    """Where the bodies of a robot are in a row of states; b bodies, world and floors left out."""
 
     poses: Float[np.ndarray, "T b 3"]
     """x, z [m] and the angle about +y since the first state [rad]."""
@@ -48,7 +48,7 @@ class Motion(NamedTuple):
 
 def motion(model: mujoco.MjModel, states: Float[np.ndarray, "T s"]) -> Motion:
     """Read a planar robot's poses off MuJoCo states (time, qpos, qvel), one a frame."""
-    data = mujoco.MjData(model)
+    data, own = mujoco.MjData(model), _bodies(model)
     places, turns, momenta = [], [], []
     for state in states:
         data.qpos[:] = state[1 : 1 + model.nq]
@@ -57,12 +57,12 @@ def motion(model: mujoco.MjModel, states: Float[np.ndarray, "T s"]) -> Motion:
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
         mujoco.mj_subtreeVel(model, data)
-        places.append(data.xpos[1:, [0, 2]].copy())
-        turns.append(data.xquat[1:].copy())
+        places.append(data.xpos[own][:, [0, 2]])
+        turns.append(data.xquat[own])
         momenta.append(data.subtree_linvel[0][[0, 2]] * model.body_subtreemass[0])
     angles = np.unwrap([_turn(turns[0], now) for now in turns], axis=0)
     poses = np.concatenate([places, angles[..., None]], axis=2)
-    return Motion(poses, data.xpos[1:, 1].copy(), turns[0], np.array(momenta))
+    return Motion(poses, data.xpos[own, 1], turns[0], np.array(momenta))
 
 
 def ground_force(
@@ -96,11 +96,7 @@ def shapes(
 
     Returns: one dict a shape with body (from 0), kind, size (m), pos (m), quat and colour.
     """
-    found = [
-        _shape(model, geom, moved)
-        for geom in range(model.ngeom)
-        if _is_drawn(model, geom) and model.body_mocapid[model.geom_bodyid[geom]] < 0
-    ]
+    found = [_shape(model, geom, moved) for geom in range(model.ngeom) if _is_drawn(model, geom)]
     feet_ids = [model.geom(name).id for name in feet]
     pictured = {int(model.geom_bodyid[g]) for g in range(model.ngeom) if _is_drawn(model, g)}
     if pictured <= {int(model.geom_bodyid[g]) for g in feet_ids}:
@@ -118,12 +114,18 @@ def contacts(model: mujoco.MjModel, moved: Motion, feet: Sequence[str]) -> list[
     return found
 
 
+def _bodies(model: mujoco.MjModel) -> np.ndarray:
+    """Numbers of the robot's bodies; floors ride on mocap bodies."""
+    return 1 + np.flatnonzero(model.body_mocapid[1:] < 0)
+
+
 def _is_drawn(model: mujoco.MjModel, geom: int) -> bool:
     """Whether MuJoCo's viewer would show it on the robot."""
     plane = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE
     return bool(
         model.geom_bodyid[geom] > 0
         and not plane
+        and model.body_mocapid[model.geom_bodyid[geom]] < 0
         and model.geom_group[geom] < _SHOWN_GROUPS
         and _rgba(model, geom)[3] > 0.0
     )
@@ -158,7 +160,7 @@ def _placed(
     quat: np.ndarray,
 ) -> dict[str, Any]:
     """A shape in the frame of its body at angle 0; the body's own y is put into the shape."""
-    place, turn, number = np.zeros(3), np.zeros(4), body - 1
+    place, turn, number = np.zeros(3), np.zeros(4), int(_bodies(model).searchsorted(body))
     mujoco.mju_rotVecQuat(place, np.ascontiguousarray(pos), moved.first[number])
     mujoco.mju_mulQuat(turn, moved.first[number], np.ascontiguousarray(quat))
     place[1] += moved.y[number]

@@ -34,6 +34,7 @@ class Saved:
         summary: what `train` or `refine` found; None if training has not ended.
         metrics: rows of the training's course.
         certificate, simulation: what `certify` and `simulate` found.
+        disturbance: what may be added to dz at level 2 of the proof (m/s, N m).
         residual: what `fit` learned from the logs of this run.
         walks: of this run as a round of episodes.
         episodes: all rounds of them.
@@ -46,6 +47,7 @@ class Saved:
     summary: Json | None
     metrics: list[dict[str, float]]
     certificate: Json | None
+    disturbance: tuple[float, ...]
     simulation: Json | None
     residual: Json | None
     walks: Json | None
@@ -134,6 +136,7 @@ def read(folder: RunFolder) -> Saved:
         summary=part("summary.json"),
         metrics=metrics,
         certificate=certificate,
+        disturbance=() if certificate is None else _disturbance(part(PROOF)),
         simulation=part("simulation/summary.json"),
         residual=part("residual/summary.json"),
         walks=part("walks/summary.json"),
@@ -141,6 +144,16 @@ def read(folder: RunFolder) -> Saved:
         hashes=hashes,
         damaged=damaged,
     )
+
+
+def _disturbance(proof: Json | None) -> tuple[float, ...]:
+    """Bounds in the parameters of level 2; none if there is no such level, or if they are 0."""
+    for theorem in (proof or {}).get("theorems") or ():
+        bounds = (theorem.get("parameters") or {}).get("disturbance") or ()
+        if theorem.get("level") == 2 and len(bounds) == 2:
+            values = tuple(float.fromhex(str(bound)) for bound in bounds)
+            return values if any(values) else ()
+    return ()
 
 
 def _not_of_run(folder: RunFolder, hashes: Mapping[str, str], part) -> str | None:

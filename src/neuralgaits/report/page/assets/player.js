@@ -71,10 +71,11 @@ class Portrait {
     c.strokeRect(left, 10, width - left - 10, floor - 10);
     for (const i of [0, 1]) {
       const [low, high] = this.span[i], step = 10 ** Math.floor(Math.log10(high - low));
-      const tick = (high - low) / step > 4 ? step : step / 2;
-      for (let v = Math.ceil(low / tick) * tick; v <= high; v += tick) {
+      const tick = (high - low) / step > 5 ? 2 * step : (high - low) / step > 2 ? step : step / 2;
+      for (let k = Math.ceil(low / tick); k * tick <= high; k++) {
+        const v = Number((k * tick).toPrecision(6));
         const [x, y] = at(i ? [this.span[0][0], v] : [v, this.span[1][0]]);
-        const label = String(Number(v.toPrecision(3)));
+        const label = String(v).replace("-", "−");
         c.textAlign = i ? "right" : "center";
         c.fillText(label, i ? x - 5 : x, i ? y + 4 : y + 15);
       }
@@ -147,9 +148,10 @@ function play(walk) {
     scene?.draw(now.poses, arrow, [walk.floor_m[now.frame], walk.slope],
       { sky: channels("--sky"), tile: channels("--tile") });
     portrait.draw(now.frame);
-    const force = walk.force_n ? `, ground force ${Math.round(walk.force_n[now.frame][1])} N` : "";
+    const push = walk.force_n && Math.round(walk.force_n[now.frame][1]);
+    const force = walk.force_n ? `; the ground pushes up with ${push} N` : "";
     find("reading").textContent =
-      `${(walk.first_s + time).toFixed(2)} s, touchdown ${walked}${force}`;
+      `${(walk.first_s + Math.min(time, length)).toFixed(2)} s, ${walked} touchdowns${force}`;
     slider.value = time;
   }
 
@@ -193,5 +195,5 @@ function play(walk) {
   window.requestAnimationFrame(tick);
 }
 
-const recorded = document.getElementById("walk");
+const recorded = document.getElementById("recording");
 if (recorded) play(JSON.parse(recorded.textContent));

@@ -5,7 +5,7 @@
 const VERTEX = `#version 300 es
 in vec3 position; in vec3 normal; in vec3 colour;
 uniform mat4 camera; uniform vec3 offset; uniform vec3 scale; uniform float angle;
-uniform vec4 flatten;  // light (x, y, 1) and 1 to throw a shadow on the floor
+uniform vec4 flatten;  // light, and 1 to throw a shadow on the floor
 uniform vec2 floorLine;  // height at x = 0, slope
 out vec3 n; out vec3 c; out vec3 world;
 vec3 turn(vec3 v) {
@@ -142,7 +142,7 @@ function cameraMatrix(eye, target, aspect) {
 class Scene {
   /** Throws if the browser gives no WebGL 2. */
   constructor(canvas, shapes, legLength) {
-    const options = { antialias: true, stencil: true, preserveDrawingBuffer: true };
+    const options = { alpha: false, antialias: true, stencil: true, preserveDrawingBuffer: true };
     const gl = canvas.getContext("webgl2", options);
     if (!gl) throw new Error("this browser gives no WebGL 2");
     this.gl = gl; this.canvas = canvas; this.legLength = legLength;
@@ -230,6 +230,7 @@ class Scene {
     poses.forEach((p, i) => put(this.bodies[i], 0, [p[0], 0, p[1]], p[2]));
     if (arrow) {
       const [fx, fz] = arrow.force;
+      gl.disable(gl.DEPTH_TEST);  // seen through the leg it runs along
       put(this.arrow, 0, arrow.from, Math.atan2(fx, fz), [1, 1, Math.hypot(fx, fz) || 1e-6]);
     }
   }

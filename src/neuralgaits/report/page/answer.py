@@ -1,0 +1,188 @@
+"""The first paragraphs of the page: what the robot does, why it stays up, how sure we are."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from neuralgaits.report.page import words
+from neuralgaits.report.page.markup import Html, join, number, paragraph, tag
+from neuralgaits.report.page.saved import Contents, Saved
+
+
+def answer(contents: Contents) -> Html:
+    """Three short paragraphs, each from the run's own numbers."""
+    saved = contents.saved
+    parts = [
+        _part("What it does.", _what(contents)),
+        _part("Why it stays up.", _why(saved)),
+        _part("How sure we are.", _how_sure(saved)),
+    ]
+    if saved.proved_level:
+        parts.append(_part("What that leaves open.", _left_open(saved)))
+    return tag("div", *parts, class_="answer", id="answer")
+
+
+def _part(head: str, body: str) -> Html:
+    return paragraph(tag("b", head), " ", body)
+
+
+def _what(contents: Contents) -> str:
+    saved, robot = contents.saved, contents.robot
+    who = (
+        f"{saved.robot} is a two-legged robot of {number(robot['mass_kg'])} kg with legs of "
+        f"{number(robot['hip_height_m'])} m, {len(robot['actuators'])} motors and feet like "
+        "points: nothing holds it upright but the next step."
+    )
+    if saved.summary is None:
+        return f"{who} The training of its gait has not ended, so there is no gait to judge yet."
+    return f"{who} {_walked(saved, contents.walk)}"
+
+
+def _walked(saved: Saved, shown: Mapping[str, Any] | None) -> str:
+    """What was seen in simulation, the fuller account first."""
+    done = saved.simulation
+    if done is not None:
+        return f"In a MuJoCo simulation of the whole robot{_where(done)} {_counted(done)}."
+    if saved.walks is not None:
+        count = len(saved.walks["steps_walked"])
+        share = saved.walks["share_that_walks"]
+        if count and share is not None:
+            stayed = round(share * count)
+            return (
+                f"In MuJoCo, on the robot of its episodes, {stayed} of {count} walks stayed up to "
+                f"their last step."
+            )
+    if shown is None:
+        return "It has not been simulated yet."
+    ending = (
+        f"fell after {shown['steps_walked']}"
+        if shown["fell"]
+        else f"took all {shown['steps_walked']}"
+    )
+    return f"In the one walk recorded for this page it {ending} steps; `simulate` has not been run."
+
+
+def _where(done: Mapping[str, Any]) -> str:
+    changed = [words.disturbances(done.get("disturb"))]
+    if done.get("push"):
+        changed.append(f"a push of {number(done['push'])} N s")
+    listed = " and ".join(filter(None, changed))
+    return f" with {listed}" if listed else ""
+
+
+def _counted(done: Mapping[str, Any]) -> str:
+    steps, fell = done["steps_walked"], [bool(f) for f in done["fell"]]
+    stayed, count = len(fell) - sum(fell), len(fell)
+    if count == 1:
+        asked = f" of {done['steps']}" if fell[0] and "steps" in done else ""
+        said = (
+            f"it fell after {steps[0]}{asked} steps"
+            if fell[0]
+            else f"it walked all {steps[0]} steps"
+        )
+    else:
+        said = f"{stayed} of {count} walks stayed up to their last step"
+    if done.get("speed_m_s") is not None:
+        speed, time = number(done["speed_m_s"], 2), number(done["step_time_s"], 2)
+        said += f", at {speed} m/s with a step every {time} s"
+    return said
+
+
+def _why(saved: Saved) -> str:
+    common = (
+        "A small neural network says where every joint should be, from two numbers alone: how far "
+        "the hip is ahead of the foot on the ground, and with how much momentum the body turns "
+        "over that foot. No clock is involved: the legs wait for the body. "
+    )
+    level = saved.proved_level
+    if saved.summary is None:
+        return common + "The network is trained until a list of conditions holds on a whole region."
+    if level >= 2:
+        return common + (
+            "It was trained so that a whole region of states leads back into itself: a step that "
+            "begins inside ends with a touchdown inside, so the next step can be taken, and so on."
+        )
+    return common + (
+        "It was trained so that a list of conditions (ground that only pushes, no slip, torques "
+        "within limits, foot clear of the ground, next step begins in range) holds on a whole "
+        "region of states, not along one motion only."
+    )
+
+
+def _how_sure(saved: Saved) -> str:
+    if saved.summary is None:
+        return "Nothing is claimed: nothing has been measured or proved."
+    certificate, level = saved.certificate, saved.proved_level
+    if certificate is None:
+        return (
+            f"{_sampled(saved)} That is evidence and not a proof; nothing has been proved of this "
+            "gait."
+        )
+    if level == 0:
+        return f"Not proved. {_open(certificate)} {_sampled(saved)} Samples are evidence only."
+    return (
+        f"Proved, to level {level} of {words.LAST_LEVEL}: {words.PROVED[level]} Every one of the "
+        f"{len(certificate['conditions'])} conditions was shown at every state of its region, "
+        f"rounding errors included, with at least {_least(certificate)} of its typical size to "
+        f"spare.{_borne(saved)} Other programs can check the proof again."
+    )
+
+
+def _borne(saved: Saved) -> str:
+    """What a proof of level 2 allows for beyond the model."""
+    if not saved.disturbance:
+        return ""
+    first, second = (number(bound) for bound in saved.disturbance)
+    return f" At level 2 the model may be off: by up to {first} m/s in dz1 and {second} N m in dz2."
+
+
+def _left_open(saved: Saved) -> str:
+    rests = "; ".join(words.assumptions(saved.proved_level))
+    model = ""
+    if "residual.safetensors" in (saved.config.get("copies") or {}):
+        model = " The model is the robot file's, corrected by what was learned from logs."
+    seen = " Of those the simulation is a sample." if saved.simulation is not None else ""
+    claims = f"It claims nothing about {words.NOT_CLAIMED}."
+    return f"The proof assumes that {rests}.{model} {claims}{seen}"
+
+
+def _least(certificate: Mapping[str, Any]) -> str:
+    margins = [c["margin"] for c in certificate["conditions"].values() if c["margin"] is not None]
+    return f"{number(100.0 * min(margins), 2)} %" if margins else "–"
+
+
+def _open(certificate: Mapping[str, Any]) -> str:
+    conditions = certificate["conditions"]
+    told = []
+    for word, say in (("refuted", "broken at a state that was found"), ("undecided", "undecided")):
+        names = [name for name, entry in conditions.items() if entry["verdict"] == word]
+        if names:
+            told.append(f"{len(names)} of {len(conditions)} conditions {say} ({', '.join(names)})")
+    return "; ".join(told) + "." if told else "No condition could be read."
+
+
+def _sampled(saved: Saved) -> str:
+    conditions = (saved.summary or {}).get("conditions") or {}
+    broken = [name for name, entry in conditions.items() if entry["max_violation"] > 0.0]
+    if not conditions:
+        return "No condition was measured."
+    if broken:
+        return (
+            f"On random samples {len(broken)} of {len(conditions)} conditions are broken somewhere."
+        )
+    return f"All {len(conditions)} conditions hold at every random sample that was tried."
+
+
+def title(saved: Saved) -> Html:
+    """Heading of the page, with what it is about below."""
+    config = saved.config
+    about = [
+        f"spec {config.get('spec')}",
+        f"seed {config.get('seed')}",
+        f"trained {str(config.get('created_utc', ''))[:10]}",
+    ]
+    return join(
+        [
+            tag("h1", f"A walking gait for {saved.robot}"),
+            paragraph(", ".join(about), ". Run ", tag("code", saved.name), ".", class_="quiet"),
+        ]
+    )

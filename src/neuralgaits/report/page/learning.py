@@ -1,0 +1,86 @@
+"""The part of the page about what was learned of the robot beyond its model."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from neuralgaits.report.page import words
+from neuralgaits.report.page.markup import Html, facts, number, paragraph, section, table
+from neuralgaits.report.page.saved import Saved
+
+
+def learning(saved: Saved) -> Html:
+    """Residual and episodes; nothing if the run has neither."""
+    carries = "residual.safetensors" in (saved.config.get("copies") or {})
+    if not (carries or saved.residual or saved.episodes):
+        return Html("")
+    parts = []
+    if carries:
+        parts.append(
+            paragraph(
+                "This policy was refined on corrected dynamics: a small network, learned from logs "
+                "of walks, adds what the model misses. What is proved of this run is about the "
+                "corrected dynamics, and the correction itself is learned, not proved."
+            )
+        )
+    if saved.residual:
+        parts += _residual(saved.residual)
+    if saved.episodes:
+        parts += _rounds(saved)
+    return section("learning", "What was learned from walking", *parts)
+
+
+def _residual(found: Mapping[str, Any]) -> list[Html]:
+    nominal, left = found["nominal_heldout_error"], found["heldout_error"]
+    share = ""
+    if nominal and left is not None:
+        share = f": {number(100.0 * left / nominal, 2)} % of the model's own error is left"
+    strides = found["strides"]
+    rows = [
+        ("logs", number(len(found["logs"]))),
+        ("walked", f"{number(found['walked_s'])} s"),
+        ("strides to learn from, to test on", f"{strides['train']}, {strides['heldout']}"),
+        ("error of the model on strides not learned from", number(nominal)),
+        ("error with what was learned", number(left)),
+        (
+            "what may still be off in dz",
+            "({} m/s, {} N m)".format(*(number(bound) for bound in found["error_bound"])),
+        ),
+    ]
+    return [
+        paragraph(f"From the logs of this run a further correction was learned{share}."),
+        facts("What was learned from this run's logs", rows),
+    ]
+
+
+def _rounds(saved: Saved) -> list[Html]:
+    found = saved.episodes or {}
+    rows = []
+    for entry in found["rounds"]:
+        steps = entry["steps_walked"]
+        span = f"{min(steps)} to {max(steps)}" if steps else "–"
+        share = entry["share_that_walks"]
+        stayed = "–" if share is None else f"{number(100.0 * share)} %"
+        own = entry["round"] == _round_of(saved)
+        name = f"{entry['round']} (this run)" if own else str(entry["round"])
+        rows.append((name, span, stayed, number(entry["speed_m_s"]), number(entry["loss"])))
+    where = found.get("plant") or f"a robot with logs in {found.get('logs')}"
+    changed = words.disturbances(found.get("disturb"))
+    said = (
+        f"The model is {found['robot']}; what walks is {where}{', ' + changed if changed else ''}. "
+        "In each round the policy walks, what the model missed is learned from the logs, and the "
+        "policy is trained on."
+    )
+    head = ("round", "steps walked", "stayed up", "speed [m/s]", "loss")
+    return [
+        paragraph(said),
+        table(
+            "Episodes, a row a round; round 0 knows the model alone", head, rows, numbers=" nnnn"
+        ),
+    ]
+
+
+def _round_of(saved: Saved) -> int | None:
+    """Number of the round whose run this is."""
+    name = saved.folder.path.resolve().name
+    number_of = name.removeprefix("round-")
+    return int(number_of) if number_of.isdecimal() else None

@@ -1,0 +1,180 @@
+"""The part of the page about the certificate: levels, conditions, assumptions, how to check it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from neuralgaits.report.page import words
+from neuralgaits.report.page.markup import (
+    Html,
+    command,
+    facts,
+    items,
+    join,
+    number,
+    paragraph,
+    section,
+    shell,
+    table,
+    tag,
+)
+from neuralgaits.report.page.saved import FULL_ORDER, LEVELS, PROOF, Contents, Saved
+
+_LEVEL_FIGURES = {
+    "step_time_at_most_s": ("a step takes at most", "s"),
+    "forward_at_least_per_s": ("phase runs forward by at least", "1/s"),
+    "relative_width": ("width of the walking set in z2, of its middle", ""),
+    "contraction_at_most": ("a deviation shrinks per step to at most", "of itself"),
+    "multiplier_at_least": ("multiplier of the orbit, at least", ""),
+    "multiplier_at_most": ("multiplier of the orbit, at most", ""),
+    "z2_at_mid_step_at_least": ("z2 of the orbit at mid-step, at least", "kg m²/s"),
+    "z2_at_mid_step_at_most": ("z2 of the orbit at mid-step, at most", "kg m²/s"),
+}
+
+
+def certificate(contents: Contents) -> Html:
+    """What is proved and what is not, condition by condition."""
+    saved = contents.saved
+    found = saved.certificate
+    if found is None:
+        return section("certificate", "The certificate", _absent(saved))
+    return section(
+        "certificate",
+        "The certificate",
+        paragraph(
+            "Here nothing rests on samples. The region is cut into boxes, and on each box the "
+            "margin is bounded from below by interval arithmetic, every rounding error included."
+        ),
+        _ladder(saved),
+        *(_level(entry) for entry in found["levels"]),
+        tag("h3", "Condition by condition (level 1)"),
+        _conditions(found),
+        tag("h3", "What it assumes"),
+        items(words.assumptions(found["level"])),
+        paragraph(f"It claims nothing about {words.NOT_CLAIMED}."),
+        tag(
+            "details",
+            tag("summary", "The same in the words of check-proof"),
+            items(contents.assumptions),
+        ),
+        tag("h3", "Check it again"),
+        *_files(saved),
+    )
+
+
+def _absent(saved: Saved) -> Html:
+    reason = saved.damaged.get("certificate/summary.json")
+    said = reason or (
+        "This gait has no certificate: nothing is proved of it. Measured conditions and simulated "
+        "walks are evidence, and no more."
+    )
+    if saved.config.get("not_provable_because"):
+        said += f" It cannot have one: {saved.config['not_provable_because']}"
+        return tag("div", paragraph(said), class_="missing")
+    return tag(
+        "div",
+        paragraph(said, " To prove it, some ten seconds for a built-in robot:"),
+        shell([command("neuralgaits", "certify", saved.name)]),
+        class_="missing",
+    )
+
+
+def _ladder(saved: Saved) -> Html:
+    """A row a level."""
+    assert saved.certificate is not None
+    found = {entry["level"]: entry for entry in saved.certificate["levels"]}
+    rows = []
+    for level in LEVELS:
+        if level == 1:
+            word = _of_conditions(saved.certificate)
+        else:
+            word = found[level]["verdict"] if level in found else "not asked"
+        rows.append((level, words.LEVELS[level], words.verdict(word)))
+    head = ("level", "states that", "verdict")
+    return table("The ladder of guarantees: each level rests on those above it", head, rows)
+
+
+def _of_conditions(found: Mapping[str, Any]) -> str:
+    answers = {entry["verdict"] for entry in found["conditions"].values()}
+    if "refuted" in answers:
+        return "refuted"
+    return "proved" if answers == {"proved"} else "undecided"
+
+
+def _level(entry: Mapping[str, Any]) -> Html:
+    """The theorem of a level as proved, with its numbers, folded away."""
+    level = entry["level"]
+    if entry["verdict"] != "proved":
+        reason = entry["reason"] or "no reason is given"
+        return paragraph(tag("b", f"Level {level} is {entry['verdict']}: "), reason)
+    figures = [
+        (label, f"{number(entry['figures'][name], 4)} {unit}".rstrip())
+        for name, (label, unit) in _LEVEL_FIGURES.items()
+        if name in entry["figures"]
+    ]
+    constants = [
+        (one["name"], number(one["value"]), one["unit"], one["meaning"])
+        for one in entry.get("constants") or ()
+    ]
+    parts = [paragraph("In the words of the theorem:"), items(entry["words"])]
+    if figures:
+        parts.append(facts(f"Numbers proved at level {level}", figures))
+    if constants:
+        head = ("constant", "value", "unit", "meaning")
+        parts.append(table(f"Constants of level {level}", head, constants, numbers=" n"))
+    return tag("details", tag("summary", f"Level {level}: the statement and its numbers"), *parts)
+
+
+def _conditions(found: Mapping[str, Any]) -> Html:
+    rows = []
+    for name, entry in found["conditions"].items():
+        point, detail = entry["counterexample"], ""
+        if point is not None:
+            z = ", ".join(number(value, 6) for value in point["z"])
+            detail = f"margin {number(point['margin'])} at z = ({z})"
+        elif entry["verdict"] == "undecided":
+            detail = f"{number(entry['undecided_boxes'])} boxes left"
+        share = f"{int(1e4 * entry['proved_fraction']) / 100:g} %"
+        rows.append(
+            (
+                name,
+                words.verdict(entry["verdict"]),
+                number(entry["margin"]),
+                share,
+                number(entry["boxes"]),
+                detail,
+            )
+        )
+    head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
+    caption = "Margins in units of a condition's scale; every state of its region has at least it"
+    return table(caption, head, rows, numbers="  nnn")
+
+
+def _files(saved: Saved) -> list[Html]:
+    proofs = [file for file in (PROOF, FULL_ORDER) if file in saved.hashes]
+    if not proofs:
+        return [paragraph("There is no proof file: nothing was proved that could be checked.")]
+    rows = [(tag("code", file), tag("code", saved.hashes[file])) for file in proofs]
+    lines = [
+        command("neuralgaits", "check-proof", f"{saved.name}/{file}", "--run", saved.name)
+        for file in proofs
+    ]
+    lines += ["make proofcheck", command("build/proofcheck", f"{saved.name}/{PROOF}")]
+    return [
+        paragraph(
+            "A proof file holds the statements, the boxes and the arithmetic they are about. "
+            "check-proof bounds every box anew in another arithmetic; build/proofcheck is a C++ "
+            "program that shares no code with this one and derives the robot's dynamics again "
+            "(levels 1 to 3)."
+        ),
+        table("Proof files", ("file", "sha256"), rows),
+        shell(lines),
+        paragraph(
+            join(
+                [
+                    f"{number((saved.certificate or {}).get('boxes'))} boxes, ",
+                    f"{number((saved.certificate or {}).get('wall_s'))} s.",
+                ]
+            ),
+            class_="quiet",
+        ),
+    ]

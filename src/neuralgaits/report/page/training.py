@@ -1,0 +1,158 @@
+"""The part of the page about what was trained: robot, spec, conditions with their numbers."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from neuralgaits.report.page import words
+from neuralgaits.report.page.markup import (
+    Html,
+    command,
+    facts,
+    join,
+    number,
+    paragraph,
+    section,
+    shell,
+    table,
+    tag,
+)
+from neuralgaits.report.page.saved import Contents, Saved
+
+
+def training(contents: Contents) -> Html:
+    """Robot, settings, and every condition with what was measured of it."""
+    saved = contents.saved
+    return section(
+        "training",
+        "What was trained",
+        _state(saved),
+        tag("h3", "The robot"),
+        *_robot(contents.robot),
+        tag("h3", "The settings"),
+        facts("How the policy was trained", _settings(saved)),
+        tag("h3", "The conditions"),
+        *_conditions(saved),
+    )
+
+
+def _state(saved: Saved) -> Html:
+    summary = saved.summary
+    if summary is None:
+        done = int(saved.metrics[-1]["step"]) if saved.metrics else 0
+        return tag(
+            "div",
+            paragraph(
+                f"The training has not ended: {number(done)} of "
+                f"{number(saved.config.get('steps'))} gradient steps are in the last row of its "
+                "course. It goes on, bit for bit, with"
+            ),
+            shell([command("neuralgaits", "train", saved.robot, "--resume", saved.name)]),
+            class_="missing",
+        )
+    said = (
+        f"A policy with {_widths(saved.config)} was trained for {number(summary['steps'])} "
+        f"gradient steps to a loss of {number(summary['loss'])}, in {number(summary['wall_s'])} s"
+    )
+    if saved.config.get("parent"):
+        said += f", starting from the weights of {saved.config['parent']}"
+    return paragraph(f"{said}.")
+
+
+def _widths(config: Mapping[str, Any]) -> str:
+    hidden = config.get("hidden")
+    return f"hidden layers of {' and '.join(map(str, hidden))} units" if hidden else "no network"
+
+
+def _robot(robot: Mapping[str, Any]) -> list[Html]:
+    whole = (
+        ("mass", f"{number(robot['mass_kg'])} kg"),
+        ("straight leg, foot to hip", f"{number(robot['hip_height_m'])} m"),
+        ("friction of the feet", number(robot["friction"])),
+        ("coordinates without a motor", number(robot["underactuation"])),
+    )
+    links = [
+        (link["name"], number(link["length_m"]), number(link["inertia_kg_m2"]))
+        for link in robot["links"]
+    ]
+    motors = [
+        (
+            motor["joint"],
+            number(motor["torque_limit_nm"]),
+            f"{number(motor['lower_rad'])} to {number(motor['upper_rad'])}",
+            number(motor["armature_kg_m2"]),
+        )
+        for motor in robot["actuators"]
+    ]
+    head = ("motor at", "torque at most [N m]", "range [rad]", "rotor inertia [kg m²]")
+    return [
+        facts(f"{robot['robot']}, as its file says", whole),
+        table("Links", ("link", "length [m]", "inertia [kg m²]"), links, numbers=" nn"),
+        table("Joints", head, motors, numbers=" n n"),
+    ]
+
+
+def _settings(saved: Saved) -> list[tuple[str, Any]]:
+    config = saved.config
+    recipe = (config.get("described") or {}).get("recipe") or {}
+    rows: list[tuple[str, Any]] = [
+        ("spec", config.get("spec")),
+        ("seed", config.get("seed")),
+        ("start", config.get("init")),
+        ("gradient steps", number(config.get("steps"))),
+        ("learning rate", number(recipe["learning_rate"]) if "learning_rate" in recipe else None),
+    ]
+    samples = recipe.get("samples") or {}
+    if samples:
+        told = ", ".join(f"{count} in {name}" for name, count in samples.items())
+        rows.append(("samples a step", told))
+    bound = config.get("disturbance")
+    if bound:
+        rows.append(
+            ("borne in training", f"|d| ≤ ({number(bound[0])} m/s, {number(bound[1])} N m)")
+        )
+    if config.get("not_provable_because"):
+        rows.append(("cannot be proved, because", config["not_provable_because"]))
+    return rows
+
+
+def _conditions(saved: Saved) -> list[Html]:
+    described = (saved.config.get("described") or {}).get("conditions") or []
+    measured = (saved.summary or {}).get("conditions") or {}
+    rows = [_row(entry, measured.get(entry.get("name"))) for entry in described]
+    if not rows:
+        return [paragraph("The run does not say which conditions it was trained for.")]
+    broken = [name for name, entry in measured.items() if entry["max_violation"] > 0.0]
+    if not measured:
+        said = "What the gait is to satisfy; nothing is measured before the training ends."
+    elif broken:
+        said = (
+            f"Measured on random samples that training has not seen: {len(broken)} of "
+            f"{len(measured)} conditions are broken at some of them. A margin is what is left, in "
+            "units of the condition's scale; a negative one is a violation."
+        )
+    else:
+        said = (
+            f"Measured on random samples that training has not seen: all {len(measured)} hold at "
+            "all of them. A margin is what is left, in units of the condition's scale. This is "
+            "evidence; what is proved stands further down."
+        )
+    head = ("condition", "where", "smallest margin seen", "mean violation", "scale")
+    caption = f"{len(rows)} conditions of spec {saved.config.get('spec')}"
+    return [paragraph(said), table(caption, head, rows, numbers="  nnn")]
+
+
+def _row(entry: Mapping[str, Any], measured: Mapping[str, Any] | None) -> tuple[Any, ...]:
+    scale = float(entry.get("scale") or 1.0)
+    name = join(
+        [
+            tag("b", entry.get("name", "?")),
+            Html("<br>"),
+            tag("span", words.condition(entry), class_="quiet"),
+        ]
+    )
+    where = words.region(str(entry.get("region", "")))
+    if measured is None:
+        return name, where, "–", "–", number(scale)
+    least, mean = measured["min_margin"] / scale, measured["mean_violation"] / scale
+    held = "good" if least >= 0.0 else "bad"
+    return name, where, tag("span", number(least), class_=held), number(mean), number(scale)

@@ -1,0 +1,200 @@
+"""The part of the page that shows the walk: animation, controls, and what simulations found."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from neuralgaits.report.page import words
+from neuralgaits.report.page.markup import (
+    Html,
+    command,
+    facts,
+    number,
+    paragraph,
+    section,
+    shell,
+    table,
+    tag,
+)
+from neuralgaits.report.page.saved import Contents, Saved
+
+_SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
+_FIGURES = (
+    ("speed_m_s", "speed", "m/s"),
+    ("step_time_s", "time of a step", "s"),
+    ("cost_of_transport", "mechanical cost of transport", ""),
+    ("peak_torque_nm", "largest torque", "N m"),
+    ("steady_peak_torque_nm", "largest torque, away from touchdowns", "N m"),
+    ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
+    ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
+    ("min_normal_force_n", "smallest force on the standing foot", "N"),
+    ("saturated_fraction", "share of time at a torque limit", ""),
+)
+
+
+def animation(contents: Contents) -> Html:
+    """The walk as a 3-D picture that can be turned, beside the moving point in the plane of z."""
+    walk = contents.walk
+    if walk is None:
+        missing = tag("div", paragraph(contents.no_walk or ""), class_="missing")
+        return section("walk", "The walk", missing)
+    pictures = tag(
+        "div",
+        tag(
+            "div",
+            tag(
+                "canvas",
+                id="robot",
+                tabindex=0,
+                role="img",
+                aria_label="The robot walking. Arrow keys turn the view, plus and minus zoom.",
+            ),
+            tag("p", id="no-picture", hidden=True, role="status"),
+        ),
+        tag(
+            "canvas",
+            id="portrait",
+            role="img",
+            aria_label="Moving point in the plane of z1 and z2, inside the region of the gait.",
+        ),
+        class_="player",
+    )
+    return section(
+        "walk",
+        "The walk",
+        paragraph(_said(walk)),
+        pictures,
+        _controls(walk),
+        paragraph(
+            "Drag to turn, wheel or pinch to zoom; with the keyboard, arrows and + −. Left: the "
+            "robot",
+            " and the force of the ground on its standing foot (the mean over "
+            f"{number(walk['frame_s'])} s)"
+            if walk["force_n"]
+            else "",
+            ". Right: the same moment as a point of the zero dynamics, the two numbers that no "
+            "motor acts on. The green area is the gait's region. Along a step the point moves to "
+            "the right; at touchdown it jumps back to the left, and the next step begins.",
+            class_="quiet",
+        ),
+        paragraph(
+            _beside(walk),
+            class_="quiet",
+        ),
+        tag("noscript", paragraph("The animation needs JavaScript; the rest does not.")),
+        data(walk),
+    )
+
+
+def data(walk: Mapping[str, Any]) -> Html:
+    """The recording as a block of JSON that no parser takes for markup."""
+    written = json.dumps(walk, separators=(",", ":"), allow_nan=False)
+    safe = written.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+    return tag("script", Html(safe), type="application/json", id="recording")
+
+
+def _said(walk: Mapping[str, Any]) -> str:
+    """Which walk it is, and that it is a simulation and not a drawing of the plan."""
+    law = {"pd": "joint PD control", "fblin": "input-output linearisation"}
+    control = law.get(walk["controller"], f"controller {walk['controller']}")
+    said = (
+        f"Recorded from a MuJoCo simulation of the whole robot under {control}, with contact, "
+        f"impacts and torque limits: not a playback of the plan. It {walk['origin']}"
+    )
+    if walk["fell"]:
+        said += f", and falls after {walk['steps_walked']} steps: {walk['fall_reason']}."
+    else:
+        said += f", and stays up for all {walk['steps_walked']} steps shown."
+    return said
+
+
+def _beside(walk: Mapping[str, Any]) -> str | None:
+    """What differs between the plant and the model."""
+    told = []
+    if walk["plant"] != walk["robot"]:
+        told.append(f"the robot that walks is {walk['plant']}, the model is {walk['robot']}")
+    if changed := words.disturbances(walk["disturb"]):
+        told.append(f"changed in the simulation: {changed}")
+    if walk["push_n_s"]:
+        told.append(f"a push of {number(walk['push_n_s'])} N s")
+    return f"{'; '.join(told)}.".capitalize() if told else ""
+
+
+def _controls(walk: Mapping[str, Any]) -> Html:
+    speeds = [tag("option", f"{speed:g}×", value=speed, selected=speed == 1.0) for speed in _SPEEDS]
+    forces = Html("")
+    if walk["force_n"]:
+        box = Html('<input type="checkbox" id="forces" checked>')
+        forces = tag("label", box, "ground force")
+    slider = Html(
+        '<input type="range" id="time" min="0" max="1" step="0.01" value="0" '
+        'aria-label="Time of the walk in seconds">'
+    )
+    return tag(
+        "div",
+        tag("button", "Play", id="play", type="button"),
+        slider,
+        tag("label", "speed", tag("select", *speeds, id="speed")),
+        forces,
+        tag("button", "Reset view", id="reset", type="button"),
+        tag("output", id="reading", class_="quiet"),
+        class_="controls",
+    )
+
+
+def simulations(saved: Saved) -> Html:
+    """What `simulate` found; what to type if it was not called."""
+    done = saved.simulation
+    if done is None:
+        return section(
+            "simulations",
+            "Simulations",
+            tag(
+                "div",
+                paragraph("No simulation of this run is saved, apart from the walk above."),
+                shell([command("neuralgaits", "simulate", saved.name)]),
+                class_="missing",
+            ),
+        )
+    fell = [bool(f) for f in done["fell"]]
+    stayed = len(fell) - sum(fell)
+    rows = [
+        (label, f"{number(done[name])} {unit}".rstrip())
+        for name, label, unit in _FIGURES
+        if done.get(name) is not None
+    ]
+    orbit = done.get("poincare") or {}
+    if orbit.get("multiplier") is not None:
+        told = f"{number(orbit['multiplier'])}, computed in float64; not the proved enclosure"
+        rows.append(("multiplier of the model's orbit", told))
+        rows.append(("length of a step on that orbit", f"{number(orbit['step_length_m'])} m"))
+    changed = words.disturbances(done.get("disturb")) or "nothing"
+    push = f", push {number(done['push'])} N s" if done.get("push") else ""
+    return section(
+        "simulations",
+        "Simulations",
+        paragraph(
+            f"The whole robot in MuJoCo, controller {done['controller']}: {stayed} of {len(fell)} "
+            f"walks stayed up to their last step. Started from {done['start']}, plant "
+            f"{done['plant']}, changed: {changed}{push}, seed {done['seed']}. Simulations are "
+            "samples: they show what happened, not what must happen."
+        ),
+        _walks(done),
+        facts("Means and extremes over these walks", rows),
+    )
+
+
+def _walks(done: Mapping[str, Any]) -> Html:
+    """A row for every walk that fell; nothing if none did."""
+    fallen = [
+        (n, steps, reason)
+        for n, (steps, fell, reason) in enumerate(
+            zip(done["steps_walked"], done["fell"], done["fall_reasons"], strict=True)
+        )
+        if fell
+    ]
+    if not fallen:
+        return Html("")
+    shown = fallen[:20]
+    rest = f" The first {len(shown)} of {len(fallen)}." if len(fallen) > len(shown) else ""
+    return table(f"Walks that fell.{rest}", ("walk", "steps", "reason"), shown, numbers="nn ")

@@ -1,0 +1,225 @@
+"""Plain words for what a run is about: conditions, verdicts, levels, disturbances, terms."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from neuralgaits.report.page.markup import Html, number, tag
+
+_QUANTITIES = {
+    "torso_angle": ("lean of the torso, backwards positive", "rad"),
+    "joint_angles": ("angle of every joint", "rad"),
+    "joint_rates": ("rate of every joint", "rad/s"),
+    "torques": ("torque of every joint", "N m"),
+    "normal_force": ("force of the ground under the standing foot", "N"),
+    "foot_height": ("height of the swinging foot", "m"),
+    "foot_forward": ("swinging foot ahead of the standing one", "m"),
+    "foot_vertical_velocity": ("vertical velocity of the swinging foot", "m/s"),
+    "hip_height": ("height of the hip", "m"),
+    "hip_forward": ("hip ahead of the standing foot", "m"),
+    "hip_speed": ("forward speed of the hip", "m/s"),
+    "forward_rate": ("forward speed of the hip, linearised", "m/s"),
+    "transversal_inertia": ("transversal inertia: where it is 0, the theory ends", "kg m"),
+    "hip_state": ("z1", "m"),
+    "momentum": ("z2", "kg m²/s"),
+    "reset_hip_sum": ("z1 after touchdown plus z1 before", "m"),
+    "reset_hip": ("z1 after touchdown", "m"),
+    "output_mismatch": ("how far joints are off just after touchdown", "rad"),
+    "squared_mismatch": ("minus the squared joint error after touchdown", "rad²"),
+    "rate_mismatch": ("how far joint rates are off just after touchdown", "rad/s"),
+    "state_mismatch": ("how far the whole state is off after touchdown", "rad, rad/s"),
+    "impulse": ("impulse of the impact", "N s"),
+    "normal_impulse": ("upward impulse of the impact", "N s"),
+    "old_foot_lift": ("upward velocity of the old standing foot after touchdown", "m/s"),
+    "orbital_energy": ("orbital energy", "m²/s²"),
+}
+"""What each function of `barriers.functions` is, and its unit."""
+
+_REGIONS = {
+    "tube": "the whole step",
+    "lift-off": "start of the step",
+    "swing": "middle of the step",
+    "landing": "end of the step",
+    "guard": "at touchdown",
+    "fence-lower": "slow edge of the region",
+    "fence-upper": "fast edge of the region",
+}
+_SIDES = {"lower": "slow", "upper": "fast"}
+
+GLOSSARY = (
+    (
+        "Zero dynamics",
+        "what is left of the robot's motion when every motor does exactly what it is told: how "
+        "the body falls forward over the foot on the ground. No motor acts on it directly. It is "
+        "two numbers: z1, how far the hip is ahead of the foot, and z2, the angular momentum over "
+        "it.",
+    ),
+    (
+        "Policy",
+        "the trained function that says, for these two numbers, where every joint should be. There "
+        "is no clock in it: if the robot is held up, the gait waits.",
+    ),
+    ("Stance and swing", "the leg that stands on the ground, and the one that moves forward."),
+    (
+        "Guard, impact, reset",
+        "the moment the swinging foot meets the ground; the sudden change of speeds there; the map "
+        "from just before to just after it, the legs having swapped roles.",
+    ),
+    (
+        "Region, tube",
+        "the set of states for which the gait was trained: from the start of a step (phase 0) to "
+        "touchdown (phase 1), between a slow and a fast edge, its fences.",
+    ),
+    (
+        "Condition",
+        "an inequality that must hold at every state of its region: “the ground pushes and never "
+        "pulls”. Its margin says by how much it holds, in units of its scale, a typical size.",
+    ),
+    (
+        "Barrier condition",
+        "not only must a quantity stay positive: the nearer it comes to zero, the slower it may "
+        "fall. So it cannot cross zero.",
+    ),
+    (
+        "Walking set",
+        "a set of states that no step leaves: from every state in it a step ends in it again.",
+    ),
+    (
+        "Periodic orbit, multiplier",
+        "the one motion that repeats itself at every step; the factor by which a small deviation "
+        "from it shrinks in a step (0.7: a third is gone after each step).",
+    ),
+    (
+        "Proved, measured",
+        "proved: shown by interval arithmetic for every state of a region, rounding included. "
+        "Measured: seen in samples or simulations. That is evidence, however much there is of it.",
+    ),
+)
+"""Ten entries for a reader who has never heard of them."""
+
+LEVELS = {
+    1: "every condition holds at every state of its region",
+    2: "every trajectory that starts in the walking set walks for ever",
+    3: "one periodic orbit attracts the whole walking set",
+    4: "the whole robot walks for ever, joints that are off their targets included",
+}
+"""What each level states, as in docs/guarantees.md."""
+LAST_LEVEL = max(LEVELS)
+PROVED = {
+    1: "every condition holds at every state of its region. That is about single states: nothing "
+    "follows yet for whole walks.",
+    2: "as long as the joints follow the network exactly, the robot walks for ever from every "
+    "state of the walking set.",
+    3: "as long as the joints follow the network exactly, the robot walks for ever from every "
+    "state of the walking set, and comes nearer and nearer to one motion that repeats.",
+    4: "the whole robot walks for ever from every state of a set in which joints may be a little "
+    "off their targets. With joints exactly on target, it comes nearer and nearer to one motion "
+    "that repeats.",
+}
+"""What the highest proved level means for a reader who knows none of the words."""
+_RIGID = (
+    "links are rigid; the foot on the ground is a point that neither slips nor rolls; an impact is "
+    "sudden and without bounce; masses and lengths are those of the robot file; the network's "
+    "weights are those stored in the run"
+)
+_EXACT = "joints are exactly where the network wants them, and are so again after each impact"
+_LINEARISED = (
+    "motors do without delay exactly what the controller asks (exact input-output linearisation in "
+    "continuous time)"
+)
+NOT_CLAIMED = (
+    "control in ticks of a computer, delays, motors at their limits, ground that gives way as in "
+    "MuJoCo, and the real machine"
+)
+
+
+def assumptions(level: int) -> tuple[str, ...]:
+    """What a proof up to this level rests on, in plain words."""
+    if level < LAST_LEVEL:
+        return (_RIGID, _EXACT)
+    return (_RIGID, f"at levels 1 to 3: {_EXACT}", f"at level {LAST_LEVEL}: {_LINEARISED}")
+
+
+def verdict(word: str) -> Html:
+    """A verdict in its colour; the word says it too."""
+    return tag("span", word, class_={"proved": "good", "refuted": "bad"}.get(word, "open"))
+
+
+def region(name: str) -> str:
+    """Where a condition must hold."""
+    return _REGIONS.get(name, name)
+
+
+def condition(described: Mapping[str, Any]) -> str:
+    """A condition as a sentence, from its description in the run's config."""
+    kind, side = described.get("kind"), _SIDES.get(described.get("side", ""), "")
+    if kind == "Fence":
+        return f"trajectories do not leave over the {side} edge"
+    if kind == "Inlet":
+        return f"after touchdown the next step begins inside the {side} edge"
+    if kind == "TubeWidth":
+        return f"the region is at least {number(described['least'])} of its middle wide"
+    if kind == "Equality":
+        what, unit = _named(described["quantity"])
+        return f"{what} within ±{number(described['tolerance'])} {unit}".rstrip()
+    inner = described.get("quantity")
+    if kind is None or not isinstance(inner, Mapping):
+        return f"written by the user: {described.get('user', 'unknown')}"
+    words = quantity(inner)
+    if kind == "Barrier":
+        alpha = described["alpha"]
+        gains = alpha if isinstance(alpha, list) else [alpha]
+        pace = " or ".join(number(gain) for gain in gains)
+        return f"{words}; approached no faster than {pace} 1/s times what is left"
+    if kind == "DiscreteBarrier":
+        return f"{words}; touchdown takes no more than {number(described['gamma'])} of it"
+    return words
+
+
+def quantity(described: Mapping[str, Any]) -> str:
+    """An inequality on a quantity in words."""
+    name = described.get("function")
+    if name in ("at_least", "at_most"):
+        what, unit = _named(described["of"])
+        sign = "≥" if name == "at_least" else "≤"
+        bound = described["bound"]
+        bounds = bound if isinstance(bound, list) else [bound]
+        return f"{what} {sign} {', '.join(number(value) for value in bounds)} {unit}".rstrip()
+    share = described.get("coefficient")
+    if name in ("friction_forward", "friction_backward"):
+        way = name.removeprefix("friction_")
+        return f"the foot does not slip {way}: friction needed ≤ {number(share)}"
+    if name in ("impulse_cone_forward", "impulse_cone_backward"):
+        way = name.removeprefix("impulse_cone_")
+        return f"the landing foot does not slip {way}: friction needed ≤ {number(share)}"
+    if name == "torque_reserve":
+        side = {"lower": "negative", "upper": "positive"}[described["side"]]
+        return f"{side} torques within {number(100.0 * described['share'])} % of the limits"
+    if name == "knee_bend":
+        return f"both knees bent by at least {number(described['least'])} rad"
+    if name == "foot_above_arc":
+        return f"swinging foot above an arc of {number(described['clearance'])} m"
+    what, unit = _named(described)
+    return f"{what} ≥ 0 {unit}".rstrip()
+
+
+def _named(described: Mapping[str, Any]) -> tuple[str, str]:
+    """A quantity's words and unit; its name if it has none."""
+    name = described.get("function")
+    if name == "after_reset":
+        what, unit = _named(described["of"])
+        return f"{what}, after touchdown", unit
+    if name in _QUANTITIES:
+        return _QUANTITIES[name]
+    if name is None:
+        return f"{described.get('user', 'a quantity')}, written by the user", ""
+    return str(name).replace("_", " "), ""
+
+
+def disturbances(values: Mapping[str, Any] | None) -> str:
+    """Those that are set, as NAME=VALUE; empty if none is."""
+    usual = {"mass_scale": 1.0}
+    return ", ".join(
+        f"{name}={value:g}"
+        for name, value in (values or {}).items()
+        if value is not None and value != usual.get(name, 0.0)
+    )

@@ -1,0 +1,105 @@
+"""Everything about a run in one file: read it, show a walk, draw the figures, write the page."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.certificate.check import ASSUMPTIONS
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.report.figure import Drawn, Missing
+from neuralgaits.report.page.closing import missing_parts
+from neuralgaits.report.page.document import MOST_BYTES, document
+from neuralgaits.report.page.saved import Contents, read
+from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.runs import RunFolder, plain, resolve, write_text
+from neuralgaits.workflows.figures import figures
+from neuralgaits.workflows.inspect import inspect
+from neuralgaits.workflows.run import ROBOT, Run, open_run
+from neuralgaits.workflows.shown_walk import shown_walk
+
+FILE = "report.html"
+
+
+@dataclass(frozen=True)
+class Report:
+    """A page and what is in it.
+
+    Attributes:
+        path: of the page.
+        figures: drawn and missing.
+        summary: what `report --json` prints.
+    """
+
+    path: Path
+    figures: list[Drawn | Missing]
+    summary: dict[str, Any]
+
+
+def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Report:
+    """Write the report of a run, finished or not.
+
+    Args:
+        run: a run, its folder, or `latest`.
+        out: the file; `report.html` in the run if None.
+
+    Raises: RunError if there is no such run or it is broken; InputError if the file cannot be
+        written.
+    """
+    folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
+    path = folder.path / FILE if out is None else Path(out)
+    _check_writable(path)
+    saved = read(folder)
+    robot = robot_from_text(folder.copy(ROBOT), folder.config["robot"])
+    walk, no_walk = _walk(run, folder)
+    drawn = figures(folder.path) if folder.finished else []
+    contents = Contents(
+        saved=saved,
+        robot=plain(inspect(robot)),
+        walk=walk,
+        no_walk=no_walk,
+        figures=drawn,
+        assumptions=ASSUMPTIONS,
+    )
+    page = document(contents)
+    if (size := len(page.encode())) > MOST_BYTES:
+        raise InputError(
+            f"expected a page of at most {MOST_BYTES} bytes, found {size}: a figure is too large"
+        )
+    write_text(path, page)
+    summary = {
+        "run": str(folder.path),
+        "report": str(path),
+        "bytes": size,
+        "figures": [figure.name for figure in drawn if isinstance(figure, Drawn)],
+        "missing": [
+            {"what": what, "command": command} for what, command in missing_parts(contents)
+        ],
+        "damaged": saved.damaged,
+    }
+    return Report(path, drawn, summary)
+
+
+def _check_writable(path: Path) -> None:
+    """Refuse a file that cannot be written, before anything is computed."""
+    if path.is_dir():
+        raise InputError(f"expected a file to write, found a folder at {path}: name a file")
+    # What is missing of the path is made later, in the nearest folder there is.
+    base = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
+    if not (base.is_dir() and os.access(base, os.W_OK | os.X_OK)):
+        raise InputError(
+            f"expected a file that can be written, found {path}, and {base} does not let it: name "
+            "another with --out"
+        )
+
+
+def _walk(run: Run | str | Path, folder: RunFolder) -> tuple[dict[str, Any] | None, str | None]:
+    """The walk to show, or why there is none."""
+    if not folder.finished:
+        return None, "There is no gait to show before the training has ended."
+    try:
+        return shown_walk(run if isinstance(run, Run) else open_run(folder.path)), None
+    except InputError as error:
+        if isinstance(error, RunError):
+            raise
+        return None, f"The gait could not be walked: {error}"
