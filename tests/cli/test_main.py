@@ -46,7 +46,7 @@ def _only_line(capfd: Captured) -> str:
 @pytest.mark.parametrize(
     ("arguments", "found"),
     [
-        ([], "train, simulate, certify, check-proof, fit, refine, episodes, export, inspect"),
+        ([], "train, simulate, certify, check-proof, fit, refine, episodes, export, report"),
         (["walk"], "walk"),
         (["train"], "ROBOT"),
         (["train", "amber3m", "--init", "zero"], "'zero'"),
