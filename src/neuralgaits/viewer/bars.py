@@ -1,0 +1,55 @@
+"""Margins of conditions as bars, in plain HTML without scripts."""
+
+import html
+from collections.abc import Sequence
+
+import numpy as np
+
+from neuralgaits.viewer.walker import Margins
+
+FULL = 1.0
+"""Margin of a full bar, in scales of its condition."""
+TIGHT = 0.05
+"""Margin below which a bar warns: what training aims at."""
+_GOOD, _TIGHT, _BROKEN, _FADED = "#2e8b57", "#e08a00", "#c0392b", "#9aa5ad"
+_ROW = (
+    '<div style="display:flex;align-items:center;gap:6px;height:17px;opacity:{opacity}" '
+    'title="{hint}">'
+    '<span style="flex:0 0 43%;overflow:hidden;text-overflow:ellipsis;white-space:nowrap">{name}'
+    '</span><span style="flex:1;height:9px;background:rgba(128,140,150,.18);border-radius:3px;'
+    'overflow:hidden"><span style="display:block;height:9px;width:{width:.0f}%;'
+    'background:{colour}"></span></span>'
+    '<span style="flex:0 0 44px;text-align:right;font-variant-numeric:tabular-nums;'
+    'color:{colour}">{value}</span></div>'
+)
+_KEY = (
+    '<div style="opacity:.7;margin-top:5px;line-height:1.35">Share of the condition\'s scale that '
+    "is left at the robot's z; below 0 it is broken. Pale: the state is not in the "
+    "condition's region, read at the nearest state that is.</div>"
+)
+
+
+def render(names: Sequence[str], margins: Margins) -> str:
+    """Bars of all conditions, in the order of the spec."""
+    rows = [
+        _row(name, float(value), bool(inside))
+        for name, value, inside in zip(names, margins.values, margins.inside, strict=True)
+    ]
+    return f'<div style="font-size:11.5px;padding:2px 10px 8px">{"".join(rows)}{_KEY}</div>'
+
+
+def _row(name: str, value: float, inside: bool) -> str:
+    colour, width, text = _FADED, 0.0, "–"
+    if np.isfinite(value):
+        colour = _BROKEN if value < 0.0 else _TIGHT if value < TIGHT else _GOOD
+        # A broken condition shows how far, in red.
+        width, text = 100.0 * min(abs(value) / FULL, 1.0), f"{value:.2f}"
+    hint = "in its region" if inside else "outside its region: the nearest state is read"
+    return _ROW.format(
+        name=html.escape(name),
+        hint=hint,
+        colour=colour,
+        width=width,
+        value=text,
+        opacity="1" if inside else ".45",
+    )

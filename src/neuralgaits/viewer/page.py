@@ -1,0 +1,131 @@
+"""The server of a live page: on loopback unless told otherwise, on a port of its own."""
+
+import contextlib
+import errno
+import io
+import ipaddress
+import socket
+import threading
+import webbrowser
+from collections.abc import Iterator
+
+import viser
+
+from neuralgaits.errors import InputError
+
+PORT = 8080
+"""First port that is tried where none was asked for."""
+_TRIES = 100
+_LARGEST_PORT = 65535
+LOOPBACK = "127.0.0.1"
+_EVERYWHERE = ("0.0.0.0", "::", "")
+
+
+class LocalServer(viser.ViserServer):
+    """A server that no visitor can publish: viser offers to, over a relay on the internet."""
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """Refuse. Returns: None."""
+        return None
+
+
+def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> LocalServer:
+    """Serve an empty page.
+
+    Args:
+        label: of the page.
+        host: address to bind to.
+        port: exactly this one; None takes the first free one from `PORT` on.
+
+    Raises: InputError if host or port cannot be had.
+    """
+    found = _free_port(host, port)
+    with quiet():
+        server = LocalServer(host=host, port=found, label=label, verbose=False)
+    if server.get_port() != found:
+        server.stop()
+        raise InputError(f"expected port {found} to be free, found it taken: {_REMEDY}")
+    server.gui.configure_theme(
+        show_logo=False, show_share_button=False, brand_color=(11, 87, 164), control_width="large"
+    )
+    return server
+
+
+_REMEDY = "leave --port away to have a free one chosen, or name another"
+
+
+def _free_port(host: str, port: int | None) -> int:
+    if port is not None and not 1 <= port <= _LARGEST_PORT:
+        raise InputError(f"expected --port from 1 to {_LARGEST_PORT}, found {port}: {_REMEDY}")
+    for number in range(PORT, PORT + _TRIES) if port is None else (port,):
+        if _is_free(host, number):
+            return number
+    if port is None:
+        raise InputError(
+            f"expected a free port from {PORT} to {PORT + _TRIES - 1}, found none: name one with "
+            "--port"
+        )
+    raise InputError(f"expected port {port} to be free, found it taken: {_REMEDY}")
+
+
+def _is_free(host: str, port: int) -> bool:
+    """Whether a server could listen there. Raises: InputError for a host that is not ours."""
+    try:
+        known = socket.getaddrinfo(host or None, port, type=socket.SOCK_STREAM)
+    except (OSError, UnicodeError):
+        raise InputError(f"expected --host as an address of this machine, found {host!r}") from None
+    family, kind, protocol, _, address = known[0]
+    with socket.socket(family, kind, protocol) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(address)
+        except PermissionError:
+            raise InputError(
+                f"expected a port that may be opened, found {port}: take one above 1023"
+            ) from None
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                return False
+            raise InputError(
+                f"expected --host as an address of this machine, found {host!r}: "
+                f"{LOOPBACK} is this machine alone"
+            ) from None
+    return True
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine reaches a server bound to this address."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def url(host: str, port: int) -> str:
+    """Address of the page for a browser on this machine."""
+    name = LOOPBACK if host in _EVERYWHERE else host
+    return f"http://[{name}]:{port}" if ":" in name else f"http://{name}:{port}"
+
+
+def show_in_browser(address: str) -> bool:
+    """Open the page in a window. Returns: False if there is no browser with a window.
+
+    A browser that lives in the terminal would take the terminal away.
+    """
+    try:
+        browser = webbrowser.get()
+    except webbrowser.Error:
+        return False
+    if isinstance(browser, webbrowser.GenericBrowser) and not isinstance(
+        browser, webbrowser.BackgroundBrowser
+    ):
+        return False
+    threading.Thread(target=browser.open, args=(address,), daemon=True).start()
+    return True
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Drop what a server prints as it starts and ends: stdout is for answers."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        yield

@@ -1,0 +1,205 @@
+"""The controls beside the scene. What a visitor sets is a number within limits, or a button."""
+
+import html
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import viser
+
+from neuralgaits.viewer import bars
+from neuralgaits.viewer.player import SPEED, Picture, Player
+from neuralgaits.viewer.walker import Limits, Walker
+
+PUSH = Limits(0.0, 40.0, 8.0)
+"""Impulse of a push [N s]."""
+WAYS = {
+    "◀ back": (-1.0, 0.0),
+    "forward ▶": (1.0, 0.0),
+    "▲ up": (0.0, 1.0),
+    "▼ down": (0.0, -1.0),
+}
+"""Directions of a push, along x and z."""
+AFTER_FALL = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
+_SETTINGS = {
+    "slope_deg": ("slope [deg]", 0.5, "uphill positive; the floor turns about the stance foot"),
+    "friction": ("friction", 0.01, "sliding coefficient between feet and floor"),
+    "mass_scale": ("mass ×", 0.01, "factor on all masses and inertias; the controller is not told"),
+    "torque_limit": ("torque limit [N m]", 0.5, "of every joint; the controller knows it"),
+}
+_ANSWER_FRAMES = 250
+"""How long an answer stands: five seconds."""
+_STATUS_EVERY = 5
+"""Frames from one line of status to the next."""
+
+
+class Panel:
+    """Buttons, sliders and bars."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        player: Player,
+        *,
+        title: str,
+        settings: Mapping[str, Limits],
+        conditions: Sequence[str],
+        sure: str,
+        restarted: Callable[[], None],
+    ):
+        """Build the panel.
+
+        Args:
+            server: of the page.
+            player: that the controls speak to.
+            title: one line of Markdown.
+            settings: limits of what can be changed of the plant.
+            conditions: names, in the order of the margins; empty if there are none.
+            sure: Markdown, what is known of the gait.
+            restarted: called when the robot was put elsewhere.
+        """
+        self._player, self._conditions, self._restarted = player, conditions, restarted
+        self._answer, self._answer_left, self._count = "", 0, 0
+        self._sliders: dict[str, tuple[viser.GuiSliderHandle, Limits]] = {}
+        gui = server.gui
+        gui.add_markdown(title)
+        self._status = gui.add_html(_line("getting ready: compiling the controller", "#5b6770"))
+        self._add_time(gui)
+        self._add_push(gui)
+        self._add_plant(gui, settings)
+        with gui.add_folder("Margins at the robot's state"):
+            self._bars = gui.add_html(_note("no margins yet"))
+        with gui.add_folder("How sure are we?", expand_by_default=False):
+            gui.add_markdown(sure)
+
+    def show(self, picture: Picture) -> None:
+        """Bring status and bars up to date."""
+        self._count += 1
+        if picture.answer is not None:
+            self.say(picture.answer)
+        if picture.margins is not None and self._conditions:
+            self._bars.content = bars.render(self._conditions, picture.margins)
+        if self._count % _STATUS_EVERY == 0 or picture.answer is not None:
+            self._status.content = self._lines(picture)
+        self._answer_left = max(0, self._answer_left - 1)
+
+    def say(self, answer: str) -> None:
+        """Show a message for a while."""
+        self._answer, self._answer_left = answer, _ANSWER_FRAMES
+
+    def explain_margins(self, why: str) -> None:
+        """Say why there are no bars."""
+        self._bars.content = _note(why)
+
+    def _add_time(self, gui: viser.GuiApi) -> None:
+        player = self._player
+        pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
+        row = gui.add_button_group("time", ("Step 20 ms", "Reset"))
+        speed = gui.add_slider(
+            "playback ×", SPEED.low, SPEED.high, 0.1, SPEED.first, hint="simulated seconds a second"
+        )
+
+        def named() -> None:
+            pause.label = "Go on" if player.paused else "Pause"
+            pause.icon = viser.Icon.PLAYER_PLAY if player.paused else viser.Icon.PLAYER_PAUSE
+
+        @pause.on_click
+        def _(_event: object) -> None:
+            player.paused = not player.paused
+            named()
+
+        @row.on_click
+        def _(_event: object) -> None:
+            if row.value == "Reset":
+                self.reset()
+            else:
+                player.step()
+                named()
+
+        @speed.on_update
+        def _(_event: object) -> None:
+            value = SPEED.clip(speed.value)
+            if value is not None:
+                player.speed = value
+
+        fall = gui.add_dropdown("after a fall", tuple(AFTER_FALL))
+
+        @fall.on_update
+        def _(_event: object) -> None:
+            player.reset_after = AFTER_FALL.get(fall.value)
+
+    def reset(self) -> None:
+        """Put the robot back; the plant stays as it is."""
+        self._player.ask(_reset)
+        self._restarted()
+
+    def _add_push(self, gui: viser.GuiApi) -> None:
+        with gui.add_folder("Push"):
+            size = gui.add_slider(
+                "impulse [N s]", PUSH.low, PUSH.high, 1.0, PUSH.first, hint="at the hip, for 0.1 s"
+            )
+            ways = gui.add_button_group("push", tuple(WAYS))
+
+        @ways.on_click
+        def _(_event: object) -> None:
+            impulse, way = PUSH.clip(size.value), WAYS.get(ways.value)
+            if impulse is not None and way is not None:
+                self._player.ask(lambda walker: walker.push(impulse * np.array(way)))
+
+    def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, Limits]) -> None:
+        with gui.add_folder("Robot and floor"):
+            for name, limits in settings.items():
+                label, step, hint = _SETTINGS[name]
+                slider = gui.add_slider(
+                    label, limits.low, limits.high, step, limits.first, hint=hint
+                )
+                self._sliders[name] = (slider, limits)
+                slider.on_update(lambda _event, name=name: self._set(name))
+            usual = gui.add_button("As the model has it", icon=viser.Icon.RESTORE)
+
+        @usual.on_click
+        def _(_event: object) -> None:
+            for name, (slider, limits) in self._sliders.items():
+                slider.value = limits.first
+                self._set(name)
+
+    def _set(self, name: str) -> None:
+        slider, limits = self._sliders[name]
+        value = limits.clip(slider.value)
+        if value is not None:
+            self._player.ask(lambda walker: walker.disturb(name, value))
+
+    def _lines(self, picture: Picture) -> str:
+        shown = picture.shown
+        facts = f"{shown.steps} steps · {shown.speed:.2f} m/s · {shown.time:.1f} s"
+        if shown.fall is not None:
+            text = f"Fell: {shown.fall}, after {shown.steps} steps. "
+            left = picture.reset_in
+            text += "Press Reset." if left is None else f"Reset in {left:.0f} s."
+            lines = _line(text, "#c0392b", strong=True)
+        elif picture.paused:
+            lines = _line(f"Paused · {facts}", "#5b6770")
+        else:
+            slow = f" · plays at ×{picture.pace:.2f}" if self._lags(picture) else ""
+            lines = _line(f"Walks · {facts}{slow}", "#2e8b57")
+        said = _line(self._answer, "#7a3e9d") if self._answer_left else ""
+        return lines + said
+
+    def _lags(self, picture: Picture) -> bool:
+        return picture.pace < 0.9 * self._player.speed
+
+
+def _reset(walker: Walker) -> str | None:
+    walker.reset()
+    return None
+
+
+def _line(text: str, colour: str, *, strong: bool = False) -> str:
+    weight = 700 if strong else 500
+    return (
+        f'<div style="padding:3px 10px;font-size:13px;line-height:1.35;font-weight:{weight};'
+        f'color:{colour}">{html.escape(text)}</div>'
+    )
+
+
+def _note(text: str) -> str:
+    return f'<div style="padding:2px 10px 6px;font-size:12px">{html.escape(text)}</div>'

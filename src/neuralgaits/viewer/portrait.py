@@ -1,0 +1,148 @@
+"""Phase portrait of the zero dynamics as a picture whose pixels are states."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+from neuralgaits._types import Float, Int
+
+WIDTH_PX, HEIGHT_PX, DPI = 1320, 900, 150
+"""Of the picture."""
+_LEFT, _RIGHT, _BOTTOM, _TOP = 0.085, 0.985, 0.125, 0.9
+"""Edges of the plane, as shares of the picture."""
+_GREENS = LinearSegmentedColormap.from_list("margin", ["#e3f2e1", "#a5d6a0", "#4f9d63"])
+_OPEN, _BROKEN = "#fdc788", "#d0664c"
+_FLOW, _INK, _ORBIT, _GUARD = "#5b6770", "#1f2a33", "#0b57a4", "#7a3e9d"
+PROVED, UNDECIDED, REFUTED = 0, 1, 2
+"""States of a box, as in a certificate's map."""
+
+
+@dataclass(frozen=True)
+class Portrait:
+    """What is known of the plane before the robot moves.
+
+    Attributes:
+        z1, z2: grid of the flow [m], [kg m^2/s]. [A], [B]
+        dz: rates on it (m/s, N m). [B, A, 2]
+        fence_z1: along both fences [m]. [P]
+        fence_z2: lower and upper fence [kg m^2/s]. [2, P]
+        orbit: from landing to landing; no rows if none was found. [T, 2]
+        corners: of boxes, in order around each. [N, 4, 2]
+        answer: PROVED, UNDECIDED or REFUTED of each box. [N]
+        margin: least margin of each box, in scales. [N]
+        title: one line that says how the margins are known.
+    """
+
+    z1: Float[np.ndarray, " A"]
+    z2: Float[np.ndarray, " B"]
+    dz: Float[np.ndarray, "B A 2"]
+    fence_z1: Float[np.ndarray, " P"]
+    fence_z2: Float[np.ndarray, "2 P"]
+    orbit: Float[np.ndarray, "T 2"]
+    corners: Float[np.ndarray, "N 4 2"]
+    answer: Int[np.ndarray, " N"]
+    margin: Float[np.ndarray, " N"]
+    title: str
+
+    @property
+    def low(self) -> Float[np.ndarray, "2"]:
+        """Least z in view. [2]."""
+        return np.array([self.z1[0], self.z2[0]])
+
+    @property
+    def high(self) -> Float[np.ndarray, "2"]:
+        """Largest z in view. [2]."""
+        return np.array([self.z1[-1], self.z2[-1]])
+
+    def place(self, z: Float[np.ndarray, "... 2"]) -> Float[np.ndarray, "... 2"]:
+        """Where states lie in the picture, as shares of it from its lower left corner."""
+        share = (z - self.low) / (self.high - self.low)
+        return _CORNER + share * _SIZE
+
+    def state(self, place: Float[np.ndarray, "2"]) -> Float[np.ndarray, "2"]:
+        """The state at a place of the picture: inverse of `place`."""
+        return self.low + (place - _CORNER) / _SIZE * (self.high - self.low)
+
+    def clip(self, z: Float[np.ndarray, "... 2"]) -> Float[np.ndarray, "... 2"]:
+        """The nearest states in view."""
+        return np.clip(z, self.low, self.high)
+
+    def draw(self) -> np.ndarray:
+        """The picture. [HEIGHT_PX, WIDTH_PX, 3]."""
+        figure = Figure(figsize=(WIDTH_PX / DPI, HEIGHT_PX / DPI), dpi=DPI)
+        axes = figure.add_axes((_LEFT, _BOTTOM, _RIGHT - _LEFT, _TOP - _BOTTOM))
+        self._draw_boxes(axes)
+        speed = np.where(np.isfinite(self.dz), self.dz, 0.0)
+        axes.streamplot(
+            self.z1,
+            self.z2,
+            speed[..., 0],
+            speed[..., 1],
+            density=(1.1, 0.8),
+            color=_FLOW,
+            linewidth=0.7,
+            arrowsize=0.8,
+        )
+        for fence in self.fence_z2:
+            axes.plot(self.fence_z1, fence, color=_INK, linewidth=2.2)
+        for end, style in ((0, ":"), (-1, "--")):
+            axes.plot(self.fence_z1[[end, end]], self.fence_z2[:, end], style, color=_GUARD, lw=2.4)
+        if len(self.orbit):
+            axes.plot(*self.orbit.T, color=_ORBIT, linewidth=2.6)
+            first, last = self.orbit[0], self.orbit[-1]
+            axes.annotate(
+                "",
+                first,
+                last,
+                arrowprops={"arrowstyle": "->", "color": _ORBIT, "ls": ":", "lw": 1.6},
+            )
+        self._label(axes)
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        return np.array(canvas.buffer_rgba())[..., :3]
+
+    def _draw_boxes(self, axes) -> None:
+        order = np.argsort(-self.margin, kind="stable")
+        order = order[np.argsort(self.answer[order], kind="stable")]
+        top = float(np.max(self.margin[self.answer == PROVED], initial=1e-6))
+        colours = _GREENS(np.clip(self.margin / top, 0.0, 1.0))
+        colours[self.answer == UNDECIDED] = _rgba(_OPEN)
+        colours[self.answer == REFUTED] = _rgba(_BROKEN)
+        axes.add_collection(
+            PolyCollection(
+                list(self.corners[order]),
+                facecolors=colours[order],
+                edgecolors=colours[order],
+                linewidths=0.3,
+            )
+        )
+
+    def _label(self, axes) -> None:
+        axes.set(xlim=(self.z1[0], self.z1[-1]), ylim=(self.z2[0], self.z2[-1]))
+        axes.set_xlabel("z1, hip ahead of the stance foot [m]", fontsize=12, labelpad=2)
+        axes.set_ylabel("z2, angular momentum [kg m²/s]", fontsize=12, labelpad=2)
+        axes.tick_params(labelsize=10)
+        axes.set_title(self.title, fontsize=12.5, color=_INK, pad=8)
+        for end, word in ((0, "after\nimpact"), (-1, "guard")):
+            x, y = self.fence_z1[end], self.fence_z2[1, end]
+            axes.annotate(
+                word,
+                (x, y),
+                (0, 6),
+                textcoords="offset points",
+                ha="center",
+                fontsize=10.5,
+                color=_GUARD,
+            )
+
+
+_CORNER = np.array([_LEFT, _BOTTOM])
+_SIZE = np.array([_RIGHT - _LEFT, _TOP - _BOTTOM])
+
+
+def _rgba(colour: str) -> tuple[float, ...]:
+    return (*(int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)), 1.0)

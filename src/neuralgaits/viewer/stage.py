@@ -1,0 +1,230 @@
+"""The scene: robot, floor, push, and the phase portrait on a board above them.
+
+The robot stays in the middle and the floor moves under it, so the camera is the visitor's own
+and the board hangs still.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import math
+from collections import deque
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+import viser
+from mjviser import ViserMujocoScene
+
+from neuralgaits._types import Float
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
+from neuralgaits.viewer.walker import Shown
+
+_TILE, _SECTION = 0.25, 1.0
+"""Lines of the floor [m]."""
+_TRAIL = 90
+"""Points of the trail: two seconds or so."""
+_ARROW_S = 0.5
+"""How long a push is shown [s]: it lasts a fifth of that."""
+_ARROW_M_N = 0.004
+"""Length of the arrow for each newton [m/N]."""
+_POINT, _LINE, _PUSH = (214, 39, 40), (240, 120, 40), (214, 39, 40)
+_FOV = math.radians(40.0)
+_LIFT = 0.004
+"""Point and trail before the board, so that they are seen [m]."""
+
+
+class Stage:
+    """Everything in the scene."""
+
+    def __init__(self, server: viser.ViserServer, robot: PlanarBiped):
+        """Put the robot on the floor."""
+        self._server = server
+        self._leg = float(robot.leg_length)
+        self._model = _alone(robot)
+        self._data = mujoco.MjData(self._model)
+        server.scene.set_up_direction("+z")
+        self._robot = ViserMujocoScene(server, self._model, 1)
+        self._robot.camera_tracking_enabled = False
+        # No environment map: a browser without a graphics card needs seconds to prepare one.
+        server.scene.configure_environment_map(None)
+        server.scene.configure_default_lights(enabled=False)
+        server.scene.add_light_ambient("/sky", intensity=1.5)
+        server.scene.add_light_directional("/sun", intensity=1.8, position=(-1.5, -3.0, 4.0))
+        self._floor = server.scene.add_grid(
+            "/floor",
+            infinite_grid=True,
+            cell_size=_TILE,
+            section_size=_SECTION,
+            cell_color=(206, 211, 216),
+            section_color=(138, 148, 158),
+            section_thickness=1.4,
+            plane_color=(243, 244, 246),
+            plane_opacity=1.0,
+            shadow_opacity=0.25,
+            fade_distance=30.0,
+        )
+        self._arrow = server.scene.add_arrows(
+            "/push",
+            np.zeros((1, 2, 3), dtype=np.float32),
+            _PUSH,
+            shaft_radius=0.016,
+            head_radius=0.04,
+            head_length=0.09,
+            visible=False,
+        )
+        self._arrow_until = -1.0
+        self._board: _Board | None = None
+        self._frame_camera(server)
+
+    def hang(self, portrait: Portrait, clicked: Callable[[viser.ClientHandle, np.ndarray], None]):
+        """Hang the portrait on the board; `clicked` gets who clicked and the state."""
+        self._board = _Board(self._server, portrait, self._board_width, self._board_bottom, clicked)
+
+    def show(self, shown: Shown) -> None:
+        """Move everything to a moment of the walk."""
+        x = float(shown.hip[0])
+        ground = shown.level + shown.slope * x
+        with self._server.atomic():
+            self._show_robot(shown, x, ground)
+            self._show_floor(shown, x)
+            self._show_push(shown, ground)
+            if self._board is not None:
+                self._board.show(shown.z)
+        self._server.flush()
+
+    def restart(self) -> None:
+        """Forget the trail: the robot was put elsewhere."""
+        if self._board is not None:
+            self._board.forget()
+        self._arrow.visible = False
+
+    def _show_robot(self, shown: Shown, x: float, ground: float) -> None:
+        self._data.qpos[:] = shown.qpos
+        mujoco.mj_kinematics(self._model, self._data)
+        moved = self._data.xpos - np.array([x, 0.0, ground])
+        turned = self._data.xmat.reshape(1, -1, 3, 3)
+        self._robot.update_from_arrays(moved[None], turned)
+
+    def _show_floor(self, shown: Shown, x: float) -> None:
+        """The floor goes through the origin; its lines stay on the ground that they mark."""
+        long = math.hypot(1.0, shown.slope)
+        behind = math.fmod(x * long, _SECTION)
+        self._floor.position = (-behind / long, 0.0, -behind / long * shown.slope)
+        half = 0.5 * math.atan(shown.slope)
+        self._floor.wxyz = (math.cos(half), 0.0, -math.sin(half), 0.0)
+
+    def _show_push(self, shown: Shown, ground: float) -> None:
+        if np.any(shown.force):
+            hip = np.array([0.0, 0.0, shown.hip[1] - ground])
+            way = np.array([shown.force[0], 0.0, shown.force[1]])
+            tip = hip - np.sign(way) * 0.06
+            # In front of the robot, lest its body hide it.
+            points = np.stack([tip - _ARROW_M_N * way, tip]) + np.array([0.0, -0.16, 0.0])
+            self._arrow.points = points[None].astype(np.float32)
+            self._arrow.visible = True
+            self._arrow_until = shown.time + _ARROW_S
+        elif self._arrow.visible and not shown.time < self._arrow_until:
+            self._arrow.visible = False
+
+    @property
+    def _board_width(self) -> float:
+        return 2.1 * self._leg
+
+    @property
+    def _board_bottom(self) -> float:
+        # Above the head of a robot with a torso as long as its thigh.
+        return 1.85 * self._leg
+
+    def _frame_camera(self, server: viser.ViserServer) -> None:
+        """Robot and board in view, whatever the shape of the window."""
+        board = self._board_width * HEIGHT_PX / WIDTH_PX
+        top, wide = self._board_bottom + board, self._board_width
+        middle = (0.0, 0.0, 0.5 * top - 0.05)
+        upright = 0.5 * 1.12 * top / math.tan(0.5 * _FOV)
+        server.initial_camera.fov = _FOV
+        server.initial_camera.look_at = middle
+        server.initial_camera.position = (-0.12 * upright, -upright, middle[2] + 0.06 * upright)
+
+        @server.on_client_connect
+        def _(client: viser.ClientHandle) -> None:
+            aspect = client.camera.image_width / max(client.camera.image_height, 1)
+            narrow = 0.5 * 1.1 * wide / (math.tan(0.5 * _FOV) * aspect)
+            away = max(upright, narrow)
+            client.camera.position = (-0.12 * away, -away, middle[2] + 0.06 * away)
+            client.camera.look_at = middle
+
+
+class _Board:
+    """The portrait in the scene, with the moving point on it."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        portrait: Portrait,
+        width: float,
+        bottom: float,
+        clicked: Callable[[viser.ClientHandle, np.ndarray], None],
+    ):
+        self._portrait = portrait
+        self._size = np.array([width, width * HEIGHT_PX / WIDTH_PX])
+        self._corner = np.array([-0.5 * width, bottom])
+        self._trail: deque[np.ndarray] = deque(maxlen=_TRAIL)
+        middle = self._corner + 0.5 * self._size
+        image = server.scene.add_image(
+            "/board",
+            portrait.draw(),
+            *self._size,
+            format="png",
+            position=(middle[0], 0.0, middle[1]),
+            # Picture's x to the right, its y down: it faces a visitor at -y.
+            wxyz=(math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0),
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        self._line = server.scene.add_line_segments(
+            "/trail", np.zeros((1, 2, 3), dtype=np.float32), _LINE, thickness=0.007 * width
+        )
+        self._point = server.scene.add_icosphere(
+            "/point", radius=0.014 * width, color=_POINT, cast_shadow=False, receive_shadow=False
+        )
+
+        @image.on_click
+        def _(event: viser.SceneNodePointerEvent) -> None:
+            origin, way = np.array(event.ray_origin), np.array(event.ray_direction)
+            if abs(way[1]) < 1e-9:
+                return
+            hit = origin - origin[1] / way[1] * way
+            place = (hit[[0, 2]] - self._corner) / self._size
+            clicked(event.client, portrait.state(place))
+
+    def show(self, z: Float[np.ndarray, "2"]) -> None:
+        """Move the point."""
+        if not np.all(np.isfinite(z)):
+            return
+        place = self._portrait.place(self._portrait.clip(z))
+        across, up = self._corner + place * self._size
+        here = np.array([across, -_LIFT, up], dtype=np.float32)
+        # A step's reset is a jump, not a line.
+        if self._trail and here[0] < self._trail[-1][0] - 0.15 * self._size[0]:
+            self._trail.append(np.full(3, np.nan, dtype=np.float32))
+        self._trail.append(here)
+        self._point.position = tuple(float(value) for value in here)
+        ends = np.stack([list(self._trail)[:-1], list(self._trail)[1:]], axis=1)
+        ends = ends[np.isfinite(ends).all(axis=(1, 2))] if len(self._trail) > 1 else ends
+        if len(ends):
+            self._line.points = ends
+
+    def forget(self) -> None:
+        """Begin a new trail."""
+        self._trail.clear()
+
+
+def _alone(robot: PlanarBiped):
+    """The robot's file without its floor: the page has one of its own."""
+    spec = mujoco.MjSpec.from_string(robot.layout.xml)
+    for geom in list(spec.geoms):
+        if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
+            spec.delete(geom)
+    return spec.compile()

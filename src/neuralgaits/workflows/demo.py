@@ -1,0 +1,22 @@
+"""A gait that came with the package, and its proof: something to see without training."""
+
+from pathlib import Path
+
+import neuralgaits
+from neuralgaits.errors import RunError
+from neuralgaits.viewer import page
+from neuralgaits.workflows.run import ROBOT
+from neuralgaits.workflows.view import LiveView, view
+
+FOLDER = Path(neuralgaits.__file__).parent / "demo_run"
+"""A run folder like any other, to be read only; `tools/make_demo.py` makes it."""
+
+
+def demo(*, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
+    """Serve a live page of the shipped run; see `view`."""
+    if not (FOLDER / ROBOT).is_file():
+        raise RunError(
+            f"expected the shipped run in {FOLDER}, found none: install the package again, or "
+            "view a run of your own with `neuralgaits view RUN`"
+        )
+    return view(FOLDER, host=host, port=port)

@@ -1,0 +1,133 @@
+"""A live page of a run: the robot walks in MuJoCo and bears what visitors do to it."""
+
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import viser
+
+from neuralgaits.errors import SpecError
+from neuralgaits.viewer import page
+from neuralgaits.viewer.panel import Panel
+from neuralgaits.viewer.player import Picture, Player
+from neuralgaits.viewer.stage import Stage
+from neuralgaits.viewer.walker import Walker
+from neuralgaits.workflows.certificate_words import Sureness, how_sure
+from neuralgaits.workflows.gait_quantities import Look, quantities
+from neuralgaits.workflows.live_gait import LiveGait
+from neuralgaits.workflows.phase_plane import portrait
+from neuralgaits.workflows.run import Run, open_run
+
+
+class LiveView:
+    """A page that is being served.
+
+    Attributes:
+        gait: that walks.
+        player: that moves it.
+        url: of the page.
+        port: it listens on.
+        host: it is bound to.
+    """
+
+    def __init__(self, run: Run, host: str, port: int | None):
+        """Serve the page, with the robot standing; `_bring_to_life` does the rest."""
+        self._run = run
+        self._server = page.open_server(f"Neural Gaits: {run.robot.name}", host, port)
+        try:
+            self.host, self.port = host, self._server.get_port()
+            self.url = page.url(host, self.port)
+            self.gait = LiveGait(run)
+            self.player = Player(self.gait, self._show)
+            self._stage = Stage(self._server, run.robot)
+            self._stage.show(self.gait.shown())
+            self._sure = how_sure(run)
+            self._panel = self._build_panel(self._sure)
+        except BaseException:
+            self.close()
+            raise
+        self._alive = threading.Thread(target=self._bring_to_life, name="portrait", daemon=True)
+        self._alive.start()
+        self.player.start()
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What `view --json` prints."""
+        return {"url": self.url, "port": self.port, "run": str(self._run.path)}
+
+    def wait(self) -> None:
+        """Until Ctrl-C. Raises: what failed while the robot walked."""
+        self.player.wait()
+
+    def close(self) -> None:
+        """Stop walking and serving."""
+        if hasattr(self, "player"):
+            self.player.stop()
+        with page.quiet():
+            self._server.stop()
+
+    def ready(self, timeout: float | None = None) -> bool:
+        """Wait for portrait and margins (s). Returns: whether they are there."""
+        self._alive.join(timeout)
+        return not self._alive.is_alive()
+
+    def __enter__(self) -> "LiveView":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _build_panel(self, sure: Sureness) -> Panel:
+        config = self._run.folder.config
+        return Panel(
+            self._server,
+            self.player,
+            title=f"**{config['robot']}**, spec `{config['spec']}`, seed {config['seed']}",
+            settings=self.gait.settings,
+            conditions=[condition.name for condition in self._run.spec.conditions],
+            sure=sure.words,
+            restarted=self._stage.restart,
+        )
+
+    def _bring_to_life(self) -> None:
+        """Margins and portrait: the robot walks meanwhile."""
+        try:
+            run = self._run
+            look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
+            self.gait.look_with(look)
+            plane = portrait(run, look, certified=self._sure.certified)
+            self._stage.hang(plane, self._clicked)
+        except SpecError as error:
+            self._panel.explain_margins(f"no margins and no phase portrait: {error}")
+        except BaseException as error:
+            self.player.fail(error)
+
+    def _show(self, picture: Picture) -> None:
+        self._stage.show(picture.shown)
+        self._panel.show(picture)
+
+    def _clicked(self, client: viser.ClientHandle, z: np.ndarray) -> None:
+        def go(walker: Walker) -> str | None:
+            refused = walker.jump(z)
+            if refused is None:
+                self._stage.restart()
+                return f"Put to z = ({z[0]:.3f} m, {z[1]:.2f} kg m²/s)."
+            client.add_notification("Not there", refused, auto_close_seconds=5.0, color="orange")
+            return refused
+
+        self.player.ask(go)
+
+
+def view(run: Run | str | Path, *, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
+    """Serve a live page of a run.
+
+    Args:
+        run: a run, its folder, or `latest`.
+        host: address to bind to; other than loopback, other machines reach the page.
+        port: exactly this one; None takes a free one.
+
+    Returns: `LiveView`, serving; `wait` until it ends, then `close` it, or use it as a context.
+    Raises: InputError, RobotError or RunError with one line.
+    """
+    return LiveView(open_run(run), host, port)
