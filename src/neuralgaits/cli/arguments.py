@@ -205,6 +205,36 @@ class Report:
 
 
 @dataclass(frozen=True)
+class Page:
+    """Where a live page is served."""
+
+    port: Annotated[int | None, arg(metavar="N")] = None
+    """Port to listen on; a free one if not given."""
+    host: Annotated[str | None, arg(metavar="ADDRESS")] = None
+    """Address to bind to; this machine alone reaches the page if not given."""
+    no_browser: bool = False
+    """Print the address only."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Watch a gait walk, push it, tilt its floor, and put it into any state: a live page."""
+
+    run: Run
+    """Run folder, or latest."""
+    page: Annotated[Page, arg(name="")] = Page()
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class Demo:
+    """The same with a gait that came with the package, and its proof: no training."""
+
+    page: Annotated[Page, arg(name="")] = Page()
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Inspect:
     """Show what a robot file holds and what is wrong with it."""
 
@@ -237,6 +267,8 @@ Verb = (
     | Episodes
     | Export
     | Report
+    | View
+    | Demo
     | Inspect
     | Robots
     | Doctor
@@ -252,6 +284,8 @@ _NAMED = (
     | Annotated[Episodes, subcommand("episodes")]
     | Annotated[Export, subcommand("export")]
     | Annotated[Report, subcommand("report")]
+    | Annotated[View, subcommand("view")]
+    | Annotated[Demo, subcommand("demo")]
     | Annotated[Inspect, subcommand("inspect")]
     | Annotated[Robots, subcommand("robots")]
     | Annotated[Doctor, subcommand("doctor")]

@@ -69,6 +69,8 @@ def _answer(arguments: list[str]) -> int:
 
         sys.stdout.write(to_json(outcome.result))
         sys.stdout.flush()
+    if outcome.then is not None:
+        outcome.then()
     if outcome.undecided:
         return UNDECIDED
     return GOOD if outcome.good else NO

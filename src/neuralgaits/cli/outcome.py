@@ -14,12 +14,14 @@ class Outcome:
         good: False if the answer is no.
         table: shows the result to a person.
         undecided: True if there is no answer.
+        then: what goes on once the answer is printed, as a page that is served; None for nothing.
     """
 
     result: dict[str, Any]
     good: bool
     table: Callable[[dict[str, Any]], None]
     undecided: bool = False
+    then: Callable[[], None] | None = None
 
     def show(self) -> None:
         """Print the result for a person on stdout."""

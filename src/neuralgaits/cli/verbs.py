@@ -8,6 +8,7 @@ from neuralgaits.cli import screen
 from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
+    Demo,
     Doctor,
     Episodes,
     Export,
@@ -19,6 +20,7 @@ from neuralgaits.cli.arguments import (
     Simulate,
     Train,
     Verb,
+    View,
 )
 from neuralgaits.cli.learning_verbs import (
     carry_out_episodes,
@@ -28,6 +30,7 @@ from neuralgaits.cli.learning_verbs import (
 )
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.report_verb import carry_out_report
+from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
 from neuralgaits.errors import InputError
 
 _TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out")
@@ -55,6 +58,10 @@ def carry_out(verb: Verb) -> Outcome:
             return _export(verb)
         case Report():
             return carry_out_report(verb)
+        case View():
+            return carry_out_view(verb)
+        case Demo():
+            return carry_out_demo(verb)
         case Inspect():
             return _inspect(verb)
         case Robots():

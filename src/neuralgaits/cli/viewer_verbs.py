@@ -1,0 +1,60 @@
+"""The verbs that serve a live page: they answer once it can be opened, and stay until Ctrl-C."""
+
+import sys
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from neuralgaits.cli.arguments import Demo, Page, View
+from neuralgaits.cli.outcome import Outcome
+
+if TYPE_CHECKING:
+    from neuralgaits.workflows.view import LiveView
+
+
+def carry_out_view(verb: View) -> Outcome:
+    """Run `view`."""
+    from neuralgaits.cli.progress import waiting
+    from neuralgaits.workflows.view import view
+
+    with waiting("putting the robot onto its feet"):
+        live = view(verb.run, **_place(verb.page))
+    return _served(live, verb.page)
+
+
+def carry_out_demo(verb: Demo) -> Outcome:
+    """Run `demo`."""
+    from neuralgaits.cli.progress import waiting
+    from neuralgaits.workflows.demo import demo
+
+    with waiting("putting the robot onto its feet"):
+        live = demo(**_place(verb.page))
+    return _served(live, verb.page)
+
+
+def _place(page: Page) -> dict[str, Any]:
+    return {"port": page.port} if page.host is None else {"port": page.port, "host": page.host}
+
+
+def _served(live: "LiveView", page: Page) -> Outcome:
+    """Say where the page is, open it, and stay."""
+    from neuralgaits.viewer.page import is_loopback, show_in_browser
+
+    if not is_loopback(live.host):
+        print(
+            f"neuralgaits: {live.host} is reached from other machines: whoever opens the page can "
+            "push the robot; leave --host away to keep it on this machine",
+            file=sys.stderr,
+        )
+    opened = not page.no_browser and show_in_browser(live.url)
+
+    def stay() -> None:
+        try:
+            live.wait()
+        finally:
+            live.close()
+
+    def show(result: Mapping[str, Any]) -> None:
+        what = "" if opened else " (open it in a browser)"
+        print(f"walks at {result['url']}{what}; Ctrl-C ends it", flush=True)
+
+    return Outcome(live.summary, True, show, then=stay)
