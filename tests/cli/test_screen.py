@@ -3,7 +3,6 @@
 import pytest
 
 from neuralgaits.cli import screen
-from neuralgaits.cli.progress import TrainingProgress
 from neuralgaits.cli.usage import condense
 
 
@@ -64,17 +63,6 @@ def test_names_are_not_read_as_markup(capsys: pytest.CaptureFixture[str]) -> Non
     names = [{"name": "[red]robot[/red]", "about": "x"}]
     screen.show_names({"robots": names, "specs": []})
     assert "[red]robot[/red]" in capsys.readouterr().out
-
-
-def test_progress_without_a_terminal_is_a_few_lines(capsys: pytest.CaptureFixture[str]) -> None:
-    with TrainingProgress() as progress:
-        for step in range(1, 1001):
-            progress(step, 1000, 1.0 / step)
-    out, err = capsys.readouterr()
-    assert out == ""
-    lines = err.splitlines()
-    assert 10 <= len(lines) <= 12
-    assert lines[-1].startswith("step 1000/1000  loss 0.001  ETA 0 s")
 
 
 def test_a_box_becomes_a_line() -> None:

@@ -1,4 +1,4 @@
-"""The verb train with --certify: exit codes, lines of progress, one JSON object."""
+"""The verb train with --certify: exit codes and lines of progress."""
 
 import json
 from pathlib import Path
@@ -20,9 +20,10 @@ def test_the_exit_code_says_whether_the_proof_stands(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main([*WORDS, "--certify", *budget, "--out", "run", "--json"]) == code
+    assert main([*WORDS, "--certify", *budget, "--out", "run"]) == code
     out, err = capfd.readouterr()
-    found = json.loads(out)["certificate"]
+    found = json.loads((tmp_path / "run" / "summary.json").read_text())["certificate"]
+    assert f"{found['verdict']} at level 1" in out
     assert found["verdict"] == {0: "proved", 3: "undecided"}[code]
     lines = [line for line in err.splitlines() if line.startswith("certificate after")]
     assert len(lines) == found["repairs"] + 1

@@ -16,7 +16,7 @@ class Output:
     """How the result is shown."""
 
     json: bool = False
-    """Print one JSON object on stdout; progress goes to stderr."""
+    """Print one JSON object on stdout, and no progress."""
     verbose: Annotated[bool, arg(aliases=["-v"])] = False
     """Show the traceback of an error."""
 

@@ -1,6 +1,5 @@
 """The verbs that learn from logs, and the error bounds that they and `certify` take."""
 
-import sys
 from typing import Literal
 
 from neuralgaits.cli import episodes_screen, learning_screen, screen
@@ -17,7 +16,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.fit import fit
 
-    with TrainingProgress() as progress:
+    with TrainingProgress(quiet=verb.output.json) as progress:
         done = fit(
             verb.run, verb.logs, optimizer=verb.optimizer, seed=verb.seed, progress=progress
         ).summary
@@ -33,7 +32,7 @@ def carry_out_refine(verb: Refine) -> Outcome:
 
     given = verb.disturbance
     disturbance = LEARNED if given == LEARNED else None if given is None else _pair(given)
-    with TrainingProgress() as progress:
+    with TrainingProgress(quiet=verb.output.json) as progress:
         run = refine(
             verb.run,
             residual=verb.residual,
@@ -61,12 +60,14 @@ def carry_out_episodes(verb: Episodes) -> Outcome:
     given = {name: value for name in names if (value := getattr(verb, name)) is not None}
     robot = load_robot(verb.robot)
 
-    def tell(number: int, what: str) -> None:
-        print(f"round {number}: {what}", file=sys.stderr)
-
-    with TrainingProgress() as progress:
+    with TrainingProgress(quiet=verb.output.json) as progress:
         done = episodes(
-            robot, rounds=verb.rounds, resume=verb.resume, progress=progress, tell=tell, **given
+            robot,
+            rounds=verb.rounds,
+            resume=verb.resume,
+            progress=progress,
+            tell=progress.stage,
+            **given,
         )
     return Outcome(done.summary, done.walks is not False, episodes_screen.show_episodes)
 

@@ -1,8 +1,7 @@
-"""Progress on stderr: bars of a training and of a proof, or lines without a terminal."""
+"""Progress on stderr: a bar on a terminal, a few lines without one, nothing under `--json`."""
 
 import sys
 import time
-from contextlib import AbstractContextManager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
@@ -11,6 +10,7 @@ from rich.progress import (
     BarColumn,
     Progress,
     ProgressColumn,
+    SpinnerColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -20,19 +20,34 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.proof_rounds import Round
 
 _LINES = 10
+"""Lines that stand for a bar, about."""
+_BAR = 24
+"""Width of a bar: with what stands beside it, a line of 80 columns is enough."""
+_QUIET_S = 30.0
+"""Longest silence of something that goes on without getting a tenth further [s]."""
 _NAMED = 3
 """Conditions that a line names before it counts."""
 
 
 class _OnTerminal:
-    """A bar on stderr, shown while the context is open and only on a terminal."""
+    """A bar on stderr, shown while the context is open and only on a terminal.
 
-    def __init__(self, *columns: ProgressColumn | str) -> None:
-        self._console = Console(stderr=True)
+    Args:
+        columns: of the bar.
+        quiet: show nothing at all, as under `--json`.
+    """
+
+    def __init__(self, *columns: ProgressColumn | str, quiet: bool = False) -> None:
+        self._console = Console(stderr=True, quiet=quiet)
         self._bar = Progress(*columns, console=self._console, transient=True)
+        self._quiet = quiet
+
+    @property
+    def _drawn(self) -> bool:
+        return self._console.is_terminal and not self._quiet
 
     def __enter__(self) -> Self:
-        if self._console.is_terminal:
+        if self._drawn:
             self._bar.start()
         return self
 
@@ -42,21 +57,31 @@ class _OnTerminal:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if self._console.is_terminal:
+        if self._drawn:
             self._bar.stop()
+
+    def say(self, line: str) -> None:
+        """Print a line that stays; a bar stays below it."""
+        self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+    def _line(self, line: str) -> None:
+        """Print a line in place of a bar."""
+        if not self._quiet:
+            print(line, file=sys.stderr)
 
 
 class TrainingProgress(_OnTerminal):
     """A callback `(step, total, loss)` for the workflow, open while it runs."""
 
-    def __init__(self) -> None:
+    def __init__(self, quiet: bool = False) -> None:
         super().__init__(
             TextColumn("{task.description}"),
-            BarColumn(),
+            BarColumn(_BAR),
             TextColumn("{task.fields[count]}"),
             TimeElapsedColumn(),
             TextColumn("{task.fields[eta]}"),
             TimeRemainingColumn(),
+            quiet=quiet,
         )
         self._task = self._bar.add_task("compiling", total=None, count="", eta="")
         self._next_line = 0.0
@@ -64,7 +89,7 @@ class TrainingProgress(_OnTerminal):
 
     def __call__(self, step: int, total: int, loss: float) -> None:
         """Show that `step` of `total` gradient steps are done, with the loss there."""
-        if self._console.is_terminal:
+        if self._drawn:
             self._bar.update(
                 self._task,
                 completed=step,
@@ -75,11 +100,17 @@ class TrainingProgress(_OnTerminal):
             )
         elif step >= self._next_line or step >= total:
             self._next_line = step + total / _LINES
-            print(f"step {step}/{total}  loss {loss:.3g}{self._eta(step, total)}", file=sys.stderr)
+            self._line(f"step {step}/{total}  loss {loss:.3g}{self._eta(step, total)}")
+
+    def stage(self, number: int, what: str) -> None:
+        """Say what a round of episodes begins with, and start the bar anew."""
+        self.say(f"round {number}: {what}")
+        self._bar.reset(self._task, total=None, count="", eta="", description=what)
+        self._next_line, self._first = 0.0, None
 
     def proved(self, share: float, boxes: int) -> None:
         """Show the proved share of all conditions' regions, on a terminal."""
-        if self._console.is_terminal:
+        if self._drawn:
             self._bar.update(
                 self._task,
                 completed=share,
@@ -98,8 +129,7 @@ class TrainingProgress(_OnTerminal):
             line += f", {ended.open_boxes} boxes open: {', '.join(worst[:_NAMED])}{more}"
         if ended.smallest_margin is not None:
             line += f", smallest margin {ended.smallest_margin:.3g} of its scale"
-        # The bar stays below it.
-        self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+        self.say(line)
         self._next_line, self._first = 0.0, None
 
     def _eta(self, step: int, total: int) -> str:
@@ -113,29 +143,62 @@ class TrainingProgress(_OnTerminal):
         return f"  ETA {(total - step) * (now - start) / (step - first_step):.0f} s"
 
 
-class ProofProgress(_OnTerminal):
-    """A callback `(proved share, boxes)` for the workflow, open while it runs."""
+class _Share(_OnTerminal):
+    """A share from 0 to 1 that grows, with a count beside it."""
 
-    def __init__(self) -> None:
+    def __init__(self, what: str, *more: ProgressColumn, quiet: bool) -> None:
         super().__init__(
-            TextColumn("proved"),
-            BarColumn(),
-            TextColumn("{task.percentage:.1f} %  {task.fields[boxes]} boxes"),
+            TextColumn(what),
+            BarColumn(_BAR),
+            TextColumn("{task.percentage:.1f} %  {task.fields[count]}"),
             TimeElapsedColumn(),
+            *more,
+            quiet=quiet,
         )
-        self._task = self._bar.add_task("", total=1.0, boxes=0)
-        self._last = ""
+        self._what = what
+        self._task = self._bar.add_task("", total=1.0, count="")
+        self._next_share, self._next_time = 0.0, 0.0
+
+    def _show(self, share: float, count: str) -> None:
+        now = time.monotonic()
+        if self._drawn:
+            self._bar.update(self._task, completed=share, count=count)
+        elif share >= self._next_share or now >= self._next_time:
+            # The last line is the whole: no tenth after it.
+            self._next_share = min(share + 1.0 / _LINES, 1.0) if share < 1.0 else 2.0
+            self._next_time = now + _QUIET_S
+            self._line(f"{self._what} {100.0 * share:.1f} %  {count}")
+
+
+class ProofProgress(_Share):
+    """A callback `(proved share, boxes)` for the search of a proof, open while it runs."""
+
+    def __init__(self, quiet: bool = False) -> None:
+        super().__init__("proved", quiet=quiet)
 
     def __call__(self, share: float, boxes: int) -> None:
         """Show the proved share of all conditions' regions."""
-        line = f"proved {100.0 * share:.1f} %"
-        if self._console.is_terminal:
-            self._bar.update(self._task, completed=share, boxes=boxes)
-        elif line != self._last:
-            self._last = line
-            print(f"{line}  {boxes} boxes", file=sys.stderr)
+        self._show(share, f"{boxes} boxes")
 
 
-def waiting(what: str) -> AbstractContextManager[object]:
+class CheckProgress(_Share):
+    """A callback `(leaves done, leaves)` for the check of a proof, open while it runs."""
+
+    def __init__(self, quiet: bool = False) -> None:
+        left = (TextColumn("ETA"), TimeRemainingColumn())
+        super().__init__("checked", *left, quiet=quiet)
+
+    def __call__(self, done: int, leaves: int) -> None:
+        """Show how many leaves of the proof's trees are bounded again."""
+        self._show(done / leaves if leaves else 1.0, f"{done}/{leaves} boxes")
+
+
+class _Waiting(_OnTerminal):
+    def __init__(self, what: str, quiet: bool) -> None:
+        super().__init__(SpinnerColumn(), TextColumn(what), TimeElapsedColumn(), quiet=quiet)
+        self._bar.add_task("", total=None)
+
+
+def waiting(what: str, quiet: bool = False) -> _OnTerminal:
     """A sign of life while something without steps to count runs; silent without a terminal."""
-    return Console(stderr=True).status(what)
+    return _Waiting(what, quiet)

@@ -78,14 +78,14 @@ def _train(verb: Train) -> Outcome:
     if "hidden" in given:
         given["hidden"] = _widths(given["hidden"])
     if verb.resume is not None:
-        given = {"resume": _unfinished(verb.resume, given)}
+        given = {"resume": _unfinished(verb.resume, given, verb.output.json)}
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.proof_rounds import Watch
     from neuralgaits.workflows.train import train
 
     robot = load_robot(verb.robot)
-    with TrainingProgress() as progress:
+    with TrainingProgress(quiet=verb.output.json) as progress:
         watch = Watch(progress.proved, progress.round_ended)
         run = train(robot, progress=progress, watch=watch, **given)
     proof = run.summary["certificate"]
@@ -93,8 +93,8 @@ def _train(verb: Train) -> Outcome:
     return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
 
 
-def _unfinished(run: str, given: dict[str, Any]) -> Path:
-    """The run folder to go on with; on stderr if the caller left open which.
+def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
+    """The run folder to go on with; on stderr if the caller left open which, unless `quiet`.
 
     Raises: InputError if settings are given that the run has of its own, RunError if there is
         no such run.
@@ -109,7 +109,7 @@ def _unfinished(run: str, given: dict[str, Any]) -> Path:
     from neuralgaits.runs.latest import LATEST
 
     folder = resolve_unfinished(run)
-    if run == LATEST:
+    if run == LATEST and not quiet:
         print(f"resuming {folder.path}", file=sys.stderr)
     return folder.path
 
@@ -118,7 +118,7 @@ def _simulate(verb: Simulate) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
-    with waiting("walking in MuJoCo"):
+    with waiting("walking in MuJoCo", quiet=verb.output.json):
         done = simulate(
             verb.run,
             plant=verb.plant,
@@ -140,7 +140,7 @@ def _certify(verb: Certify) -> Outcome:
     from neuralgaits.cli.progress import ProofProgress
     from neuralgaits.workflows.certify import certify
 
-    with ProofProgress() as progress:
+    with ProofProgress(quiet=verb.output.json) as progress:
         done = certify(
             verb.run,
             level=verb.level,
@@ -154,11 +154,11 @@ def _certify(verb: Certify) -> Outcome:
 
 
 def _check_proof(verb: CheckProof) -> Outcome:
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import CheckProgress
     from neuralgaits.workflows.check_proof import check_proof
 
-    with waiting("bounding every box again, in balls"):
-        result = check_proof(verb.file, run=verb.run)
+    with CheckProgress(quiet=verb.output.json) as progress:
+        result = check_proof(verb.file, run=verb.run, progress=progress)
     verdict = result["verdict"]
     return Outcome(result, verdict == "proved", screen.show_check, verdict == "undecided")
 
@@ -168,7 +168,7 @@ def _export(verb: Export) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.export import export
 
-    with waiting("writing it, comparing it with Python"):
+    with waiting("writing it, comparing it with Python", quiet=verb.output.json):
         done = export(verb.run, verb.out, format=verb.format, force=verb.force)
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
 
