@@ -16,7 +16,7 @@ TITLE = "The rules of the gait"
 CAPTION = (
     "Walking is asked for as limits on the robot, not as a motion to copy: the torso stays within "
     "its wedge, the swing foot above its arc, the contact force inside the friction cone, hip and "
-    "knees on the right side of their bounds. The gait shown keeps them all or is marked where not."
+    "knees on the right side of their bounds. Poses and forces are those of the periodic gait."
 )
 ALLOWED = "#dcebf7"
 ARROWS = 9
@@ -36,8 +36,7 @@ def draw(data: GaitData) -> Figure:
 
 
 def _torso(axes: Axes, data: GaitData) -> None:
-    row = len(data["orbit/t"]) // 2
-    points = data["orbit/skeleton"][row]
+    points = data["orbit/skeleton"][_row(data, 0.2)]
     skeleton.draw(axes, points, data.torso)
     low, high = _limits(data, "torso_angle")
     panel(axes, "a", "torso" if data.torso else "pose at mid-step")
@@ -60,13 +59,21 @@ def _torso(axes: Axes, data: GaitData) -> None:
             axes.add_patch(wedge)
             for angle, where in ((low, "left"), (high, "right")):
                 tip = hip + 1.03 * size * np.array([-np.sin(angle), np.cos(angle)])
-                axes.text(*tip, f"{angle:+.2f} rad", ha=where, va="bottom", fontsize=9, color=BLUE)
+                axes.text(
+                    tip[0],
+                    tip[1],
+                    f"{angle:+.2f} rad",
+                    ha=where,
+                    va="bottom",
+                    fontsize=9,
+                    color=BLUE,
+                )
         else:
             _no_condition(axes, "torso")
-    _ground(axes, points)
+    _ground(axes)
     axes.set(xlabel="forward [m]", ylabel="up [m]")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_ylim(-0.05, 1.22 * float(points[:, 1].max()))
+    axes.set_ylim(-0.05, 1.25 * float(points[:, 1].max()))
 
 
 def _foot(axes: Axes, data: GaitData) -> None:
@@ -143,7 +150,7 @@ def _force(axes: Axes, data: GaitData) -> None:
             (share * top, top),
             (-share * top, top),
         ]
-        label = f"asked for: |T| ≤ {share:.2g} N" + (f",\nN ≥ {least:.0f} N" if least else "")
+        label = f"asked for: |T| ≤ {share:.2g} N" + (f", N ≥ {least:.0f} N" if least else "")
         axes.add_patch(Polygon(corners, facecolor=ALLOWED, edgecolor=BLUE, label=label, zorder=1))
     else:
         _no_condition(axes, "contact")
@@ -169,13 +176,13 @@ def _force(axes: Axes, data: GaitData) -> None:
         )
     axes.plot(along, normal, color=BLACK, linewidth=2.0, label="tip, over one step", zorder=3)
     axes.set(xlabel="horizontal force T [N]", ylabel="normal force N [N]")
-    axes.set_ylim(-0.03 * top, 1.5 * top)
-    axes.legend(loc="upper center", fontsize=8.5, ncols=2)
+    axes.set_ylim(-0.03 * top, 1.62 * top)
+    axes.legend(loc="upper center", fontsize=8.5)
 
 
 def _joints(axes: Axes, data: GaitData) -> None:
     panel(axes, "d", "hip and knees")
-    row = len(data["orbit/t"]) // 2
+    row = _row(data, 0.8)
     points, torso = data["orbit/skeleton"][row], data.torso
     hip_row = skeleton.hip_index(len(points), torso)
     hip, tall = points[hip_row], float(points[:, 1].max())
@@ -195,7 +202,8 @@ def _joints(axes: Axes, data: GaitData) -> None:
     if slowest is not None:
         text += f"\nalways ≥ {slowest:.2f} m/s"
     axes.text(
-        *(hip + np.array([size, 0.03 * tall])),
+        hip[0] + size,
+        hip[1] + 0.03 * tall,
         text,
         fontsize=9,
         va="bottom",
@@ -212,13 +220,13 @@ def _joints(axes: Axes, data: GaitData) -> None:
             "--",
             color=RED,
             linewidth=1.2,
-            label=f"straight; a knee stays {knees['least']:.2g} rad off",
+            label=f"straight leg: knees stay {knees['least']:.2g} rad off",
         )
-    _ground(axes, points)
+    _ground(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="forward [m]", ylabel="up [m]")
-    axes.set_ylim(-0.05, 1.32 * tall)
-    axes.legend(loc="upper center", fontsize=8.5, ncols=2)
+    axes.set_ylim(-0.05, 1.45 * tall)
+    axes.legend(loc="upper center", fontsize=8.5)
 
 
 def _knee(
@@ -242,15 +250,20 @@ def _knee(
         zorder=2,
     )
     bend = side * data["orbit/q"][row, joint + 1]
-    offset = (8, 2) if not swing else (-8, 2)
+    offset = (8, 2) if swing else (-8, 2)
     axes.annotate(
         f"{bend:.2f} rad",
         tuple(points[at]),
         offset,
         textcoords="offset points",
-        ha="left" if not swing else "right",
+        ha="left" if swing else "right",
         fontsize=9,
     )
+
+
+def _row(data: GaitData, share: float) -> int:
+    """Row of the orbit at a share of the step's time."""
+    return int(np.searchsorted(data["orbit/t"], share * data["orbit/t"][-1]))
 
 
 def _limits(data: GaitData, quantity: str) -> tuple[float | None, float | None]:
@@ -275,7 +288,5 @@ def _no_condition(axes: Axes, what: str) -> None:
     )
 
 
-def _ground(axes: Axes, points: np.ndarray) -> None:
+def _ground(axes: Axes) -> None:
     axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=0)
-    middle = 0.5 * float(points[:, 0].min() + points[:, 0].max())
-    axes.set_xlim(middle - 0.7, middle + 0.7)

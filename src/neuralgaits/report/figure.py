@@ -68,8 +68,10 @@ def write(figure: Figure, folder: Path, name: str) -> tuple[Path, Path]:
     # The layout is found once; both files share it.
     with style.settings():
         FigureCanvasAgg(figure)
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            engine.execute(figure)
+            figure.set_layout_engine("none")
     for path, content in zip(paths, (png(figure), svg(figure)), strict=True):
         write_bytes(path, content)
     return paths

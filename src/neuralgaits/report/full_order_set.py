@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -63,15 +64,15 @@ def draw(data: GaitData, full: FullOrderSet) -> Figure:
     phase, _ = np.meshgrid(data["chart/phase"], data["chart/level"])
     rooms = allowed(data, full)
     most = 1e3 * np.minimum(np.min(list(rooms.values()), axis=0), full.tube(phase))
-    figure = new_figure(4.7)
+    figure = new_figure(5.0)
     left, right = figure.subplots(1, 2)
     z = data["chart/z"]
     mesh = left.pcolormesh(
         z[..., 0], z[..., 1], most, cmap=_MAP, shading="gouraud", rasterized=True
     )
     mesh.set_clim(0.0, float(most.max()))
-    bar = figure.colorbar(mesh, ax=left, location="bottom")
-    bar.set_label("largest error of the joints, √V [mrad]")
+    bar = figure.colorbar(mesh, ax=[left, right], location="bottom", shrink=0.6, aspect=40)
+    bar.set_label("largest error of the joints, √V, picture a [mrad]")
     shown = [size for size in CURVES if size < float(most.max())]
     if shown:
         lines = left.contour(z[..., 0], z[..., 1], most, shown, colors=BLACK, linewidths=1.0)
@@ -106,19 +107,21 @@ def _along(
 ) -> None:
     phase = data["chart/phase"]
     best = most.max(axis=0)
-    axes.fill_between(phase, FLOOR, best, color="#dcebf7", label="$C_σ$, middle of the tube")
+    axes.fill_between(phase, FLOOR, best, color="#dcebf7", label="$C_σ$, mid-tube")
     for number, (name, room) in enumerate(rooms.items()):
-        line = series(number + 2) | {"linewidth": 1.1}
-        axes.plot(phase, 1e3 * room.max(axis=0), label=f"bound by {name}", **line)
+        line: dict[str, Any] = series(number + 2) | {"linewidth": 1.1}
+        axes.plot(phase, 1e3 * room.max(axis=0), label=name, **line)
     bound = 1e3 * full.tube(phase)
-    axes.plot(phase, bound, color=BLUE, linewidth=2.2, label="bound by torque and contact")
+    axes.plot(phase, bound, color=BLUE, linewidth=2.2, label="torque and contact")
     if data.periodic:
         z1 = data["orbit/z"][:, 0]
         at = (z1 - z1[0]) / (z1[-1] - z1[0])
         left = 1e3 * full.after_impact * np.exp(-0.5 * full.decay * data["orbit/t"])
-        label = "errors after the worst impact"
+        label = "after the worst impact"
         axes.plot(at, left, color=RED, linestyle=(0, (6, 2)), linewidth=2.0, label=label)
     axes.set(yscale="log", xlabel="phase of the step [1]", ylabel="error of the joints, √V [mrad]")
     axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(FLOOR, 20.0 * float(best.max()))
-    axes.legend(fontsize=8, loc="upper right", ncols=1)
+    top = max(float(np.max(list(rooms.values()))) * 1e3, float(best.max()))
+    # Room for the names above the curves.
+    axes.set_ylim(FLOOR, 400.0 * top)
+    axes.legend(fontsize=8.5, loc="upper center", ncols=2, handlelength=1.8)

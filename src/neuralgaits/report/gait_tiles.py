@@ -54,7 +54,7 @@ def draw(
         axes.text(
             shift + 0.5 * (low + high),
             -0.1 * tall,
-            f"{t[row] - t[0]:.2f} s\nfoot {100.0 * foot[number, 1]:.1f} cm",
+            f"{t[row] - t[0]:.2f} s\nfoot {_centimetres(foot[number, 1])} cm",
             ha="center",
             va="top",
             fontsize=9,
@@ -68,3 +68,8 @@ def draw(
     for side in ("bottom", "left"):
         axes.spines[side].set_visible(False)
     return figure
+
+
+def _centimetres(height: float) -> str:
+    """A height without the sign of a rounded zero."""
+    return f"{round(100.0 * height, 1) + 0.0:.1f}"

@@ -27,7 +27,7 @@ def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
         rows: of `metrics.csv`, at least one.
     """
     steps = np.array([row["step"] for row in rows])
-    figure = new_figure(4.6)
+    figure = new_figure(5.2)
     whole, parts = figure.subplots(1, 2)
     for name, label, colour, dash, mark in (
         ("loss", "training loss", BLACK, "-", "o"),
@@ -53,9 +53,9 @@ def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
         # One checkpoint is drawn as well as many.
         axes.set_xlim(0.0, 1.05 * max(float(steps.max()), 1.0))
         axes.grid(True, which="major", color="0.9")
-    parts.set_ylabel(f"loss of the condition [1]; {FLOOR:.0e} or less at the line")
-    whole.legend()
-    parts.legend(fontsize=8.5)
+    parts.set_ylabel(f"loss of the condition [1], lowest line: ≤ {FLOOR:g}")
+    whole.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14))
+    parts.legend(loc="upper center", bbox_to_anchor=(0.45, -0.14), ncols=2, fontsize=8.5)
     return figure
 
 

@@ -28,6 +28,8 @@ CAPTION = (
 )
 NAMED = 6
 """Conditions with a line of their own: the tightest."""
+MOMENT = 3
+"""A condition that applies at no more nodes than this holds at one moment: it has no line."""
 SHOWN = 1.0
 """Margins beyond this are cut off: they are far away [scale]."""
 
@@ -50,7 +52,7 @@ def draw(data: GaitData, proved: Mapping[str, float]) -> Figure:
 def _over_time(axes: Axes, data: GaitData) -> None:
     t, margins = data["orbit/t"], data["orbit/margins"]
     least = np.array([np.nanmin(row) if np.isfinite(row).any() else np.inf for row in margins])
-    lines = [row for row in np.argsort(least) if np.isfinite(margins[row]).sum() > 1]
+    lines = [row for row in np.argsort(least) if np.isfinite(margins[row]).sum() > MOMENT]
     for row in lines[NAMED:]:
         axes.plot(t, margins[row], color=LIGHT, linewidth=0.9, zorder=1)
     for number, row in enumerate(lines[:NAMED]):
@@ -58,14 +60,16 @@ def _over_time(axes: Axes, data: GaitData) -> None:
     if lines[NAMED:]:
         label = f"{len(lines[NAMED:])} others"
         axes.plot([], [], color=LIGHT, linewidth=0.9, label=label)
+    if not len(t):
+        axes.text(0.5, 0.6, "the gait has no periodic orbit", ha="center", transform=axes.transAxes)
     _forbidden(axes.axhspan, axes.axhline)
     top = max(SHOWN, 1.2 * float(np.min(least, initial=SHOWN)))
     bottom = min(-0.12, 1.2 * float(np.min(least, initial=0.0)))
     axes.set_ylim(bottom, top)
     if len(t):
         axes.set_xlim(t[0], t[-1])
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
     axes.set(xlabel="time since the foot landed [s]", ylabel="margin [scale of the condition]")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
     panel(axes, "a", "along the orbit")
 
 
@@ -80,11 +84,11 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
     axes.barh(rows, cut, color=colours, height=0.62, hatch=hatches, edgecolor="white")
     for row, value in zip(rows, least[order], strict=True):
         if value > SHOWN:
-            axes.text(SHOWN, row, f" {value:.1f}", va="center", fontsize=8)
+            axes.text(SHOWN, float(row), f" {value:.1f}", va="center", fontsize=8)
     shown = [
         (proved[data.conditions[i]], row)
         for row, i in enumerate(order)
-        if data.conditions[i] in proved
+        if data.conditions[i] in proved and least[i] <= SHOWN
     ]
     if shown:
         bounds, at = np.transpose(shown)
@@ -110,5 +114,5 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
 
 def _forbidden(span, line) -> None:
     """Mark margins below zero: broken."""
-    span(-10.0, 0.0, facecolor="#fbe6da", edgecolor=GREY, hatch="...", linewidth=0, zorder=0)
+    span(-10.0, 0.0, facecolor="#fbe6da", edgecolor=GREY, hatch="//", linewidth=0, zorder=0)
     line(0.0, color=BLACK, linewidth=1.0)

@@ -43,15 +43,15 @@ def draw(data: GaitData) -> Figure:
     )
     if norm is None:
         mesh.set_clim(0.0, float(least.max()))
-    bar = figure.colorbar(mesh, ax=left, location="bottom", shrink=0.95)
-    bar.set_label("least margin [scale of the condition]")
+    bar = figure.colorbar(mesh, ax=[left, right], location="bottom", shrink=0.6, aspect=40)
+    bar.set_label("least margin, picture a [scale of the condition]")
     at = np.unravel_index(int(np.argmin(least)), least.shape)
     left.plot(*z[at], "X", color=RED, mec=BLACK, ms=9, zorder=4)
     name = data.conditions[wide[which[at]]]
     left.annotate(
         f"{name}\n{least[at]:.3f}",
         tuple(z[at]),
-        (0.5, 0.93),
+        (0.5, 0.97),
         textcoords="axes fraction",
         ha="center",
         va="top",
@@ -79,7 +79,12 @@ def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None
         area = axes.contourf(z[..., 0], z[..., 1], mask, [0.5, 1.5], colors=[fill], hatches=[hatch])
         area.set_edgecolor("#555555")
         area.set_linewidth(0.0)
+        area.set_rasterized(True)
         handles.append(
             Patch(facecolor=fill, hatch=hatch, edgecolor="#555555", label=data.conditions[row])
         )
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+    axes.legend(handles=handles, loc="upper center", ncols=2, fontsize=8.5, handlelength=1.6)
+    low, high = float(z[..., 1].min()), float(z[..., 1].max())
+    rows = (len(handles) + 1) // 2
+    # Room above the tube for the names.
+    axes.set_ylim(low - 0.05 * (high - low), high + (0.06 + 0.12 * rows) * (high - low))

@@ -1,5 +1,7 @@
 """Phase portrait of the hybrid zero dynamics: flow, guard, reset, tube, safe set and orbit."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -26,17 +28,26 @@ RESETS = 3
 """Arrows of the reset map: from the fences and between them."""
 
 
-def caption(data: GaitData, walk: MeasuredWalk | None) -> str:
-    """What is to be seen."""
+def caption(data: GaitData, walk: MeasuredWalk | None, level: int) -> str:
+    """What is to be seen.
+
+    Args:
+        data: of the gait.
+        walk: measured, or None.
+        level: up to which the gait is proved, 0 if nothing is.
+    """
     text = (
         "A point is the whole state of the walking robot: where the hip is, and how fast it turns "
         "over the foot. Grey lines show where the motion carries it; at the guard the foot lands, "
-        "and the dotted arrows take the state to the start of the next step. Nothing leaves the "
-        "blue tube"
+        "and the dotted arrows take the state to the start of the next step. "
     )
-    if data.periodic:
-        text += ", and every walk in it settles on the red orbit"
-    return text + (f"; black dots were measured ({walk.source})." if walk else ".")
+    if level >= 3:
+        text += "Nothing leaves the blue tube and every walk in it settles on the red orbit: proved"
+    elif level == 2:
+        text += "Nothing leaves the blue tube: that is proved"
+    else:
+        text += "The gait is made for the blue tube; that nothing leaves it is not proved yet"
+    return text + (f". Black dots were measured ({walk.source})." if walk else ".")
 
 
 @styled
@@ -48,17 +59,15 @@ def draw(data: GaitData, walk: MeasuredWalk | None = None) -> Figure:
     handles += _walks(axes, data, walk)
     handles += _guard_and_reset(axes, data)
     axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
-    axes.set_xlim(data["plane/z1"][[0, -1]])
-    axes.set_ylim(data["plane/z2"][[0, -1]])
+    axes.set_xlim(data["plane/z1"].min(), data["plane/z1"].max())
+    axes.set_ylim(data["plane/z2"].min(), data["plane/z2"].max())
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
 
-def flow(axes: Axes, data: GaitData, name: str, colour: str = GREY) -> Line2D:
+def flow(axes: Axes, data: GaitData, name: str, colour: str = GREY, density: float = 0.9) -> Line2D:
     """Stream lines of a field on the plane's grid. Returns: what a legend shows."""
     z1, z2, field = data["plane/z1"], data["plane/z2"], data[f"plane/{name}"]
-    # Both axes are scaled to one: arrows have the slope that is seen.
-    wide, high = np.ptp(z1), np.ptp(z2)
     finite = np.where(np.isfinite(field), field, 0.0)
     streams = axes.streamplot(
         z1,
@@ -68,7 +77,7 @@ def flow(axes: Axes, data: GaitData, name: str, colour: str = GREY) -> Line2D:
         color=colour,
         linewidth=0.6,
         arrowsize=0.7,
-        density=(0.9, 0.9 * min(high / wide, 1.0)),
+        density=density,
         zorder=1.5,
     )
     streams.lines.set_alpha(0.8)
@@ -102,7 +111,9 @@ def _safe_set(axes: Axes, data: GaitData) -> list:
 
 def _guard_and_reset(axes: Axes, data: GaitData) -> list:
     z1, z2, foot = data["plane/z1"], data["plane/z2"], data["plane/foot"]
-    ahead = np.where(z1[None, :] > 0.0, foot, np.nan)
+    # Far behind the guard the policy means nothing, and its foot may rise and fall again.
+    usual = data["guard/z"][:, 0].max()
+    ahead = np.where((z1 > 0.0) & (z1 < usual + 0.5 * (z1[-1] - usual)), foot, np.nan)
     axes.contour(z1, z2, ahead, [0.0], colors=BLACK, linewidths=2.0, linestyles="--", zorder=3)
     before, after = data["guard/z"], data["guard/z_after"]
     for row in np.linspace(0, len(before) - 1, RESETS).round().astype(int):
@@ -138,7 +149,7 @@ def _walks(axes: Axes, data: GaitData, walk: MeasuredWalk | None) -> list:
         handles.append(Line2D([], [], color=RED, linewidth=2.6, label="periodic orbit"))
     if walk is not None:
         thin = max(len(walk.t) // 600, 1)
-        dots = {"color": BLACK, "marker": ".", "ms": 2.2, "linestyle": "none"}
+        dots: dict[str, Any] = {"color": BLACK, "marker": ".", "ms": 2.2, "linestyle": "none"}
         axes.plot(*walk.z[::thin].T, **dots, zorder=3.8, rasterized=True)
         label = f"measured: {walk.source}"
         handles.append(Line2D([], [], **dots | {"ms": 5}, label=label))

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from neuralgaits._types import Float
 from neuralgaits.report.data import GaitData
@@ -74,8 +75,8 @@ def draw(data: ResidualData) -> Figure:
         gait.torso,
         gait.residual,
     )
-    flow(axes, corrected, "nominal_dz", GREY)
-    flow(axes, corrected, "corrected", BLUE)
+    flow(axes, corrected, "nominal_dz", GREY, 0.6)
+    flow(axes, corrected, "corrected", BLUE, 0.6)
     _fences(axes, gait)
     handles = [
         Line2D([], [], color=GREY, linewidth=0.8, marker=">", ms=3, label="flow of the model"),
@@ -98,17 +99,17 @@ def _component(figure: Figure, axes: Axes, data: ResidualData, number: int, labe
     axes.contour(
         z1, z2, field, shades[1:-1], colors=BLACK, linewidths=0.5, negative_linestyles="dashed"
     )
-    bar = figure.colorbar(area, ax=axes, location="bottom", format="%.2g")
+    area.set_rasterized(True)
+    bar = figure.colorbar(area, ax=axes, location="bottom", ticks=MaxNLocator(5))
     bar.set_label(label)
     bar.ax.tick_params(labelsize=8)
-    bar.set_ticks(shades[:: SHADES // 3])
     _fences(axes, gait)
     if len(data.visited):
         dots = {"color": BLACK, "marker": ".", "ms": 1.2, "linestyle": "none"}
         axes.plot(*data.visited.T, **dots, rasterized=True)
     axes.set(xlabel=X_LABEL, ylabel=Y_LABEL if number == 0 else "")
-    axes.set_xlim(z1[[0, -1]])
-    axes.set_ylim(z2[[0, -1]])
+    axes.set_xlim(z1.min(), z1.max())
+    axes.set_ylim(z2.min(), z2.max())
 
 
 def _fences(axes: Axes, gait: GaitData) -> None:

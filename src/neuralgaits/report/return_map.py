@@ -35,9 +35,13 @@ def caption(data: GaitData, proved: Proved | None) -> str:
     """What is to be seen."""
     text = (
         "The curve says how fast the robot passes mid-step after one more step. Where it crosses "
-        "the diagonal the robot repeats itself. It is flatter than the diagonal there, so every "
-        f"deviation shrinks, to {abs(data.numbers.multiplier):.2f} of itself with each step."
+        "the diagonal the robot repeats itself."
     )
+    if abs(data.numbers.multiplier) < 1.0:
+        text += (
+            " It is flatter than the diagonal there, so a deviation shrinks, to "
+            f"{abs(data.numbers.multiplier):.2f} of itself with each step."
+        )
     if proved is not None:
         text += " That this orbit exists, is the only one and attracts the whole tube is proved."
     return text
@@ -46,7 +50,7 @@ def caption(data: GaitData, proved: Proved | None) -> str:
 @styled
 def draw(data: GaitData, proved: Proved | None = None) -> Figure:
     """The map with its fixed point, and how walks come to it."""
-    figure = new_figure(4.4)
+    figure = new_figure(4.6)
     left, right = figure.subplots(1, 2)
     _map(left, data, proved)
     _approach(right, data, proved)
@@ -61,6 +65,8 @@ def _map(axes: Axes, data: GaitData, proved: Proved | None) -> None:
     near = numbers.z2 + np.array([-reach, reach])
     slope = numbers.z2 + numbers.multiplier * (near - numbers.z2)
     label = f"slope {numbers.multiplier:.3f}"
+    if proved is not None:
+        label += ", proved {:.3f} to {:.3f}".format(*proved.multiplier)
     axes.plot(near, slope, color=RED, linewidth=4.0, alpha=0.45, label=label, zorder=2.5)
     for start, colour in ((z2[0], GREEN), (z2[-1], GREEN)):
         points = np.repeat(_iterates(data, float(start)), 2)
@@ -74,17 +80,17 @@ def _map(axes: Axes, data: GaitData, proved: Proved | None) -> None:
     if proved is not None:
         low, high = proved.z2
         middle, room = 0.5 * (low + high), 3.0 * (high - low)
-        inset = axes.inset_axes((0.63, 0.13, 0.34, 0.3))
+        inset = axes.inset_axes((0.6, 0.17, 0.36, 0.25))
         inset.axvspan(1e3 * (low - middle), 1e3 * (high - middle), color="#cfe8dd")
         offset = 1e3 * (z2 - middle)
         inset.plot(offset, offset, "--", color=GREY, linewidth=1.0)
         inset.plot(1e3 * (numbers.z2 - middle), 1e3 * (numbers.z2 - middle), "o", color=BLACK, ms=5)
         inset.set_xlim(-1e3 * room / 2, 1e3 * room / 2)
         inset.set_ylim(-1e3 * room / 2, 1e3 * room / 2)
-        inset.set_xlabel("z2 − mid [g m²/s]", fontsize=8)
+        inset.set_xlabel(f"z2 − {middle:.4f} [10⁻³ kg m²/s]", fontsize=8)
         inset.set_yticks([])
         inset.tick_params(labelsize=8)
-        inset.set_title("proved to lie in the band", fontsize=8)
+        inset.set_title("proved: in the band", fontsize=8)
 
 
 def _approach(axes: Axes, data: GaitData, proved: Proved | None) -> None:
@@ -102,8 +108,8 @@ def _approach(axes: Axes, data: GaitData, proved: Proved | None) -> None:
     axes.plot(steps, first * numbers.multiplier**steps, "--", color=RED, linewidth=1.2, label=label)
     if proved is not None and proved.contraction is not None:
         slowest = first * proved.contraction**steps
-        label = f"proved: {proved.contraction:.3f} or less"
-        axes.fill_between(steps, FLOOR, slowest, color="#cfe8dd", zorder=0.5, label=label)
+        label = f"proved rate, {proved.contraction:.3f} or less"
+        axes.plot(steps, slowest, color=BLUE, linewidth=2.0, label=label)
     axes.set(yscale="log", xlabel="steps taken [1]", ylabel="distance from the orbit [kg m²/s]")
     axes.set_ylim(bottom=first * min(abs(numbers.multiplier), 0.9) ** (STEPS + 1))
     axes.legend(fontsize=8.5)

@@ -38,7 +38,7 @@ def draw(summary: dict[str, Any]) -> Figure:
     _barriers(axes[1, 0], rounds)
     _errors(axes[1, 1], rounds)
     for part in axes.flat:
-        part.set(xlabel="round (0: trained on the model alone)", xticks=numbers)
+        part.set(xlabel="round [1], 0: trained on the model alone", xticks=numbers)
         part.set_xlim(min(numbers, default=0) - 0.5, max(numbers, default=0) + 0.5)
     figure.suptitle(_title(summary), fontsize=11)
     return figure
@@ -59,7 +59,7 @@ def _steps(axes: Axes, rounds: list[dict[str, Any]]) -> None:
         walked = np.asarray(entry["steps_walked"])
         spread = np.linspace(-0.2, 0.2, len(walked))
         axes.plot(entry["round"] + spread, walked, "o", color=BLUE, markersize=4)
-    axes.set(title="one dot a walk", ylabel="steps walked")
+    axes.set(title="one dot a walk", ylabel="steps walked [1]")
     axes.set_ylim(bottom=0)
 
 
@@ -80,24 +80,24 @@ def _barriers(axes: Axes, rounds: list[dict[str, Any]]) -> None:
     # The second may lie on the first: dashes let it through.
     for label, style, colour, shares in (
         ("inside the tube", "o-", BLUE, [entry["barriers"]["tube"] for entry in rounds]),
-        ("and all conditions", "o--", GREEN, [entry["barriers"]["all"] for entry in rounds]),
-        ("the worst condition", "o-", ORANGE, lowest),
+        ("and all conditions", "s--", GREEN, [entry["barriers"]["all"] for entry in rounds]),
+        ("the worst condition", "^:", ORANGE, lowest),
     ):
         axes.plot(numbers, 100.0 * np.asarray(shares), style, color=colour, label=label)
     axes.set(title="measured on the robot", ylabel="share of logged time [%]", ylim=(0, 105))
-    axes.legend(fontsize=8, loc="lower right")
+    axes.legend(loc="lower right")
 
 
 def _errors(axes: Axes, rounds: list[dict[str, Any]]) -> None:
-    for name, label, colour in (
-        ("nominal_heldout_error", "model alone", GREY),
-        ("binned_floor", "best table over z", ORANGE),
-        ("heldout_error", "with what was learned", BLUE),
+    for name, label, style, colour in (
+        ("nominal_heldout_error", "model alone", "o-", GREY),
+        ("binned_floor", "best table over z", "^:", ORANGE),
+        ("heldout_error", "with what was learned", "s--", BLUE),
     ):
         known = [(entry["round"], entry[name]) for entry in rounds if entry[name] is not None]
         if known:
-            axes.plot(*np.transpose(known), "o-", color=colour, label=label)
-    axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z [-]")
+            axes.plot(*np.transpose(known), style, color=colour, label=label)
+    axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z [1]")
     axes.set_ylim(bottom=0)
     if axes.lines:
-        axes.legend(fontsize=8)
+        axes.legend(loc="center left")

@@ -27,7 +27,7 @@ DPI = 110
 WIDTH = 8.0
 """Of a figure [in]: text of 10 points is 12 pixels high where a page shows 700."""
 
-_SETTINGS: dict[str, Any] = {
+_SETTINGS: dict[Any, Any] = {
     "font.size": 10.0,
     "axes.titlesize": 10.0,
     "axes.labelsize": 10.0,

@@ -1,5 +1,6 @@
 """All figures of a run, drawn from what lies in its folder."""
 
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -60,8 +61,17 @@ class Source:
 
     @property
     def robot(self) -> str:
-        """Name or file of the robot that was trained."""
-        return self.run.folder.config["robot"]
+        """Name or file of the robot that was trained, as one types it."""
+        return _quoted(self.run.folder.config["robot"])
+
+    @property
+    def path(self) -> str:
+        """The run's folder, as one types it."""
+        return _quoted(self.run.path)
+
+
+def _quoted(word: str | Path) -> str:
+    return shlex.quote(str(word))
 
 
 @dataclass(frozen=True)
@@ -101,7 +111,8 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
 
 def _phase_portrait(source: Source) -> Made:
     data, walk = source.data, source.walk
-    return phase_portrait.caption(data, walk), phase_portrait.draw(data, walk)
+    words = phase_portrait.caption(data, walk, source.certificate.level)
+    return words, phase_portrait.draw(data, walk)
 
 
 def _barrier_sketches(source: Source) -> Made:
@@ -118,7 +129,7 @@ def _walk_tiles(source: Source) -> Made:
     walk = source.walk
     if walk is None:
         log = source.run.path / "simulation" / "walk.csv"
-        command = f"neuralgaits simulate {source.run.path} --log {log}"
+        command = f"neuralgaits simulate {source.path} --log {_quoted(log)}"
         raise Absent("the run has no log of a walk", command)
     rows = walk.last_step
     figure = gait_tiles.draw(
@@ -139,7 +150,7 @@ def _certificate_map(source: Source) -> Made:
     path = source.run.path / "certificate" / MAP
     if source.certificate.reason is not None or not path.is_file():
         reason = source.certificate.reason or f"{path.name} is missing in the certificate"
-        raise Absent(reason, f"neuralgaits certify {source.run.path}")
+        raise Absent(reason, f"neuralgaits certify {source.path}")
     arrays, words = read_arrays(path)
     figure = certificate_map.draw(
         arrays["corners"],
@@ -159,7 +170,7 @@ def _return_map(source: Source) -> Made:
 def _full_order_set(source: Source) -> Made:
     certificate = source.certificate
     if certificate.full is None:
-        raise Absent(certificate.no_full, f"neuralgaits certify {source.run.path} --level 4")
+        raise Absent(certificate.no_full, f"neuralgaits certify {source.path} --level 4")
     return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
 
 
@@ -177,10 +188,10 @@ def _loss(source: Source) -> Made:
 def _residual_field(source: Source) -> Made:
     data = residual_data(source.run)
     if data is None:
-        path, log = source.run.path, source.run.path / "simulation" / "walk.csv"
-        steps = [f"neuralgaits simulate {path} --log {log}", f"neuralgaits fit {path} {log}"]
-        if source.walk is not None and log.is_file():
-            steps = steps[1:]
+        log, path = source.run.path / "simulation" / "walk.csv", source.path
+        walk = f"neuralgaits simulate {path} --log {_quoted(log)}"
+        learn = f"neuralgaits fit {path} {_quoted(log)}"
+        steps = [learn] if log.is_file() else [walk, learn]
         raise Absent("nothing was learned from logs of this gait", " && ".join(steps))
     return residual_field.caption(data), residual_field.draw(data)
 
@@ -188,7 +199,7 @@ def _residual_field(source: Source) -> Made:
 def _rounds(source: Source) -> Made:
     folder = source.run.path.parent
     if not all((folder / file).is_file() for file in (EPISODES, SUMMARY)):
-        command = f"neuralgaits episodes {source.robot} --plant ROBOT --resume {source.run.path}"
+        command = f"neuralgaits episodes {source.robot} --plant ROBOT --resume {source.path}"
         raise Absent("the run is no round of episodes", command)
     return rounds.CAPTION, rounds.draw(source.run.folder.read_json(f"../{SUMMARY}"))
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from typing import Any
 
 import numpy as np
 
@@ -71,8 +70,9 @@ def compute(run: Run) -> dict[str, np.ndarray]:
     span = (float(run.gait.span[0]), float(run.gait.span[1]))
     tube = Chart(run.gait, run.spec)
     with np.errstate(all="ignore"):
-        found = _chart(run, look, tube) | _plane(look, tube, span) | _map(motion, tube, span)
-        found |= _orbit(run, look, motion, found.pop("map/orbit"), span)
+        mapped, orbit = _map(motion, tube, span)
+        found = _chart(look, tube) | _plane(look, tube, span) | mapped
+        found |= _orbit(run, look, motion, orbit, span)
         found |= _walks(motion, tube, span)
     robot = run.robot
     found |= {
@@ -85,7 +85,7 @@ def compute(run: Run) -> dict[str, np.ndarray]:
     return {name: np.asarray(array, dtype=np.float64) for name, array in found.items()}
 
 
-def _chart(run: Run, look: Look, tube: Chart) -> dict[str, np.ndarray]:
+def _chart(look: Look, tube: Chart) -> dict[str, np.ndarray]:
     phase, level = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
     at_phase, at_level = np.meshgrid(phase, level)
     z = tube.z(at_phase, at_level)
@@ -120,13 +120,16 @@ def _plane(look: Look, tube: Chart, span: tuple[float, float]) -> dict[str, np.n
     }
 
 
-def _map(motion: Look, tube: Chart, span: tuple[float, float]) -> dict[str, Any]:
+def _map(
+    motion: Look, tube: Chart, span: tuple[float, float]
+) -> tuple[dict[str, np.ndarray], gait_flow.Orbit]:
+    """The sampled Poincare map, and its fixed point."""
     middle = -span[0] / (span[1] - span[0])
     low, high = tube.fences(np.array(middle))
     z2 = np.linspace(low, high, MAP_POINTS)
     mapped = gait_flow.returns(motion, z2, span).z2
     orbit = gait_flow.fixed_point(motion, z2, mapped, span)
-    return {"map/z2": z2, "map/z2_after": mapped, "map/orbit": orbit}
+    return {"map/z2": z2, "map/z2_after": mapped}, orbit
 
 
 def _orbit(

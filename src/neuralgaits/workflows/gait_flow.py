@@ -143,8 +143,8 @@ def fixed_point(
         guess = guess + moved
         if abs(moved) <= 1e-10 * guess:
             break
-    numbers = guess, slope, step.duration[1], step.length[1]
-    return Orbit(*(float(value) for value in numbers), step.before[1])
+    period, length = float(step.duration[1]), float(step.length[1])
+    return Orbit(float(guess), float(slope), period, length, step.before[1])
 
 
 def _rate(motion: Motion, z1: np.ndarray, y: np.ndarray) -> np.ndarray:

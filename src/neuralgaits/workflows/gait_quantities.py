@@ -111,8 +111,7 @@ class Chart:
         """Least entry of each condition's margins where it applies, else NaN. [c, ...]."""
         rows = []
         for condition in self.spec.conditions:
-            margin = found[f"margin/{condition.name}"]
-            least = margin.reshape(*phase.shape, -1).min(axis=-1)
+            least = _least(found[f"margin/{condition.name}"], phase.shape)
             applies = np.zeros(phase.shape, dtype=bool)
             for box in self.spec.regions[condition.region]:
                 inside = np.ones(phase.shape, dtype=bool)
@@ -125,5 +124,11 @@ class Chart:
     def barriers(self, found: dict[str, np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
         """Least value of each barrier function. [b, ...]."""
         names = [c.name for c in self.spec.conditions if isinstance(c, Barrier)]
-        rows = [found[f"barrier/{name}"].reshape(*shape, -1).min(axis=-1) for name in names]
+        rows = [_least(found[f"barrier/{name}"], shape) for name in names]
         return np.stack(rows) if rows else np.zeros((0, *shape))
+
+
+def _least(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Least entry at each state, laid out as the states are: [N, ...] to [shape]."""
+    entries = int(np.prod(values.shape[1:]))
+    return values.reshape(*shape, entries).min(axis=-1)

@@ -24,6 +24,7 @@ class Certificate:
 
     Attributes:
         reason: why nothing is known to be proved; None if there is a certificate of this gait.
+        level: up to which all is proved; 0 if some condition is not.
         margins: proved lower bound of each proved condition, in its scale.
         orbit: of level 3; None if that is not proved.
         full: the set of level 4; None likewise.
@@ -31,6 +32,7 @@ class Certificate:
     """
 
     reason: str | None = None
+    level: int = 0
     margins: Mapping[str, float] = field(default_factory=dict)
     orbit: Proved | None = None
     full: FullOrderSet | None = None
@@ -55,7 +57,10 @@ def certificate_of(run: Run) -> Certificate:
     orbit = None if proof is None else _orbit(run, levels.get(3), proof)
     shape = _full(levels.get(4), full) if full and _of_these_weights(run, full) else None
     reason = (levels.get(4) or {}).get("reason") or Certificate.no_full
-    return Certificate(None, margins, orbit, shape, str(reason))
+    level = int(all(row["verdict"] == "proved" for row in summary["conditions"].values()))
+    while level and levels.get(level + 1, {}).get("verdict") == "proved":
+        level += 1
+    return Certificate(None, level, margins, orbit, shape, str(reason))
 
 
 def _json(path: Path) -> dict[str, Any] | None:
