@@ -5,10 +5,12 @@ PIP_INSTALL = .venv/bin/python -m pip install --quiet --constraint constraints.t
 .PHONY: walk proofcheck test bench docs lint clean
 .DELETE_ON_ERROR:
 
-# Train a gait for AMBER-3M and walk it in MuJoCo.
+# Train a gait for AMBER-3M, walk it in MuJoCo, prove it, and write all that into one page.
 walk: .venv/run.stamp
 	.venv/bin/neuralgaits train amber3m
 	.venv/bin/neuralgaits simulate latest
+	.venv/bin/neuralgaits certify latest
+	.venv/bin/neuralgaits report latest
 
 # Build the independent proof checker, which needs g++ and nothing else: build/proofcheck FILE.
 proofcheck: build/proofcheck

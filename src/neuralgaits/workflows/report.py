@@ -1,6 +1,7 @@
 """Everything about a run in one file: read it, show a walk, draw the figures, write the page."""
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -51,8 +52,11 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     _check_writable(path)
     saved = read(folder)
     robot = robot_from_text(folder.copy(ROBOT), folder.config["robot"])
-    walk, no_walk = _walk(run, folder)
-    drawn = figures(folder.path) if folder.finished else []
+    with ThreadPoolExecutor(1) as beside:
+        # Most of a walk is compiled without Python, while the figures are drawn.
+        walking = beside.submit(_walk, run, folder)
+        drawn = figures(folder.path) if folder.finished else []
+        walk, no_walk = walking.result()
     contents = Contents(
         saved=saved,
         robot=plain(inspect(robot)),

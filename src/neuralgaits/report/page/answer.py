@@ -13,12 +13,20 @@ def answer(contents: Contents) -> Html:
     saved = contents.saved
     parts = [
         _part("What it does.", _what(contents)),
-        _part("Why it stays up.", _why(saved)),
+        _part(_heading(contents), _why(saved)),
         _part("How sure we are.", _how_sure(saved)),
     ]
     if saved.proved_level:
         parts.append(_part("What that leaves open.", _left_open(saved)))
     return tag("div", *parts, class_="answer", id="answer")
+
+
+def _heading(contents: Contents) -> str:
+    """What the second paragraph is about: it is no explanation of a robot that fell."""
+    walk, done = contents.walk, contents.saved.simulation
+    fell = (walk is not None and walk["fell"]) or (done is not None and any(done["fell"]))
+    unfinished = contents.saved.summary is None
+    return "How it is meant to stay up." if fell or unfinished else "Why it stays up."
 
 
 def _part(head: str, body: str) -> Html:
@@ -62,11 +70,10 @@ def _walked(saved: Saved, shown: Mapping[str, Any] | None) -> str:
 
 
 def _where(done: Mapping[str, Any]) -> str:
-    changed = [words.disturbances(done.get("disturb"))]
+    changed = words.changes(done.get("disturb"))
     if done.get("push"):
         changed.append(f"a push of {number(done['push'])} N s")
-    listed = " and ".join(filter(None, changed))
-    return f" with {listed}" if listed else ""
+    return f" ({'; '.join(changed)})" if changed else ""
 
 
 def _counted(done: Mapping[str, Any]) -> str:
@@ -81,6 +88,8 @@ def _counted(done: Mapping[str, Any]) -> str:
         )
     else:
         said = f"{stayed} of {count} walks stayed up to their last step"
+        reasons = sorted({reason for reason in done["fall_reasons"] if reason})
+        said += f" (the others fell: {', '.join(reasons)})" if reasons else ""
     if done.get("speed_m_s") is not None:
         speed, time = number(done["speed_m_s"], 2), number(done["step_time_s"], 2)
         said += f", at {speed} m/s with a step every {time} s"

@@ -14,6 +14,7 @@ from neuralgaits.report.page.markup import (
     join,
     number,
     paragraph,
+    scrolling,
     section,
     shell,
     table,
@@ -74,7 +75,10 @@ def _falls(contents: Contents) -> Iterator[str]:
 
 def missing(contents: Contents) -> Html:
     """What this run does not have yet, and the command that makes it."""
-    rows = [(what, tag("code", line)) for what, line in missing_parts(contents)]
+    by_command: dict[str, list[str]] = {}
+    for what, line in missing_parts(contents):
+        by_command.setdefault(line, []).append(what)
+    rows = [("; ".join(what), tag("code", line)) for line, what in by_command.items()]
     if not rows:
         return section("missing", "What is missing", paragraph("Nothing: every part is here."))
     head = ("missing", "the command that makes it")
@@ -170,8 +174,8 @@ def _simulation(name: str, done: Mapping[str, Any]) -> str:
     line += ["--start", done["start"], "--seed", done["seed"], "--episodes", done["episodes"]]
     if done.get("push"):
         line += ["--push", done["push"]]
-    if changed := words.disturbances(done.get("disturb")).replace(" ", ""):
-        line += ["--disturb", changed]
+    if changed := words.disturbances(done.get("disturb")):
+        line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
     return command(*line)
 
 
@@ -186,7 +190,8 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
     for figure in contents.figures:
         if isinstance(figure, Drawn):
             caption = tag("figcaption", tag("b", f"{figure.title}. "), figure.caption)
-            parts.append(tag("figure", pictures[figure.name], caption))
+            picture = scrolling(figure.title, pictures[figure.name])
+            parts.append(tag("figure", picture, caption))
     absent = [figure.title for figure in contents.figures if isinstance(figure, Missing)]
     if absent:
         told = f"Not drawn, because what they show is not there: {', '.join(absent)}. "

@@ -44,13 +44,15 @@ def document(contents: Contents) -> str:
     pictures = {
         figure.name: _picture(figure) for figure in contents.figures if isinstance(figure, Drawn)
     }
-    parts = [
-        animation(contents),
-        training(contents),
-        figures(contents, pictures),
-        certificate(contents),
-        simulations(contents.saved),
-        learning(contents.saved),
+    parts = [animation(contents), training(contents)]
+    if contents.saved.summary is not None:
+        parts += [
+            figures(contents, pictures),
+            certificate(contents),
+            simulations(contents.saved),
+            learning(contents.saved),
+        ]
+    parts += [
         failures(contents),
         missing(contents),
         reproduction(contents),

@@ -64,9 +64,9 @@ def _rounds(saved: Saved) -> list[Html]:
         name = f"{entry['round']} (this run)" if own else str(entry["round"])
         rows.append((name, span, stayed, number(entry["speed_m_s"]), number(entry["loss"])))
     where = found.get("plant") or f"a robot with logs in {found.get('logs')}"
-    changed = words.disturbances(found.get("disturb"))
+    changed = ", ".join(["", *words.changes(found.get("disturb"))])
     said = (
-        f"The model is {found['robot']}; what walks is {where}{', ' + changed if changed else ''}. "
+        f"The model is {found['robot']}; what walks is {where}{changed}. "
         "In each round the policy walks, what the model missed is learned from the logs, and the "
         "policy is trained on."
     )

@@ -56,7 +56,7 @@ def section(name: str, title: str, *parts: Any) -> Html:
 def table(
     caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]], *, numbers: str = ""
 ) -> Html:
-    """A table that scrolls sideways on a narrow screen, by keys too.
+    """A table; see `scrolling`.
 
     Args:
         caption: what it shows.
@@ -73,7 +73,12 @@ def table(
         for row in rows
     ]
     whole = tag("table", tag("caption", caption), tag("thead", top), tag("tbody", *body))
-    return tag("div", whole, class_="scroll", tabindex=0, role="region", aria_label=caption)
+    return scrolling(caption, whole)
+
+
+def scrolling(name: str, wide: Html) -> Html:
+    """Something that may be wider than a narrow screen: it scrolls sideways, by keys too."""
+    return tag("div", wide, class_="scroll", tabindex=0, role="region", aria_label=name)
 
 
 def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:
@@ -83,8 +88,7 @@ def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:
         for name, value in rows
         if value is not None
     ]
-    whole = tag("table", tag("caption", caption), tag("tbody", *body))
-    return tag("div", whole, class_="scroll", tabindex=0, role="region", aria_label=caption)
+    return scrolling(caption, tag("table", tag("caption", caption), tag("tbody", *body)))
 
 
 def command(*words: Any) -> str:

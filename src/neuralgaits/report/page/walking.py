@@ -108,16 +108,17 @@ def _said(walk: Mapping[str, Any]) -> str:
     return said
 
 
-def _beside(walk: Mapping[str, Any]) -> str | None:
+def _beside(walk: Mapping[str, Any]) -> str:
     """What differs between the plant and the model."""
     told = []
     if walk["plant"] != walk["robot"]:
         told.append(f"the robot that walks is {walk['plant']}, the model is {walk['robot']}")
-    if changed := words.disturbances(walk["disturb"]):
-        told.append(f"changed in the simulation: {changed}")
+    if changed := words.changes(walk["disturb"]):
+        told.append(f"changed in the simulation: {', '.join(changed)}")
     if walk["push_n_s"]:
         told.append(f"a push of {number(walk['push_n_s'])} N s")
-    return f"{'; '.join(told)}.".capitalize() if told else ""
+    said = "; ".join(told)
+    return f"{said[0].upper()}{said[1:]}." if said else ""
 
 
 def _controls(walk: Mapping[str, Any]) -> Html:
@@ -168,7 +169,7 @@ def simulations(saved: Saved) -> Html:
         told = f"{number(orbit['multiplier'])}, computed in float64; not the proved enclosure"
         rows.append(("multiplier of the model's orbit", told))
         rows.append(("length of a step on that orbit", f"{number(orbit['step_length_m'])} m"))
-    changed = words.disturbances(done.get("disturb")) or "nothing"
+    changed = ", ".join(words.changes(done.get("disturb"))) or "nothing"
     push = f", push {number(done['push'])} N s" if done.get("push") else ""
     return section(
         "simulations",

@@ -43,6 +43,20 @@ _REGIONS = {
     "fence-lower": "slow edge of the region",
     "fence-upper": "fast edge of the region",
 }
+_CHANGES = {
+    "friction": "friction of the feet {}",
+    "torque_limit": "torques limited to {} N m",
+    "delay_ms": "torques late by {} ms",
+    "floor_height": "floor uneven by {} m",
+    "slope_deg": "floor rising by {}°",
+    "mass_scale": "all masses times {}",
+    "torso_shift_m": "centre of mass of the torso shifted forward by {} m",
+    "joint_friction": "friction of {} N m in the joints",
+    "encoder_noise": "noise of {} rad on the joint angles",
+    "rate_noise": "noise of {} rad/s on the joint rates",
+    "encoder_step": "joint angles known in steps of {} rad",
+}
+"""What a simulation may change of the model."""
 _SIDES = {"lower": "slow", "upper": "fast"}
 
 GLOSSARY = (
@@ -215,11 +229,19 @@ def _named(described: Mapping[str, Any]) -> tuple[str, str]:
     return str(name).replace("_", " "), ""
 
 
-def disturbances(values: Mapping[str, Any] | None) -> str:
-    """Those that are set, as NAME=VALUE; empty if none is."""
+def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
+    """Those that are set, as a command takes them."""
     usual = {"mass_scale": 1.0}
-    return ", ".join(
-        f"{name}={value:g}"
+    return {
+        name: value
         for name, value in (values or {}).items()
         if value is not None and value != usual.get(name, 0.0)
-    )
+    }
+
+
+def changes(values: Mapping[str, Any] | None) -> list[str]:
+    """The same in words, one entry each."""
+    return [
+        _CHANGES.get(name, f"{name} {{}}").format(number(value))
+        for name, value in disturbances(values).items()
+    ]

@@ -31,7 +31,7 @@ function arrowAt(walk, { frame, poses }) {
   return { from, force: walk.force_n[frame].map((f) => f * unit) };
 }
 
-/** Draws the tube, the trace so far and the moving point. */
+/** The tube, the trace so far and the moving point, in the plane of z. */
 class Portrait {
   constructor(canvas, walk) {
     this.canvas = canvas; this.walk = walk;
@@ -57,12 +57,29 @@ class Portrait {
     line([...walk.tube.lower, ...[...walk.tube.upper].reverse()]);
     c.fillStyle = colour("--tube"); c.fill();
     this.axes(c, at, left, height - bottom, width);
-    c.lineWidth = 1.5; c.strokeStyle = colour("--trace");
-    line(walk.z.slice(0, frame + 1)); c.stroke();
+    this.trace(c, line, frame);
     const [x, y] = at(walk.z[frame]);
     c.beginPath(); c.arc(x, y, 6, 0, 2 * Math.PI);
     c.fillStyle = colour("--point"); c.fill();
     c.lineWidth = 2; c.strokeStyle = colour("--page"); c.stroke();
+  }
+
+  /** Steps as lines, touchdowns as dotted jumps between them. */
+  trace(c, line, frame) {
+    const { z, leg } = this.walk;
+    c.strokeStyle = colour("--trace");
+    for (let from = 0; from <= frame;) {
+      let to = from;
+      while (to < frame && leg[to + 1] === leg[from]) to += 1;
+      c.setLineDash([]); c.lineWidth = 1.5;
+      line(z.slice(from, to + 1)); c.stroke();
+      if (to < frame) {
+        c.setLineDash([2, 4]); c.lineWidth = 1;
+        line(z.slice(to, to + 2)); c.stroke();
+      }
+      from = to + 1;
+    }
+    c.setLineDash([]);
   }
 
   axes(c, at, left, floor, width) {
