@@ -67,11 +67,19 @@ def test_a_stance_flag_is_left_or_right(amber, table, tmp_path):
         logs.read(amber3m_files.write(tmp_path / "data.csv", table), amber)
 
 
+def test_legs_that_are_exchanged(amber, table, tmp_path):
+    """The leg said to stand is in the air: its foot is above the other one."""
+    table = table.copy()
+    table[:, 5] = 1.0 - table[:, 5]
+    with pytest.raises(InputError, match=r"column stance: expected the leg whose foot is on the"):
+        logs.read(amber3m_files.write(tmp_path / "data.csv", table), amber)
+
+
 def test_seconds_in_place_of_milliseconds_are_seen(amber, table, tmp_path):
     table = table.copy()
     table[:, 0] *= 1e-3
     with pytest.raises(
-        InputError, match=r"column t: expected rows 0\.1 to 50 ms apart, found 0\.001"
+        InputError, match=r"column t: expected rows 0\.1 to 10\.5 ms apart, found 0\.001"
     ):
         logs.read(amber3m_files.write(tmp_path / "data.csv", table), amber)
 

@@ -114,7 +114,7 @@ def test_time_that_repeats_or_goes_back(lines, refused):
 
 def test_milliseconds_in_place_of_seconds(lines, refused):
     message = refused(with_column(lines, "t[s]", lambda t: 1e3 * t))
-    assert ", row 3, column t[s]: expected rows 0.1 to 50 ms apart, found 1000 ms" in message
+    assert ", row 3, column t[s]: expected rows 0.1 to 10.5 ms apart, found 1000 ms" in message
     assert "convert the times if they are milliseconds" in message
 
 
@@ -127,6 +127,7 @@ def test_milliseconds_in_place_of_seconds(lines, refused):
         ("dq_stance_knee[rad/s]", 10.0, "expected the rate at which the angle changes"),
         ("dq_stance_knee[rad/s]", -1.0, "found angles that change -"),
         ("dq_swing_hip[rad/s]", 1e-3, "expected the rate at which the angle changes"),
+        ("dqd_swing_hip[rad/s]", 1e-3, "found angles that change 1e+03 times as fast"),
         ("tau_stance_hip[N m]", 1e3, "expected -410 to 410 N m"),
         ("z1[m]", 1e3, "z1[m]: expected"),
         ("z2[kg m^2/s]", 1e3, "z2[kg m^2/s]: expected"),
@@ -141,9 +142,41 @@ def test_units_that_are_off(lines, refused, name, factor, says):
     assert name in message
 
 
-def test_angles_that_hardly_move_for_their_rates(lines, refused):
-    message = refused(with_column(lines, "q_swing_hip[rad]", lambda q: 1e-3 * q))
-    assert "column dq_swing_hip[rad/s]: expected the rate at which the angle changes" in message
+def test_torques_in_kilonewton_metres(lines, refused):
+    for name in lines[0].split(","):
+        if name.startswith("tau_"):
+            lines = with_column(lines, name, lambda torque: 1e-3 * torque)
+    assert "column tau_stance_knee[N m]: expected torques of more than" in refused(lines)
+
+
+def test_a_pitch_that_the_joints_do_not_tell(lines, refused):
+    message = refused(with_column(lines, "pitch[rad]", lambda pitch: 0.2 + pitch))
+    assert "column pitch[rad]: expected the sum of the coordinates up to the torso" in message
+    assert "differs by 0.2 rad" in message
+
+
+def test_two_recordings_in_one_file(lines, refused):
+    message = refused(with_column(lines, "t[s]", lambda t: t + 61.0, first=300))
+    assert ", row 301, column t[s]: expected a time at most 60 s after" in message
+    assert "split the file" in message
+
+
+def test_rows_too_rare_to_learn_from(lines, refused):
+    message = refused([lines[0], *lines[1::12]])
+    assert "expected rows 0.1 to 10.5 ms apart, found 12 ms" in message
+
+
+def test_one_row_out_of_range_does_not_hide_the_rates_of_the_others(lines, amber, tmp_path):
+    path = tmp_path / "walk.csv"
+    path.write_text("\n".join(with_cell(lines, 400, "dq_swing_hip[rad/s]", "1e300")) + "\n")
+    assert logs.read(path, amber).left_out["outliers"] == 1
+
+
+@pytest.mark.parametrize("kind", ["", "d"])
+def test_angles_that_hardly_move_for_their_rates(lines, refused, kind):
+    angle, rate = (f"{name}{kind}_swing_hip" for name in ("q", "dq"))
+    message = refused(with_column(lines, f"{angle}[rad]", lambda q: 1e-3 * q))
+    assert f"column {rate}[rad/s]: expected the rate at which the angle changes" in message
 
 
 def test_joints_that_stay_outside_their_range(lines, refused):

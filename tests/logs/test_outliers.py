@@ -71,6 +71,18 @@ def test_dropped_rows_are_counted(log, read):
     assert len(good) == len(log) - 22
 
 
+def test_a_third_of_the_rows_missing_at_random_leaves_the_strides(amber, log, read):
+    """Neighbours stand in for a missing sample, at their own time."""
+    keep = np.random.default_rng(0).random(len(log)) > 0.3
+    good, _ = read(log.only(keep))
+    whole, holed = (logs.cut([each], amber).strides for each in (log, good))
+    assert len(holed) == len(whole)
+    found = logs.windows(holed)
+    assert len(found.t) > 0.7 * len(logs.windows(whole).t)
+    assert np.isin(found.t, log.t[keep]).all()
+    assert np.all(np.abs(np.diff(found.t, axis=1) - 0.01) <= 4.1e-3)
+
+
 def test_counts_of_several_files_add_up(amber, log, changed, tmp_path):
     rows = settled_rows(log, 3)
 

@@ -13,11 +13,13 @@ from neuralgaits._types import Bool, Float, Int
 from neuralgaits.errors import InputError
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.table import Log
-from neuralgaits.logs.zero_states import zero_states
+from neuralgaits.logs.zero_states import foot_heights, zero_states
 from neuralgaits.robots import PlanarBiped
 
-PERIODS_S = (1e-4, 5e-2)
-"""Sample periods of a walking robot's log: slower and no contact is seen in time [s]."""
+PERIODS_S = (1e-4, 1.05e-2)
+"""Sample periods of a walking robot's log: what is learned from has a sample every 10 ms [s]."""
+LONGEST_PAUSE_S = 60.0
+"""Rows further apart are two recordings, or a clock that was set [s]."""
 JOINT_SLACK_RAD = 0.1
 """Joints reach this far past their range: stops give way, and encoders have offsets."""
 FASTEST_RAD_S = 40.0
@@ -41,6 +43,14 @@ SLOWEST_RAD_S = 0.2
 Z1_TOLERANCE_M = 1e-3
 Z2_TOLERANCE = 0.02
 """Of the median |z2|: contact creep leaves 0.4 %, the mass of another torso 3 %."""
+PITCH_TOLERANCE_RAD = 0.1
+"""Pitch and the joint angles tell it apart by no more than offsets and noise."""
+SMALLEST_TORQUE = 1e-3
+"""A robot that walks commands more than this share of mass * g * leg length somewhere, or none."""
+LOWEST_FOOT = -0.005
+"""The foot that swings is usually not below the one that stands by more, in leg lengths."""
+UPRIGHT_Z1 = 0.4
+"""Of the leg length: with the hip further from above the foot the robot falls."""
 
 
 class _Range(NamedTuple):
@@ -69,6 +79,9 @@ def check(log: Log, robot: PlanarBiped, labels: Labels) -> Bool[np.ndarray, " k"
     if refused:
         _refuse(log, labels, *min(refused, key=lambda found: found[1][0]))
     _check_rates(log, labels, good)
+    _check_torques(log, robot, labels)
+    _check_stance(log, robot, labels, good)
+    _check_pitch(log, robot, labels, good)
     _check_model(log, robot, good)
     return good
 
@@ -97,6 +110,14 @@ def _check_times(log: Log, labels: Labels) -> None:
             f"{_where(log, labels, 1, 't')}: expected rows {1e3 * shortest:g} to "
             f"{1e3 * longest:g} ms apart, found {1e3 * period:g} ms: convert the times if they "
             f"are {off}, or log faster"
+        )
+    pauses = np.flatnonzero(steps > LONGEST_PAUSE_S)
+    if pauses.size:
+        row = int(pauses[0]) + 1
+        raise InputError(
+            f"{_where(log, labels, row, 't')}: expected a time at most {LONGEST_PAUSE_S:g} s after "
+            f"{log.t[row - 1]:.6g} s, found {log.t[row]:.6g} s: split the file where a new "
+            "recording begins"
         )
 
 
@@ -137,8 +158,8 @@ def _refuse(log: Log, labels: Labels, part: _Range, rows: Int[np.ndarray, " b"])
     first = int(rows[0])
     raise InputError(
         f"{_where(log, labels, first, part.name)}: expected {part.low:.3g} to {part.high:.3g} "
-        f"{part.unit}, found {part.values[first]:.4g} and {rows.size} rows like it: convert the "
-        f"column to {part.unit}, or give a log of this robot"
+        f"{part.unit}, found {part.values[first]:.4g} there and {rows.size - 1} more such rows: "
+        f"convert the column to {part.unit}, or give a log of this robot"
     )
 
 
@@ -156,24 +177,79 @@ def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None
     stays &= span < 2.0 * BASELINE_S
     if not stays.any():
         return
-    area = 0.5 * np.diff(log.t)[:, None] * (log.dq[1:] + log.dq[:-1])
+    names, angles, rates = _turning(log)
+    # What is out of range would drown the sum.
+    rates = np.where(good[:, None], rates, 0.0)
+    area = 0.5 * np.diff(log.t)[:, None] * (rates[1:] + rates[:-1])
     travelled = np.concatenate([np.zeros((1, area.shape[1])), np.cumsum(area, axis=0)])
-    slope = (log.q[ahead:] - log.q[:-ahead])[stays] / span[stays, None]
+    slope = (angles[ahead:] - angles[:-ahead])[stays] / span[stays, None]
     rate = (travelled[ahead:] - travelled[:-ahead])[stays] / span[stays, None]
     # Medians: a glitch in the middle of a span counts for nothing.
     fast_slope, fast_rate = (np.median(np.abs(part), axis=0) for part in (slope, rate))
     lowest, highest = RATE_RATIO
-    for i, name in enumerate(log.joint_names):
+    for i, name in enumerate(names):
         if max(fast_slope[i], fast_rate[i]) < SLOWEST_RAD_S:
             continue
         ratio = float(fast_slope[i]) / max(float(fast_rate[i]), 1e-12)
         same_way = np.median(np.sign(slope[:, i] * rate[:, i])) > 0.0
         if not (lowest <= ratio <= highest and same_way):
             raise InputError(
-                f"{_where(log, labels, 1, f'dq_{name}')}: expected the rate at which the angle "
+                f"{_where(log, labels, 1, name)}: expected the rate at which the angle "
                 f"changes, found angles that change {ratio if same_way else -ratio:.3g} times as "
                 "fast: bring times, angles and rates to s, rad and rad/s"
             )
+
+
+def _turning(log: Log) -> tuple[list[str], Float[np.ndarray, "k c"], Float[np.ndarray, "k c"]]:
+    """Columns of rates, with the angles that change so (rad) and the rates (rad/s)."""
+    measured, desired = log.joint_names, log.joint_names[1:]
+    names = [*(f"dq_{name}" for name in measured), *(f"dqd_{name}" for name in desired), "dpitch"]
+    angles = np.column_stack([log.q, log.qd, log.pitch])
+    return names, angles, np.column_stack([log.dq, log.dqd, log.dpitch])
+
+
+def _check_torques(log: Log, robot: PlanarBiped, labels: Labels) -> None:
+    """Torques of kN m are in range, but too small to walk with."""
+    largest = float(np.abs(log.tau).max())
+    weight = float(robot.mass * robot.gravity) * float(robot.leg_length)
+    if 0.0 < largest < SMALLEST_TORQUE * weight:
+        name = f"tau_{log.joint_names[1]}"
+        raise InputError(
+            f"{_where(log, labels, 0, name)}: expected torques of more than "
+            f"{SMALLEST_TORQUE * weight:.3g} N m, found none above {largest:.3g}: convert the "
+            "torques to N m"
+        )
+
+
+def _check_stance(
+    log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
+) -> None:
+    """The leg that stands is the one with the lower foot."""
+    upright = good & (np.abs(log.q @ robot.hip_gradient) < UPRIGHT_Z1 * float(robot.leg_length))
+    if not upright.any():
+        return
+    height = float(np.median(foot_heights(robot, log.q[upright])))
+    if height < LOWEST_FOOT * float(robot.leg_length):
+        raise InputError(
+            f"{_where(log, labels, 0, 'stance')}: expected the leg whose foot is on the ground, "
+            f"found the other foot {-1e3 * height:.3g} mm below it in the median: exchange the "
+            "legs"
+        )
+
+
+def _check_pitch(
+    log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
+) -> None:
+    """Pitch and coordinates both tell how the torso leans."""
+    if robot.torso is None or not good.any():
+        return
+    error = np.abs(log.q @ robot.link_angles[robot.torso] - log.pitch)[good]
+    if np.median(error) > PITCH_TOLERANCE_RAD:
+        raise InputError(
+            f"{_where(log, labels, int(np.flatnonzero(good)[0]), 'pitch')}: expected the sum of "
+            f"the coordinates up to the torso within {PITCH_TOLERANCE_RAD:g} rad, found a column "
+            f"that differs by {np.median(error):.3g} rad in the median: convert it to rad"
+        )
 
 
 def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> None:

@@ -28,8 +28,9 @@ FALLING_RAD = 0.5
 """Joints further than this from what was asked of them: the robot falls, whatever z says."""
 FALLING_Z1 = 0.4
 """Hip further than this from above the foot, in leg lengths: twice as far as in a long step."""
-GAP = 2.5
-"""Two rows further apart than this many sample periods have a gap between them."""
+GAP_PERIODS, GAP_S = 2.5, 5e-3
+"""Rows further apart than this many sample periods, and than this time, have a gap between them:
+single rows that are missing hide nothing."""
 SHARES = (0.7, 0.15, 0.15)
 """Of all strides: to learn from, to choose by, and to report on."""
 
@@ -195,14 +196,14 @@ def _stride(
     rows: Int[np.ndarray, " s"],
     follows: Int[np.ndarray, " f"] | None,
 ) -> Stride:
-    period = log.period_s
-    jumps = np.diff(log.t[rows]) > GAP * period
+    gap = max(GAP_PERIODS * log.period_s, GAP_S)
+    jumps = np.diff(log.t[rows]) > gap
     landing, landed = None, None
     last = rows[-1]
     # A gap around the touchdown hides when it was.
-    if follows is not None and follows.size and log.t[last + 1] - log.t[last] <= GAP * period:
+    if follows is not None and follows.size and log.t[last + 1] - log.t[last] <= gap:
         first = follows[0]
-        if log.t[first] - log.t[last + 1] <= SETTLING_S + GAP * period:
+        if log.t[first] - log.t[last + 1] <= SETTLING_S + gap:
             landing, landed = _state(log, last), _state(log, first)
     return Stride(
         source=log.source,
@@ -213,7 +214,7 @@ def _stride(
         dq=log.dq[rows],
         z=z[rows],
         piece=np.concatenate([[0], np.cumsum(jumps)]),
-        period_s=period,
+        period_s=log.period_s,
         landing=landing,
         landed=landed,
     )

@@ -9,8 +9,9 @@ from neuralgaits._types import Float, Int
 from neuralgaits.errors import InputError
 from neuralgaits.logs.strides import Stride
 
-LATE = 0.6
-"""A sample of a window is at most this many sample periods off its due time."""
+LATE_PERIODS, LATE_SHARE = 0.6, 0.2
+"""A sample of a window is off its due time by at most this many sample periods, or this share of
+the time between samples, whichever is longer: where rows are missing their neighbours serve."""
 
 
 class Windows(NamedTuple):
@@ -65,7 +66,8 @@ def _picked(stride: Stride, samples: int, step: float, every: float) -> Int[np.n
     right = np.clip(np.searchsorted(stride.t, due), 1, len(stride.t) - 1)
     nearer_left = due - stride.t[right - 1] < stride.t[right] - due
     rows = np.where(nearer_left, right - 1, right)
-    on_time = np.all(np.abs(stride.t[rows] - due) <= LATE * stride.period_s, axis=1)
+    late = max(LATE_PERIODS * stride.period_s, LATE_SHARE * step)
+    on_time = np.all(np.abs(stride.t[rows] - due) <= late, axis=1)
     together = stride.piece[rows[:, 0]] == stride.piece[rows[:, -1]]
     distinct = np.all(np.diff(rows, axis=1) > 0, axis=1)
     return rows[on_time & together & distinct]

@@ -1,4 +1,4 @@
-"""Zero dynamics coordinates of many logged states, from the run's own model.
+"""Zero dynamics coordinates and foot heights of many logged states, from the run's own model.
 
 Blocks of one size keep the number of compiled shapes at one, however long logs are.
 """
@@ -25,6 +25,11 @@ def zero_states(
     return _in_blocks(_zero_states, robot, np.concatenate([q, dq], axis=1))
 
 
+def foot_heights(robot: PlanarBiped, q: Float[np.ndarray, "k n"]) -> Float[np.ndarray, " k"]:
+    """Heights of the swing foot above the stance foot (m). Returns: [k]."""
+    return _in_blocks(_foot_heights, robot, q)
+
+
 def output_states(
     zd: ZeroDynamics, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
 ) -> Float[np.ndarray, "k two_m"]:
@@ -38,6 +43,11 @@ def _zero_states(robot: PlanarBiped, x: Float[Array, "b two_n"]) -> Float[Array,
 
 
 @eqx.filter_jit
+def _foot_heights(robot: PlanarBiped, q: Float[Array, "b n"]) -> Float[Array, " b"]:
+    return jax.vmap(lambda one: robot.swing_foot(one)[1])(q)
+
+
+@eqx.filter_jit
 def _output_states(zd: ZeroDynamics, x: Float[Array, "b two_n"]) -> Float[Array, "b two_m"]:
     return jax.vmap(lambda one: zd.phi(one)[0])(x)
 
@@ -48,7 +58,7 @@ def _halves(x: FullState) -> tuple[Array, Array]:
 
 
 def _in_blocks(
-    function: Callable[..., Array], model: eqx.Module, x: Float[np.ndarray, "k two_n"]
+    function: Callable[..., Array], model: eqx.Module, x: Float[np.ndarray, "k c"]
 ) -> np.ndarray:
     count = len(x)
     # The last state fills the last block up: padding must not leave the model's domain.
