@@ -72,8 +72,7 @@ def _torso(axes: Axes, data: GaitData) -> None:
             _no_condition(axes, "torso")
     _ground(axes)
     axes.set(xlabel="forward [m]", ylabel="up [m]")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set_ylim(-0.05, 1.25 * float(points[:, 1].max()))
+    _frame(axes, points, 1.25)
 
 
 def _foot(axes: Axes, data: GaitData) -> None:
@@ -223,9 +222,8 @@ def _joints(axes: Axes, data: GaitData) -> None:
             label=f"straight leg: knees stay {knees['least']:.2g} rad off",
         )
     _ground(axes)
-    axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="forward [m]", ylabel="up [m]")
-    axes.set_ylim(-0.05, 1.45 * tall)
+    _frame(axes, points, 1.45)
     axes.legend(loc="upper center", fontsize=8.5)
 
 
@@ -286,6 +284,15 @@ def _no_condition(axes: Axes, what: str) -> None:
         transform=axes.transAxes,
         color=GREY,
     )
+
+
+def _frame(axes: Axes, points: np.ndarray, share: float) -> None:
+    """Show the pose in true proportions, with room above it."""
+    top = share * float(points[:, 1].max())
+    middle = 0.5 * float(points[:, 0].min() + points[:, 0].max())
+    axes.set_ylim(-0.05 * top, top)
+    axes.set_xlim(middle - 0.6 * top, middle + 0.6 * top)
+    axes.set_aspect("equal")
 
 
 def _ground(axes: Axes) -> None:

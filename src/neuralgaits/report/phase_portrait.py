@@ -65,7 +65,15 @@ def draw(data: GaitData, walk: MeasuredWalk | None = None) -> Figure:
     return figure
 
 
-def flow(axes: Axes, data: GaitData, name: str, colour: str = GREY, density: float = 0.9) -> Line2D:
+def flow(
+    axes: Axes,
+    data: GaitData,
+    name: str,
+    colour: str = GREY,
+    *,
+    density: float = 0.9,
+    width: float = 0.6,
+) -> Line2D:
     """Stream lines of a field on the plane's grid. Returns: what a legend shows."""
     z1, z2, field = data["plane/z1"], data["plane/z2"], data[f"plane/{name}"]
     finite = np.where(np.isfinite(field), field, 0.0)
@@ -75,7 +83,7 @@ def flow(axes: Axes, data: GaitData, name: str, colour: str = GREY, density: flo
         finite[..., 0],
         finite[..., 1],
         color=colour,
-        linewidth=0.6,
+        linewidth=width,
         arrowsize=0.7,
         density=density,
         zorder=1.5,
@@ -152,5 +160,5 @@ def _walks(axes: Axes, data: GaitData, walk: MeasuredWalk | None) -> list:
         dots: dict[str, Any] = {"color": BLACK, "marker": ".", "ms": 2.2, "linestyle": "none"}
         axes.plot(*walk.z[::thin].T, **dots, zorder=3.8, rasterized=True)
         label = f"measured: {walk.source}"
-        handles.append(Line2D([], [], **dots | {"ms": 5}, label=label))
+        handles.append(Line2D([], [], color=BLACK, marker=".", ms=5, linestyle="none", label=label))
     return handles

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
@@ -75,12 +76,12 @@ def draw(data: ResidualData) -> Figure:
         gait.torso,
         gait.residual,
     )
-    flow(axes, corrected, "nominal_dz", GREY, 0.6)
-    flow(axes, corrected, "corrected", BLUE, 0.6)
+    flow(axes, corrected, "nominal_dz", GREY, density=0.6)
+    flow(axes, corrected, "corrected", BLUE, density=0.6, width=1.7)
     _fences(axes, gait)
     handles = [
         Line2D([], [], color=GREY, linewidth=0.8, marker=">", ms=3, label="flow of the model"),
-        Line2D([], [], color=BLUE, linewidth=1.4, marker=">", ms=3, label="corrected flow"),
+        Line2D([], [], color=BLUE, linewidth=2.0, marker=">", ms=5, label="corrected flow"),
         Line2D([], [], color=BLACK, linewidth=1.4, label="fences of the tube"),
     ]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3)
@@ -93,8 +94,10 @@ def _component(figure: Figure, axes: Axes, data: ResidualData, number: int, labe
     gait, field = data.gait, data.epsilon[..., number]
     z1, z2 = gait["plane/z1"], gait["plane/z2"]
     most = max(float(np.abs(field).max()), 1e-12)
-    shades = np.linspace(-most, most, SHADES + 1)
-    area = axes.contourf(z1, z2, field, shades, cmap="PuOr")
+    low, high = float(field.min()), float(field.max())
+    # A field of one value everywhere still needs two levels.
+    shades = np.linspace(low, max(high, low + 1e-3 * most), SHADES + 1)
+    area = axes.contourf(z1, z2, field, shades, cmap="PuOr", norm=Normalize(-most, most))
     # Signs must survive printing in grey: falling values are dashed.
     axes.contour(
         z1, z2, field, shades[1:-1], colors=BLACK, linewidths=0.5, negative_linestyles="dashed"

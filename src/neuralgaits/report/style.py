@@ -47,7 +47,15 @@ _SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "neuralgaits",
 }
 _COLOURS = (BLUE, RED, GREEN, ORANGE, PURPLE, BLACK, SKY)
-_DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
+_DASHES: tuple[Any, ...] = (
+    "-",
+    "--",
+    "-.",
+    ":",
+    (0, (5, 1, 1, 1, 1, 1)),
+    (0, (10, 4)),
+    (0, (1, 4)),
+)
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 P = ParamSpec("P")

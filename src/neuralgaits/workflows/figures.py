@@ -9,6 +9,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from neuralgaits.errors import InputError
 from neuralgaits.report import (
     barrier_sketches,
     certificate_map,
@@ -94,10 +95,14 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
         out: folder for the files; `figures` in the run's folder if None.
 
     Returns: one entry a figure, always in the same order; `Missing` names what makes the figure.
-    Raises: RunError with one line if the run is missing or damaged.
+    Raises: RunError with one line if the run is missing or damaged, InputError if `out` is a file.
     """
     source = Source(open_run(run))
     folder = source.run.path / FOLDER if out is None else Path(out)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(
+            f"expected a folder for the figures, found a file at {folder}: name another"
+        )
     drawn: list[Drawn | Missing] = []
     for name, title, make in MAKERS:
         try:

@@ -45,6 +45,19 @@ def certificate_of(run: Run) -> Certificate:
     summary, proof = _json(folder / "summary.json"), _json(folder / "proof.json")
     if summary is None:
         return Certificate("the run has no certificate")
+    try:
+        return _read(run, summary, proof, _json(folder / "full-order.json"))
+    except (KeyError, TypeError, ValueError):
+        return Certificate("the certificate is damaged or of another version")
+
+
+def _read(
+    run: Run,
+    summary: Mapping[str, Any],
+    proof: Mapping[str, Any] | None,
+    full: Mapping[str, Any] | None,
+) -> Certificate:
+    """Raises: KeyError, TypeError or ValueError if something is not as `certify` writes it."""
     if proof is not None and not _of_these_weights(run, proof):
         return Certificate("the certificate is of other weights than the run's")
     levels = {entry["level"]: entry for entry in summary.get("levels") or ()}
@@ -53,9 +66,10 @@ def certificate_of(run: Run) -> Certificate:
         for name, row in summary["conditions"].items()
         if row["verdict"] == "proved" and row["margin"] is not None
     }
-    full = _json(folder / "full-order.json")
     orbit = None if proof is None else _orbit(run, levels.get(3), proof)
-    shape = _full(levels.get(4), full) if full and _of_these_weights(run, full) else None
+    shape = None
+    if full is not None and _of_these_weights(run, full):
+        shape = _full(levels.get(4), full)
     reason = (levels.get(4) or {}).get("reason") or Certificate.no_full
     level = int(all(row["verdict"] == "proved" for row in summary["conditions"].values()))
     while level and levels.get(level + 1, {}).get("verdict") == "proved":

@@ -53,8 +53,11 @@ def _visited(run: Run, trained: bool) -> np.ndarray:
     places = [run.path.parent / Path(parent).name, Path(parent)] if trained and parent else []
     for place in places or [run.path]:
         summary = place / fit.SUMMARY
-        if summary.is_file():
+        try:
             return _states(run, json.loads(summary.read_text())["logs"], place)
+        except (OSError, ValueError, KeyError):
+            # Without it the picture has no dots.
+            continue
     return np.zeros((0, 2))
 
 
