@@ -226,3 +226,13 @@ def test_an_empty_file_and_a_missing_one(refused, amber, tmp_path):
 def test_no_file_at_all(amber):
     with pytest.raises(InputError, match="expected at least one CSV file"):
         logs.read_all([], amber)
+
+
+def test_a_walk_given_twice(lines, amber, tmp_path):
+    """Its strides would be on both sides of the split, under whatever name and rounding."""
+    files = [tmp_path / "a.csv", tmp_path / "b.csv"]
+    again = with_column(lines, "q_swing_hip[rad]", lambda q: q + 1e-13)
+    for file, each in zip(files, (lines, again), strict=True):
+        file.write_text("\n".join(each) + "\n")
+    with pytest.raises(InputError, match=r"b\.csv: expected every walk once, .*a\.csv"):
+        logs.read_all(files, amber)

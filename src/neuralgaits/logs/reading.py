@@ -1,6 +1,7 @@
 """Read a log file of either format, checked, without what is not good in it."""
 
 from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +17,8 @@ from neuralgaits.robots import PlanarBiped
 
 JITTER = 1.5
 """Rows up to this many sample periods apart have none between them: clocks jitter."""
+SAME_RAD = 1e-6
+"""Angles of two walks that agree to this are one walk: a simulation repeats itself to rounding."""
 
 
 class Reading(NamedTuple):
@@ -64,14 +67,25 @@ def read(path: str | Path, robot: PlanarBiped) -> Reading:
 def read_all(paths: Sequence[str | Path], robot: PlanarBiped) -> tuple[list[Log], dict[str, int]]:
     """Read several logs. Returns: the logs, and the rows left out of all of them by reason.
 
-    Raises: InputError as `read` does, and if there is no path.
+    Raises: InputError as `read` does, if there is no path, and for a walk that is given twice: its
+        strides would be learned from and reported on at once.
     """
     if not paths:
         raise InputError("logs: expected at least one CSV file, found none: name them")
     readings = [read(path, robot) for path in paths]
+    for (one, _), (other, _) in combinations(readings, 2):
+        if _is_same_walk(one, other):
+            raise InputError(
+                f"log {other.source}: expected every walk once, found that of {one.source} again: "
+                "leave one of the two out, and simulate with --start region for different walks"
+            )
     reasons = readings[0].left_out
     total = {reason: sum(each.left_out[reason] for each in readings) for reason in reasons}
     return [each.log for each in readings], total
+
+
+def _is_same_walk(one: Log, other: Log) -> bool:
+    return len(one) == len(other) and float(np.abs(one.q - other.q).max()) < SAME_RAD
 
 
 def _missing(log: Log) -> int:

@@ -125,9 +125,9 @@ def _long_enough(strides: Sequence[Stride]) -> tuple[list[Stride], int]:
 def _dealt(strides: Sequence[Stride], seed: int) -> Split:
     if len(strides) < 3:
         raise InputError(
-            f"logs: expected at least 3 strides of {STEP_S * JUDGED_SAMPLES:.2f} s or longer, one "
-            f"each to learn from, to choose by and to report on, found {len(strides)}: walk longer "
-            "or give more logs"
+            f"logs: expected at least 3 strides of {STEP_S * (JUDGED_SAMPLES - 1):.2g} s or longer, "
+            f"one each to learn from, to choose by and to report on, found {len(strides)}: walk "
+            "longer or give more logs"
         )
     return walks.split(strides, seed=seed)
 
