@@ -1,4 +1,4 @@
-"""The exported controller: agreement with Python, times, memory, hostile inputs, walks through UDP.
+"""The exported controller: agreement, times, memory, hostile inputs, walks through UDP; ONNX.
 
 Asked: double 1e-12 and single 2e-6 (64 wide) or 1e-5 (256 wide) of the output's range, torques
 5e-5 of the limit; y_d and rate p99 2 us (64 wide) and 15 us (256 wide) with -O3 -march=native,
@@ -23,7 +23,13 @@ from neuralgaits.workflows.simulate import simulate
 STEPS = int(os.environ.get("STEPS", "1000"))
 FUZZED = 1_000_000
 HARSH = {"loss": 0.01, "jitter_ms": 2.0}
-WIDTHS = {64: ("<= 2e-06", "<= 2", "<= 5"), 256: ("<= 1e-05", "<= 15", "")}
+WIDTHS = {
+    32: ("<= 2e-06", "", ""),
+    64: ("<= 2e-06", "<= 2", "<= 5"),
+    256: ("<= 1e-05", "<= 15", ""),
+}
+"""By width of the two hidden layers, what is asked: agreement in single precision, y_d and rate at
+-O3 -march=native and at -O2 [us]."""
 
 
 def main() -> None:
@@ -38,6 +44,7 @@ def main() -> None:
 def _exported(run: Run, width: int, asked: tuple[str, str, str]) -> None:
     with TemporaryDirectory() as folder:
         summary = export(run, Path(folder) / "c").summary
+        models = export(run, Path(folder) / "onnx", format="onnx").summary
     single, native, plain = asked
     for row in summary["builds"]:
         name = f"{width} wide, {row['compiler']} {row['flags']}, {row['precision']}"
@@ -56,6 +63,14 @@ def _exported(run: Run, width: int, asked: tuple[str, str, str]) -> None:
         show(f"{width} wide, {precision}: RAM with stack, bytes", sizes["ram_bytes"], "<= 4096")
         show(f"{width} wide, {precision}: code and weights, bytes", sizes["flash_bytes"])
     show(f"{width} wide: bound on float, y_d of its range", summary["float_bound"]["output"])
+    for row in models["builds"]:
+        name = f"{width} wide, {row['runtime']} from Python, {row['precision']}"
+        agreement, times = row["agreement"], row["latency_us"]
+        limit = "<= 1e-12" if row["precision"] == "double" else single
+        show(f"{name}: y_d, of its range", agreement["output"], limit)
+        show(f"{name}: rate, of its range", agreement["rate"], limit)
+        show(f"{name}: y_d and rate, p50 us", times["p50"])
+        show(f"{name}: y_d and rate, p99 us", times["p99"])
 
 
 def _fuzzed(run: Run) -> None:
@@ -64,10 +79,12 @@ def _fuzzed(run: Run) -> None:
     files = writing.shipped() | writing.harness() | controller_files(design, Reference(design))
     sanitize = ("-O1", "-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     with writing.scratch(files) as folder:
-        for precision, defines in build.PRECISIONS.items():
-            program = build.build("gcc", folder, "check", build.CHECKED, (*sanitize, *defines))
-            said = build.run(program, "fuzz", str(FUZZED), "1").decode().strip()
-            show(f"hostile inputs, {precision}", said, "broken 0")
+        for compiler in build.compilers():
+            for precision, defines in build.PRECISIONS.items():
+                flags = (*sanitize, *defines)
+                program = build.build(compiler, folder, "check", build.CHECKED, flags)
+                said = build.run(program, "fuzz", str(FUZZED), "1").decode().strip()
+                show(f"hostile inputs, {compiler}, {precision}", said, "broken 0")
 
 
 def _walked(run: Run) -> None:

@@ -1,4 +1,4 @@
-/* What a board must give: four functions, written for the drives and the inertial unit at hand. */
+/* What a board must give: five functions, written for the drives and the inertial unit at hand. */
 #ifndef BOARD_H
 #define BOARD_H
 

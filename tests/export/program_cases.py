@@ -37,9 +37,16 @@ def network(widths):
     return MLPPolicy.init(load_robot("amber3m"), key=jax.random.key(1), hidden=widths)
 
 
+def rows(x):
+    """Matrices of few columns, one of a single row."""
+    row, other = jnp.asarray(MATRIX[:1]), jnp.asarray(MATRIX)
+    return {"y": (row @ jnp.tanh(x)) * x[0], "z": other @ (x * x) + OFFSET[:3], "s": row @ x + 1.0}
+
+
 CASES = {
     "elementwise": (elementwise, {"x": (3,)}),
     "products": (products, {"x": (3,)}),
+    "rows": (rows, {"x": (3,)}),
     "tables": (tables, {"x": (3,)}),
     "constant": (lambda x: {"c": jnp.asarray(OFFSET) * 2.0, "y": x}, {"x": (1,)}),
     "unread": (lambda x, a: {"y": x[0] * 3.0}, {"x": (2,), "a": (2,)}),

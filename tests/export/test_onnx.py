@@ -102,7 +102,7 @@ def test_a_model_alone_is_the_policy(exported, trained):
     out, _ = exported
     run = session((out / "policy.onnx").read_bytes())
     z, dz, step = np.array([0.02, 18.0]), np.array([0.6, 9.0]), 1e-6
-    y, dy = run.run(["y", "dy"], {"z": z, "dz": dz})
+    y, dy = map(np.asarray, run.run(["y", "dy"], {"z": z, "dz": dz}))
     policy = trained.gait.policy
     np.testing.assert_allclose(y, policy(jnp.asarray(z)), atol=1e-14)
     ahead, behind = (np.asarray(policy(jnp.asarray(z + s * dz))) for s in (step, -step))

@@ -8,6 +8,8 @@ import numpy as np
 LOOPED = frozenset("add sub mul div neg square sin cos tanh logistic exp log1p".split())
 """Operations of one element each: they share loops."""
 GATHERED = frozenset(("sum", "inner"))
+NARROW = 4
+"""Columns of a matrix up to which a row times a vector is written out, as one element each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,17 @@ class Node:
     def lasting(self) -> bool:
         """Whether the value stands in an argument or a table."""
         return self.kind in ("input", "constant")
+
+    @property
+    def inner(self) -> int:
+        """Of `affine`: columns of the matrix."""
+        return self.operands[1].size // self.columns
+
+    @property
+    def looped(self) -> bool:
+        """Whether an element needs no loop of its own: such operations share loops."""
+        narrow = self.kind == "affine" and self.columns == 1 and self.inner <= NARROW
+        return self.kind in LOOPED or narrow
 
     def sources(self) -> Iterator[tuple["Node", int]]:
         """Of a `move`: for each element, the operand it comes from and its place there."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from neuralgaits.interpreters.c99_layout import Layout
-from neuralgaits.interpreters.c99_nodes import GATHERED, LOOPED, Node
+from neuralgaits.interpreters.c99_layout import BLOCK, Group, Layout
+from neuralgaits.interpreters.c99_nodes import GATHERED, Node
 from neuralgaits.interpreters.c99_tables import Tables, identifier, literal, wrapped
 from neuralgaits.interpreters.program import Program
 
@@ -68,7 +68,7 @@ class Writer:
         return Emitted(
             prototype=prototype,
             body=f"/* {self._about} */\n{prototype}\n{{\n{body}\n}}",
-            work=sum(self._layout.slots),
+            work=sum(self._layout.slots) + BLOCK * max(map(len, self._blocks()), default=0),
         )
 
     def _prototype(self) -> str:
@@ -82,64 +82,100 @@ class Writer:
         ]
         return wrapped(f"void {self._function}({', '.join(inputs + outputs)})")
 
-    def _group(self, group: list[Node]) -> list[str]:
-        first = group[0]
+    def _group(self, group: Group) -> list[str]:
+        nodes, first = group.nodes, group.nodes[0]
+        if first.looped:
+            if first.size > 1:
+                return self._loop(nodes)
+            return [f"const ng_real t{n.number} = {self._expression(n, '0')};" for n in nodes]
         if first.kind == "affine":
+            if first.columns > 1:
+                return [line for node in nodes for line in self._product(node)]
             return self._affine(group)
-        if first.kind in ("sum", "inner"):
-            return [line for node in group for line in self._rows(node)]
-        if first.kind == "move":
-            return [line for node in group for line in self._gather(node)]
-        if first.size == 1:
-            return [f"const ng_real t{n.number} = {self._expression(n, 'i')};" for n in group]
-        return self._loop(group)
+        write = self._rows if first.kind in GATHERED else self._gather
+        return [line for node in nodes for line in write(node)]
 
     def _loop(self, group: list[Node]) -> list[str]:
         """Elementwise operations of one size; stores come last, so that memory can be shared."""
-        here = {node.number for node in group}
-        lines = [f"for (int i = 0; i < {group[0].size}; ++i) {{"]
-        for node in group:
-            lines.append(f"    const ng_real t{node.number} = {self._expression(node, 'i', here)};")
-        for node in group:
-            if node.number in self._layout.stored:
-                lines.append(f"    {self._at(node, 'i')} = t{node.number};")
-        return [*lines, "}"]
+        kept = [node for node in group if node.number in self._layout.stored]
+        return [
+            f"for (int i = 0; i < {group[0].size}; ++i) {{",
+            *self._elements(group, "i"),
+            *(f"    {self._at(node, 'i')} = t{node.number};" for node in kept),
+            "}",
+        ]
 
-    def _expression(self, node: Node, i: str, here: set[int] = frozenset()) -> str:  # type: ignore[assignment]
+    def _elements(self, group: list[Node], i: str) -> list[str]:
+        """One element of each operation."""
+        here = frozenset(node.number for node in group)
+        return [
+            f"    const ng_real t{node.number} = {self._expression(node, i, here)};"
+            for node in group
+        ]
+
+    def _expression(self, node: Node, i: str, here: frozenset[int] = frozenset()) -> str:
+        if node.kind == "affine":
+            return self._row(node, i)
         operands = [
             f"t{operand.number}" if operand.number in here else self._at(operand, i)
             for operand in node.operands
         ]
         return _FORMS[node.kind].format(*operands)
 
-    def _affine(self, group: list[Node]) -> list[str]:
+    def _row(self, node: Node, i: str) -> str:
+        """One row of a matrix of few columns times a vector."""
+        table = self._matrix(node)
+        terms = [
+            f"{table}[{k}][{i}] * {self._at(node.operands[1], str(k))}" for k in range(node.inner)
+        ]
+        offset = [self._at(node.operands[2], i)] if len(node.operands) == 3 else []
+        return " + ".join([*offset, *terms])
+
+    def _affine(self, group: Group) -> list[str]:
         """Products with one matrix, its columns taken a few at a time."""
-        matrix, columns = group[0].operands[0], group[0].columns
-        rows, inner = group[0].size // columns, matrix.size * columns // group[0].size
-        table = self._table(matrix, (rows, inner))
-        lines = [f"for (int i = 0; i < {rows}; ++i) {{"] if columns == 1 else []
-        if columns > 1:
-            return [line for node in group for line in self._product(node, table, rows, inner)]
-        for node in group:
+        nodes, rows, inner = group.nodes, group.nodes[0].size, group.nodes[0].inner
+        lines = [f"for (int i = 0; i < {rows}; ++i) {{"]
+        for node in nodes:
             start = self._at(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"
             lines.append(f"    {self._at(node, 'i')} = {start};")
-        step = COLUMNS_AT_ONCE if inner % COLUMNS_AT_ONCE == 0 else 1
-        names = [f"w{k}" for k in range(step)]
-        parts = [f"*const {name} = {table}[{_sum('j', k)}]" for k, name in enumerate(names)]
-        lines += ["}", f"for (int j = 0; j < {inner}; j += {step}) {{"]
-        lines += [f"    const ng_real {part};" for part in parts]
-        lines += [f"    for (int i = 0; i < {rows}; ++i) {{"]
-        for node in group:
-            terms = [
-                f"{name}[i] * {self._at(node.operands[1], _sum('j', k))}"
-                for k, name in enumerate(names)
-            ]
+        lines.append("}")
+        if not group.streamed:
+            return [*lines, *self._columns(nodes, inner, "j")]
+        kept = [node for node in group.streamed if node.number in self._layout.blocks]
+        body = [
+            *(f"ng_real {self._block(node)}[{BLOCK}];" for node in kept),
+            f"for (int i = 0; i < {BLOCK}; ++i) {{",
+            *self._elements(group.streamed, "j + i"),
+            *(f"    {self._block(node)}[i] = t{node.number};" for node in kept),
+            "}",
+            *self._columns(nodes, BLOCK, "k", "j + k"),
+        ]
+        indented = ["    " + line for line in body]
+        return [*lines, f"for (int j = 0; j < {inner}; j += {BLOCK}) {{", *indented, "}"]
+
+    def _columns(
+        self, nodes: list[Node], count: int, k: str, column: str | None = None
+    ) -> list[str]:
+        """Add `count` columns, number `column` in the matrix, times element k of what is read."""
+        table = self._matrix(nodes[0])
+        step = COLUMNS_AT_ONCE if count % COLUMNS_AT_ONCE == 0 else 1
+        names = [f"w{n}" for n in range(step)]
+        lines = [f"for (int {k} = 0; {k} < {count}; {k} += {step}) {{"]
+        for n, name in enumerate(names):
+            lines.append(f"    const ng_real *const {name} = {table}[{_sum(column or k, n)}];")
+        lines.append(f"    for (int i = 0; i < {nodes[0].size}; ++i) {{")
+        for node in nodes:
+            right = node.operands[1]
+            blocked = right.number in self._layout.blocks
+            at = k if blocked or column is None else column
+            terms = [f"{name}[i] * {self._at(right, _sum(at, n))}" for n, name in enumerate(names)]
             lines.append(f"        {self._at(node, 'i')} += {_paired(terms)};")
         return [*lines, "    }", "}"]
 
-    def _product(self, node: Node, table: str, rows: int, inner: int) -> list[str]:
+    def _product(self, node: Node) -> list[str]:
         """A matrix times a matrix."""
-        columns = node.columns
+        table, columns, inner = self._matrix(node), node.columns, node.inner
+        rows = node.size // columns
         at = f"i * {columns} + k"
         start = self._at(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"
         term = f"{table}[j][i] * {self._at(node.operands[1], f'j * {columns} + k')}"
@@ -201,12 +237,26 @@ class Writer:
             if start is not None:
                 return self._at(source, _sum("0" if node.size == 1 else i, start))
             return self._at(source, f"{self._tables.places(node.index)}[{i}]")
-        if node.size == 1 and node.kind in (*LOOPED, *GATHERED):
+        if node.number in self._layout.blocks:
+            return f"{self._block(node)}[{i}]"
+        if node.size == 1 and node.number not in self._layout.stored:
             return f"t{node.number}"
         return f"{self._slot(self._layout.stored[node.number])}[{'0' if node.size == 1 else i}]"
 
     def _slot(self, number: int) -> str:
         return f"v{number}"
+
+    def _blocks(self) -> list[list[Node]]:
+        """By group, the streamed values that stand in blocks."""
+        kept = self._layout.blocks
+        return [[n for n in group.streamed if n.number in kept] for group in self._layout.groups]
+
+    def _block(self, node: Node) -> str:
+        return f"b{node.number}"
+
+    def _matrix(self, node: Node) -> str:
+        """The table of an affine operation's matrix."""
+        return self._table(node.operands[0], (node.size // node.columns, node.inner))
 
     def _table(self, node: Node, shape: tuple[int, ...]) -> str:
         """The static array of a constant; a matrix stands transposed, one row a column of it."""
