@@ -117,7 +117,7 @@ def test_rows_left_out_are_counted(brief_run, planted_logs, tmp_path):
     ("files", "found"),
     [
         (slice(0, 0), "expected at least one CSV file, found none"),
-        (slice(0, 1), "expected at least 3 strides of 0.1 s or longer"),
+        (slice(0, 1), "expected at least 3 strides of 0.1 s or more"),
     ],
 )
 def test_too_little_data_is_refused_and_nothing_written(

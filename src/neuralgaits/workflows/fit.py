@@ -125,7 +125,7 @@ def _long_enough(strides: Sequence[Stride]) -> tuple[list[Stride], int]:
 def _dealt(strides: Sequence[Stride], seed: int) -> Split:
     if len(strides) < 3:
         raise InputError(
-            f"logs: expected at least 3 strides of {STEP_S * (JUDGED_SAMPLES - 1):.2g} s or longer, "
+            f"logs: expected at least 3 strides of {STEP_S * (JUDGED_SAMPLES - 1):.2g} s or more, "
             f"one each to learn from, to choose by and to report on, found {len(strides)}: walk "
             "longer or give more logs"
         )
