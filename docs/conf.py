@@ -18,7 +18,7 @@ author = "The Neural Gaits developers"
 copyright = author
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "house_docstrings"]
-exclude_patterns = ["images"]
+exclude_patterns = ["images", "assets"]
 
 # Anchors are those of code hosts, so that a link works in both places.
 myst_heading_anchors = 4
@@ -29,7 +29,6 @@ autodoc_preserve_defaults = True
 autodoc_class_signature = "separated"
 napoleon_numpy_docstring = False
 napoleon_google_docstring = True
-napoleon_use_ivar = True
 default_role = "py:obj"
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 80
@@ -37,6 +36,8 @@ add_module_names = False
 
 html_theme = "furo"
 html_title = project
+html_static_path = ["assets"]
+html_css_files = ["pages.css"]
 html_copy_source = False
 html_show_sphinx = False
 html_show_copyright = False

@@ -13,6 +13,7 @@ from sphinx import addnodes
 from sphinx.application import Sphinx
 
 _SECTION = re.compile(r"^(Returns|Raises|Source): (?=\S)")
+_ATTRIBUTE = re.compile(r"^    ([\w, ]+): ")
 _BEFORE_NAPOLEON = 400
 """Priority; napoleon has 500."""
 _QUALIFIED = re.compile(r"~?(?:jaxtyping|numpy|jaxlib\._jax)\.")
@@ -34,17 +35,30 @@ def readable(annotation: str) -> str:
 
 
 def fields(lines: list[str]) -> list[str]:
-    """Docstring lines with one-line sections as fields, which may go on over indented lines."""
+    """Docstring lines with one-line sections and lists of attributes as fields.
+
+    A section goes on until an empty line. Attributes may share a line, as in `lower, upper: ...`.
+    """
     out: list[str] = []
-    section_open = False
+    inside = ""
     for line in lines:
+        line = line.replace("|", r"\|")
         section = _SECTION.match(line)
-        if section and out and not section_open:
-            out.append("")
-        if section_open and not section and line and not line.startswith(" "):
-            out.append("")
-        section_open = bool(section) or (section_open and line.startswith(" "))
-        out.append(_SECTION.sub(r":\1: ", line).replace("|", r"\|"))
+        if line == "Attributes:":
+            inside, line = "attributes", ":Attributes:"
+        elif section:
+            if out and not inside:
+                out.append("")
+            inside, line = "section", _SECTION.sub(r":\1: ", line)
+        elif not line:
+            inside = ""
+        elif inside == "attributes":
+            named = _ATTRIBUTE.match(line)
+            entry = _ATTRIBUTE.sub(r"    * **\1** -- ", line)
+            line = entry if named else f"      {line.strip()}"
+        elif inside == "section":
+            line = f"    {line.strip()}"
+        out.append(line)
     return out
 
 
