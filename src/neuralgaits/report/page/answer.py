@@ -61,12 +61,11 @@ def _walked(saved: Saved, shown: Mapping[str, Any] | None) -> str:
             )
     if shown is None:
         return "It has not been simulated yet."
-    ending = (
-        f"fell after {shown['steps_walked']}"
-        if shown["fell"]
-        else f"took all {shown['steps_walked']}"
+    ending = "fell after" if shown["fell"] else "took all"
+    return (
+        "In the one walk recorded for this page, a MuJoCo simulation of the whole robot, it "
+        f"{ending} {shown['steps_walked']} steps."
     )
-    return f"In the one walk recorded for this page it {ending} steps; `simulate` has not been run."
 
 
 def _where(done: Mapping[str, Any]) -> str:
@@ -89,7 +88,7 @@ def _counted(done: Mapping[str, Any]) -> str:
     else:
         said = f"{stayed} of {count} walks stayed up to their last step"
         reasons = sorted({reason for reason in done["fall_reasons"] if reason})
-        said += f" (the others fell: {', '.join(reasons)})" if reasons else ""
+        said += f" (fell: {', '.join(reasons)})" if reasons else ""
     if done.get("speed_m_s") is not None:
         speed, time = number(done["speed_m_s"], 2), number(done["step_time_s"], 2)
         said += f", at {speed} m/s with a step every {time} s"

@@ -18,7 +18,7 @@ _QUANTITIES = {
     "hip_forward": ("hip ahead of the standing foot", "m"),
     "hip_speed": ("forward speed of the hip", "m/s"),
     "forward_rate": ("forward speed of the hip, linearised", "m/s"),
-    "transversal_inertia": ("transversal inertia: where it is 0, the theory ends", "kg m"),
+    "transversal_inertia": ("transversal inertia, at 0 of which the theory ends", "kg m"),
     "hip_state": ("z1", "m"),
     "momentum": ("z2", "kg m²/s"),
     "reset_hip_sum": ("z1 after touchdown plus z1 before", "m"),
@@ -135,22 +135,25 @@ _RIGID = (
     "sudden and without bounce; masses and lengths are those of the robot file; the network's "
     "weights are those stored in the run"
 )
-_EXACT = "joints are exactly where the network wants them, and are so again after each impact"
+_EXACT = "joints are exactly where the network wants them"
 _LINEARISED = (
     "motors do without delay exactly what the controller asks (exact input-output linearisation in "
     "continuous time)"
 )
 NOT_CLAIMED = (
     "control in ticks of a computer, delays, motors at their limits, ground that gives way as in "
-    "MuJoCo, and the real machine"
+    "MuJoCo, or the real machine"
 )
 
 
 def assumptions(level: int) -> tuple[str, ...]:
     """What a proof up to this level rests on, in plain words."""
+    if level <= 1:
+        return _RIGID, _EXACT
+    following = f"{_EXACT}, and are so again after each impact"
     if level < LAST_LEVEL:
-        return (_RIGID, _EXACT)
-    return (_RIGID, f"at levels 1 to 3: {_EXACT}", f"at level {LAST_LEVEL}: {_LINEARISED}")
+        return _RIGID, following
+    return _RIGID, f"at levels 1 to 3: {following}", f"at level {LAST_LEVEL}: {_LINEARISED}"
 
 
 def verdict(word: str) -> Html:

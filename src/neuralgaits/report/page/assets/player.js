@@ -168,7 +168,7 @@ function play(walk) {
     const push = walk.force_n && Math.round(walk.force_n[now.frame][1]);
     const force = walk.force_n ? `; the ground pushes up with ${push} N` : "";
     find("reading").textContent =
-      `${(walk.first_s + Math.min(time, length)).toFixed(2)} s, ${walked} touchdowns${force}`;
+      `${(walk.first_s + Math.min(time, length)).toFixed(2)} s, touchdowns: ${walked}${force}`;
     slider.value = time;
   }
 

@@ -146,7 +146,7 @@ class Scene {
     const gl = canvas.getContext("webgl2", options);
     if (!gl) throw new Error("this browser gives no WebGL 2");
     this.gl = gl; this.canvas = canvas; this.legLength = legLength;
-    this.view = { azimuth: -1.22, elevation: 0.16, distance: 3.3 * legLength };
+    this.view = { azimuth: -1.22, elevation: 0.16, distance: 3.7 * legLength };
     this.program = this.link();
     this.at = new Proxy({}, { get: (_, name) => gl.getUniformLocation(this.program, name) });
     const bodies = Math.max(...shapes.map((s) => s.body)) + 1;
@@ -204,7 +204,7 @@ class Scene {
     gl.useProgram(this.program);
     gl.enable(gl.DEPTH_TEST);
     const [x] = poses[0], under = floor[0] + floor[1] * x;
-    const target = [x, 0, under + 0.78 * this.legLength], flat = Math.cos(view.elevation);
+    const target = [x, 0, under + 0.84 * this.legLength], flat = Math.cos(view.elevation);
     const eye = [target[0] + view.distance * flat * Math.cos(view.azimuth),
       target[1] + view.distance * flat * Math.sin(view.azimuth),
       target[2] + view.distance * Math.sin(view.elevation)];

@@ -1,0 +1,257 @@
+"""What a page says of a run: nothing that is not so, and nothing that is run."""
+
+import json
+import re
+import shlex
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from neuralgaits.cli.arguments import read as read_words
+from neuralgaits.report.figure import Missing
+from neuralgaits.report.page.answer import answer
+from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
+from neuralgaits.report.page.document import document
+from neuralgaits.report.page.markup import Html, number, tag, text
+from neuralgaits.report.page.proof import certificate
+from neuralgaits.report.page.saved import proved_level, read
+from neuralgaits.report.page.walking import animation, simulations
+from neuralgaits.runs import RunFolder
+
+HOSTILE = "\"><img src=x onerror=alert(1)></script><script>alert('&')</script>"
+SIMULATED = {
+    "plant": "amber3m",
+    "controller": "pd",
+    "episodes": 3,
+    "start": "region",
+    "push": 4.0,
+    "disturb": {"friction": 0.4, "delay_ms": 0.0, "mass_scale": 1.0},
+    "seed": 7,
+    "steps": 20,
+    "steps_walked": [20, 3, 4],
+    "fell": [False, True, True],
+    "fall_reasons": [None, "hip too low", "torso tipped over"],
+    "speed_m_s": 0.61,
+    "step_time_s": 0.5,
+}
+
+
+class _Tags(HTMLParser):
+    """Every element of a page with its attributes."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.found = []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+
+
+def _change(folder, file, change):
+    content = json.loads((folder / file).read_text())
+    change(content)
+    (folder / file).write_text(json.dumps(content))
+
+
+def _simulated(folder, **changed):
+    (folder / "simulation").mkdir()
+    (folder / "simulation/summary.json").write_text(json.dumps(SIMULATED | changed))
+
+
+def test_a_proved_run_says_what_is_proved_and_what_is_not(contents):
+    page = answer(contents())
+    assert "Proved, to level 3 of 4" in page and "claims nothing about" in page
+    assert "nothing has been proved" not in page
+
+
+def test_without_a_certificate_nothing_is_called_proved(contents, shipped):
+    import shutil
+
+    shutil.rmtree(shipped / "certificate")
+    page = contents(shipped)
+    said = answer(page)
+    assert "evidence and not a proof" in said and "nothing has been proved" in said
+    assert "Proved" not in said and ">proved<" not in document(page)
+    assert f"neuralgaits certify {shipped}" in certificate(page)
+
+
+def test_samples_that_break_a_condition_are_said_to(contents, shipped):
+    def broken(summary):
+        summary["conditions"]["knee"] |= {"max_violation": 0.125, "min_margin": -0.125}
+
+    _change(shipped, "summary.json", broken)
+    assert "Training left knee violated on samples, by up to 0.125" in failures(contents(shipped))
+
+
+def test_a_refuted_condition_is_shown_with_its_state(contents, shipped):
+    def refuted(summary):
+        entry = summary["conditions"]["knee"]
+        entry |= {"verdict": "refuted", "proved_fraction": 0.75, "margin": None}
+        entry["counterexample"] = {"u": [0.5, 0.5], "z": [0.0125, 14.25], "margin": -0.03}
+        summary["verdict"] = "refuted"
+
+    _change(shipped, "certificate/summary.json", refuted)
+    page = contents(shipped)
+    said = failures(page)
+    assert "knee is refuted: at z1 = 0.0125 m, z2 = 14.25" in said
+    assert "Not proved." in answer(page) and "(knee)" in answer(page)
+    assert page.saved.proved_level == 0
+
+
+def test_an_undecided_level_is_not_proved_and_says_why(contents, shipped):
+    def undecided(summary):
+        summary["levels"][0] |= {"verdict": "undecided", "reason": "fences meet", "words": []}
+
+    _change(shipped, "certificate/summary.json", undecided)
+    page = contents(shipped)
+    # Level 3 rests on level 2.
+    assert page.saved.proved_level == 1
+    assert "Level 2 is undecided: fences meet." in failures(page)
+
+
+def test_a_level_counts_only_with_all_below_it():
+    condition = {"verdict": "proved"}
+    levels = [{"level": 4, "verdict": "proved"}, {"level": 2, "verdict": "proved"}]
+    assert proved_level({"conditions": {"a": condition}, "levels": levels}) == 2
+    assert proved_level({"conditions": {}, "levels": levels}) == 0
+    assert proved_level(None) == 0
+
+
+def test_a_proof_of_other_weights_is_not_shown(contents, shipped):
+    weights = shipped / "policy.safetensors"
+    content = bytearray(weights.read_bytes())
+    content[-1] ^= 1
+    weights.write_bytes(content)
+    page = contents(shipped)
+    assert page.saved.certificate is None
+    assert "expected a proof about the run&#x27;s own policy.safetensors" in failures(page)
+    assert "Proved" not in answer(page)
+
+
+def test_falls_stand_in_the_answer_and_with_their_reasons(contents, shipped, walk):
+    _simulated(shipped)
+    page = contents(shipped, walk=walk)
+    said = answer(page)
+    assert "1 of 3 walks stayed up" in said and "hip too low" in said
+    assert "friction of the feet 0.4" in said and "a push of 4 N s" in said
+    assert "How it is meant to stay up." in said and "Why it stays up." not in said
+    assert "In simulation 1 of 3 walks fell: torso tipped over." in failures(page)
+    assert "falls after 1 steps: torso tipped over" in animation(page)
+    assert "hip too low" in simulations(page.saved)
+
+
+def test_every_command_on_the_page_is_one_that_the_command_line_takes(contents, shipped):
+    _simulated(shipped)
+    page = contents(shipped)
+    unescaped = [line for _, line in missing_parts(page)]
+    block = re.search(r"<pre[^>]*><code>(.*?)</code>", reproduction(page), re.S)
+    assert block is not None
+    unescaped += block.group(1).split("\n")
+    verbs = []
+    for line in unescaped:
+        name, *words = shlex.split(line)
+        assert name == "neuralgaits"
+        verbs.append(type(read_words(words)).__name__)
+    assert verbs == ["Certify", "Train", "Certify", "Simulate", "Report"]
+
+
+def test_a_command_repeats_the_simulation(contents, shipped):
+    _simulated(shipped)
+    block = reproduction(contents(shipped))
+    assert "--episodes 3" in block and "--push 4.0 --disturb friction=0.4" in block
+
+
+def test_a_refined_run_is_made_again_by_refining(contents, shipped):
+    def refined(config):
+        config |= {"parent": "runs/a b", "disturbance": [0.01, 0.5]}
+
+    _change(shipped, "config.json", refined)
+    said = reproduction(contents(shipped))
+    assert "neuralgaits refine &#x27;runs/a b&#x27;" in said and "--disturbance 0.01,0.5" in said
+
+
+def test_missing_figures_stand_with_their_commands(contents, shipped):
+    lost = Missing("x", "A picture", "no log", "neuralgaits simulate RUN --log F.csv")
+    page = contents(shipped, figures=[lost])
+    assert "A picture" in document(page) and "neuralgaits simulate RUN --log F.csv" in missing(page)
+
+
+def test_an_unfinished_run_says_how_to_go_on(contents, shipped):
+    (shipped / "summary.json").unlink()
+    page = document(contents(shipped))
+    assert f"neuralgaits train amber3m --resume {shipped}" in page
+    assert "Nothing is claimed" in page
+    assert 'id="certificate"' not in page
+
+
+def test_a_damaged_part_is_named_and_left_out(contents, shipped):
+    (shipped / "certificate/summary.json").write_text("{")
+    page = contents(shipped)
+    assert "damaged file" in failures(page) and page.saved.certificate is None
+
+
+def test_a_disturbance_that_was_proved_is_read_off_the_proof(shipped):
+    def pushed(proof):
+        bounds = [(0.01).hex(), (0.3).hex()]
+        proof["theorems"][0]["parameters"]["disturbance"] = bounds
+
+    assert read(RunFolder.open(shipped)).disturbance == ()
+    _change(shipped, "certificate/proof.json", pushed)
+    assert read(RunFolder.open(shipped)).disturbance == (0.01, 0.3)
+
+
+@pytest.mark.parametrize("hostile", [HOSTILE, "<!--<script>", "javascript:alert(1)//'"])
+def test_nothing_that_a_run_says_becomes_markup(contents, shipped, walk, hostile):
+    def named(config):
+        config |= {"robot": hostile, "spec": hostile, "parent": hostile, "created_utc": hostile}
+        config["described"]["conditions"][0] |= {"name": hostile, "region": hostile}
+        config["written_by"] = {hostile: hostile}
+
+    def told(summary):
+        entry = summary["conditions"].pop("knee")
+        summary["conditions"][hostile] = entry
+
+    _change(shipped, "config.json", named)
+    _change(shipped, "summary.json", told)
+    _change(shipped, "certificate/summary.json", told)
+    _simulated(shipped, fall_reasons=[None, hostile, hostile], plant=hostile, controller=hostile)
+    walk |= {"plant": hostile, "fall_reason": hostile, "origin": hostile, "controller": hostile}
+    page = contents(shipped, walk=walk, figures=[Missing(hostile, hostile, hostile, hostile)])
+    page = replace(page, robot=dict(page.robot) | {"robot": hostile}, assumptions=(hostile,))
+    tags = _Tags(document(page)).found
+    kinds = [name for name, _ in tags]
+    assert kinds.count("script") == 2 and "img" not in kinds
+    assert not any(key.startswith("on") for _, attributes in tags for key in attributes)
+    assert not any(a.get("href", "#")[0] not in "#d" for name, a in tags if name != "link")
+
+
+def test_a_recording_cannot_end_its_script(contents, shipped, walk):
+    walk["plant"] = HOSTILE
+    page = animation(contents(shipped, walk=walk))
+    block = re.search(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.S)
+    assert block is not None and "<" not in block.group(1)
+    assert json.loads(block.group(1))["plant"] == HOSTILE
+
+
+def test_the_policy_of_the_page_forbids_every_request(contents):
+    tags = _Tags(document(contents())).found
+    policy = next(a["content"] for name, a in tags if name == "meta" and "content" in a)
+    assert "default-src 'none'" in policy and "http" not in policy and "unsafe" not in policy
+    sources = [a[key] for _, a in tags for key in ("src", "href") if key in a]
+    assert all(source.startswith(("#", "data:")) for source in sources)
+
+
+def test_escaping_happens_once():
+    assert text("<b>&") == "&lt;b&gt;&amp;"
+    assert tag("p", Html("<b>x</b>"), "<") == "<p><b>x</b>&lt;</p>"
+    assert tag("p", title='"') == '<p title="&quot;"></p>'
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(None, "–"), (0.0, "0"), (-0.03251, "−0.0325"), (1400, "1\u202f400"), (float("nan"), "nan")],
+)
+def test_numbers_as_a_person_writes_them(value, said):
+    assert number(value) == said

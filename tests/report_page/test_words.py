@@ -1,0 +1,59 @@
+"""Plain words exist for everything that the package itself defines."""
+
+import inspect as introspection
+
+import pytest
+
+from neuralgaits.barriers import functions, specs
+from neuralgaits.report.page import words
+from neuralgaits.robots import load_robot
+from neuralgaits.simulation.disturbance import Disturbance
+
+
+@pytest.mark.parametrize("name", sorted(specs.DESCRIPTIONS))
+def test_every_condition_of_a_built_in_spec_has_words(name):
+    for condition in specs.load(name, load_robot("amber3m")).describe()["conditions"]:
+        said = words.condition(condition)
+        assert "written by the user" not in said and "_" not in said, condition["name"]
+        assert words.region(condition["region"])
+
+
+def test_every_quantity_has_words_and_a_unit():
+    plain = [
+        name
+        for name, value in vars(functions).items()
+        if introspection.isfunction(value) and value.__module__ == functions.__name__
+    ]
+    assert len(plain) > 15
+    for name in plain:
+        inner = {"function": "at_least", "of": {"function": name}, "bound": 0.5}
+        said = words.quantity(inner)
+        assert said.endswith(("m", "s", "rad", "N", "m²", "rad²", "kg m²/s", "m²/s²")), said
+        assert name not in said.split(" ≥")[0].split() or "_" not in name
+
+
+def test_a_barrier_says_how_fast_it_may_be_approached():
+    inner = {"function": "at_most", "of": {"function": "torso_angle"}, "bound": 0.08}
+    said = words.condition({"kind": "Barrier", "quantity": inner, "alpha": [4.0, 9.0]})
+    assert "≤ 0.08 rad" in said and "4 or 9 1/s" in said
+
+
+def test_a_users_own_condition_is_named_and_not_explained():
+    assert "mine" in words.condition({"user": "mine", "name": "x"})
+    inner = {"function": "at_least", "of": {"user": "my_quantity"}, "bound": 1.0}
+    assert "my_quantity" in words.condition({"kind": "Pointwise", "quantity": inner})
+
+
+def test_every_disturbance_has_words():
+    changed = {name: 0.5 for name in vars(Disturbance())}
+    said = words.changes(changed)
+    assert len(said) == len(changed) and not any("_" in entry for entry in said)
+    assert words.changes(vars(Disturbance())) == []
+    assert words.disturbances(vars(Disturbance())) == {}
+
+
+def test_ten_words_and_four_levels():
+    assert len(words.GLOSSARY) == 10
+    assert set(words.LEVELS) == set(words.PROVED) == {1, 2, 3, 4}
+    assert "linearisation" in " ".join(words.assumptions(4))
+    assert "linearisation" not in " ".join(words.assumptions(3))

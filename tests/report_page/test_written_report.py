@@ -1,0 +1,230 @@
+"""The report of the shipped run, written once, and read in a real browser."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from shipped_run import SHIPPED
+
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.report.page.document import MOST_BYTES
+from neuralgaits.workflows.report import write_report
+from neuralgaits.workflows.shown_walk import FILE
+
+WIDTHS = (390, 1440)
+"""Pixels: a telephone, and a desk."""
+_FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"]
+_FLAGS.append("--enable-unsafe-swiftshader")
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = Path(shutil.copytree(SHIPPED, tmp_path_factory.mktemp("report") / "a run"))
+    return write_report(folder)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        pytest.skip("no Chromium on this machine: the page is not looked at")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=chromium, args=_FLAGS)
+        yield running
+        running.close()
+
+
+@pytest.fixture
+def opened(browser, written):
+    """Open the page; what it asked for and complained of is kept with it."""
+    pages = []
+
+    def at(width: int, **options):
+        page = browser.new_page(viewport={"width": width, "height": 900}, **options)
+        pages.append(page)
+        page.said, page.asked = [], []
+        page.on("console", lambda message: page.said.append(message.text))
+        page.on("pageerror", lambda error: page.said.append(str(error)))
+        page.on("request", lambda request: page.asked.append(request.url))
+        page.goto(written.path.as_uri())
+        page.wait_for_function("document.getElementById('reading').textContent !== ''")
+        return page
+
+    yield at
+    for page in pages:
+        page.close()
+
+
+def test_the_page_is_one_small_file_with_figures(written):
+    summary = written.summary
+    assert written.path.name == "report.html" and written.path.stat().st_size <= MOST_BYTES
+    assert summary["report"] == str(written.path) and summary["bytes"] == len(
+        written.path.read_bytes()
+    )
+    assert "certificate-map" in summary["figures"] and len(summary["figures"]) > 5
+    page = written.path.read_text()
+    assert page.count("<figure>") == len(summary["figures"])
+    assert "Proved, to level 3 of 4" in page
+
+
+def test_the_walk_is_kept_and_is_one_of_whole_steps(written):
+    folder = written.path.parent
+    walk = json.loads((folder / FILE).read_text())
+    assert not walk["fell"] and walk["steps_walked"] == 12
+    touchdowns = sum(a != b for a, b in zip(walk["leg"], walk["leg"][1:], strict=False))
+    assert touchdowns in (11, 12)
+    # Over whole steps the ground carries the weight: the hip is as high at the end as before.
+    up = [force[1] for force in walk["force_n"]]
+    assert sum(up) / len(up) == pytest.approx(walk["weight_n"], rel=0.02)
+    assert walk["poses"][-1][0] - walk["poses"][0][0] > 3.0
+
+
+def test_a_second_report_repeats_the_first_without_a_simulation(written, monkeypatch):
+    before = written.path.read_bytes()
+    monkeypatch.setattr("neuralgaits.workflows.shown_walk.walk", None)
+    monkeypatch.setattr("neuralgaits.workflows.report.figures", lambda _: written.figures)
+    assert write_report(written.path.parent).path.read_bytes() == before
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_request_no_complaint_no_overflow(opened, width):
+    page = opened(width)
+    page.wait_for_timeout(300)
+    assert page.said == []
+    assert [url for url in page.asked if not url.startswith("data:")] == [page.url]
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    images = "Array.from(document.images).every((i) => i.complete && i.naturalWidth > 100)"
+    assert page.evaluate(images)
+
+
+def test_the_robot_moves_and_stops(opened):
+    page = opened(800)
+    robot, portrait = page.locator("#robot"), page.locator("#portrait")
+    first = robot.screenshot(), portrait.screenshot()
+    page.wait_for_timeout(400)
+    second = robot.screenshot(), portrait.screenshot()
+    assert first[0] != second[0] and first[1] != second[1]
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_timeout(100)
+    still = robot.screenshot()
+    page.wait_for_timeout(300)
+    assert robot.screenshot() == still
+    time = float(page.locator("#time").input_value())
+    page.locator("#time").focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_timeout(100)
+    assert float(page.locator("#time").input_value()) > time
+    assert robot.screenshot() != still
+
+
+def test_drag_wheel_and_keys_turn_the_view(opened):
+    page = opened(800)
+    page.get_by_role("button", name="Pause").click()
+    robot = page.locator("#robot")
+    box = robot.bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def drag():
+        page.mouse.move(*middle)
+        page.mouse.down()
+        page.mouse.move(middle[0] + 90, middle[1] + 20)
+        page.mouse.up()
+
+    def wheel():
+        page.mouse.move(*middle)
+        page.mouse.wheel(0, -200)
+
+    def key():
+        robot.focus()
+        page.keyboard.press("ArrowLeft")
+
+    page.wait_for_timeout(100)
+    seen = [robot.screenshot()]
+    for move in (drag, wheel, key):
+        move()
+        page.wait_for_timeout(100)
+        picture = robot.screenshot()
+        assert picture not in seen
+        seen.append(picture)
+
+
+def test_every_control_is_reached_by_tab(opened):
+    page = opened(390)
+    reached = []
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        reached.append(page.evaluate("document.activeElement.id"))
+    positions = [reached.index(name) for name in ("robot", "play", "time", "speed", "reset")]
+    assert positions == sorted(positions)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out_from_its_ground(opened, scheme):
+    page = opened(1440, color_scheme=scheme)
+    script = """(names) => names.map((name) =>
+      getComputedStyle(document.documentElement).getPropertyValue(name).trim())"""
+    names = ["--page", "--card", "--ink", "--quiet", "--link", "--good", "--bad", "--open"]
+    page_colour, card, *inks = (_luminance(value) for value in page.evaluate(script, names))
+    for ground in (page_colour, card):
+        for ink in inks:
+            low, high = sorted((ground, ink))
+            # Contrast of normal text. Source: WCAG 2.2, 1.4.3.
+            assert (high + 0.05) / (low + 0.05) >= 4.5
+    assert (page_colour < 0.1) == (scheme == "dark")
+
+
+def _luminance(colour: str) -> float:
+    """Relative luminance of #rrggbb. Source: WCAG 2.2."""
+    assert re.fullmatch("#[0-9a-f]{6}", colour)
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_paper_has_no_buttons(opened):
+    page = opened(1440)
+    assert page.locator("#play").is_visible()
+    page.emulate_media(media="print")
+    assert not page.locator("#play").is_visible() and page.locator("#robot").is_visible()
+
+
+def test_without_webgl_the_page_says_so_and_goes_on(browser, written):
+    page = browser.new_page()
+    said = []
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.add_init_script(
+        "const plain = HTMLCanvasElement.prototype.getContext;"
+        "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
+        "  return kind === 'webgl2' ? null : plain.call(this, kind, ...more); };"
+    )
+    page.goto(written.path.as_uri())
+    page.wait_for_function("document.getElementById('reading').textContent !== ''")
+    assert "no WebGL 2" in page.locator("#no-picture").text_content()
+    assert said == []
+    page.close()
+
+
+def test_a_place_that_cannot_be_written_is_refused_before_work(shipped, tmp_path):
+    with pytest.raises(InputError, match=r"found a folder at .*: name a file"):
+        write_report(shipped, out=tmp_path)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match=r"expected a file that can be written"):
+        write_report(shipped, out=tmp_path / "file" / "page.html")
+    assert not (shipped / FILE).exists()
+
+
+def test_no_run_is_one_line(tmp_path):
+    with pytest.raises(RunError, match=r"expected a run folder at .*found nothing"):
+        write_report(tmp_path / "none")
+
+
+def test_an_unfinished_run_has_a_report(shipped, tmp_path):
+    (shipped / "summary.json").unlink()
+    done = write_report(shipped, out=tmp_path / "page.html")
+    assert done.figures == [] and done.path.is_file()
+    command = f"neuralgaits train amber3m --resume {shipped}"
+    assert done.summary["missing"] == [{"what": "the end of the training", "command": command}]
