@@ -16,7 +16,7 @@ def carry_out_view(verb: View) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.view import view
 
-    with waiting("putting the robot onto its feet"):
+    with waiting("putting the robot onto its feet", quiet=verb.output.json):
         live = view(verb.run, **_place(verb.page))
     return _served(live, verb.page)
 
@@ -26,7 +26,7 @@ def carry_out_demo(verb: Demo) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.demo import demo
 
-    with waiting("putting the robot onto its feet"):
+    with waiting("putting the robot onto its feet", quiet=verb.output.json):
         live = demo(**_place(verb.page))
     return _served(live, verb.page)
 

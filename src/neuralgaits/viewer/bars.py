@@ -24,8 +24,8 @@ _ROW = (
 )
 _KEY = (
     '<div style="opacity:.7;margin-top:5px;line-height:1.35">Share of the condition\'s scale that '
-    "is left at the robot's z; below 0 it is broken. Pale: the state is not in the "
-    "condition's region, read at the nearest state that is.</div>"
+    "is left at the robot's z; below 0 it is broken. Pale: outside of the condition's region, "
+    "read where it begins.</div>"
 )
 
 
@@ -44,7 +44,7 @@ def _row(name: str, value: float, inside: bool) -> str:
         colour = _BROKEN if value < 0.0 else _TIGHT if value < TIGHT else _GOOD
         # A broken condition shows how far, in red.
         width, text = 100.0 * min(abs(value) / FULL, 1.0), f"{value:.2f}"
-    hint = "in its region" if inside else "outside its region: the nearest state is read"
+    hint = "in its region" if inside else "outside its region: read where it begins"
     return _ROW.format(
         name=html.escape(name),
         hint=hint,

@@ -16,6 +16,8 @@ from neuralgaits.errors import InputError
 PORT = 8080
 """First port that is tried where none was asked for."""
 _TRIES = 100
+_PANEL_PX = 370
+"""Width of the controls beside the scene."""
 _LARGEST_PORT = 65535
 LOOPBACK = "127.0.0.1"
 _EVERYWHERE = ("0.0.0.0", "::", "")
@@ -45,9 +47,9 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
     if server.get_port() != found:
         server.stop()
         raise InputError(f"expected port {found} to be free, found it taken: {_REMEDY}")
-    server.gui.configure_theme(
-        show_logo=False, show_share_button=False, brand_color=(11, 87, 164), control_width="large"
-    )
+    server.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(11, 87, 164))
+    server.gui.main_panel.dock_right()
+    server.gui.main_panel.set_width(_PANEL_PX)
     return server
 
 

@@ -13,10 +13,10 @@ from neuralgaits.viewer.walker import Limits, Walker
 PUSH = Limits(0.0, 40.0, 8.0)
 """Impulse of a push [N s]."""
 WAYS = {
-    "◀ back": (-1.0, 0.0),
-    "forward ▶": (1.0, 0.0),
-    "▲ up": (0.0, 1.0),
-    "▼ down": (0.0, -1.0),
+    "back": (-1.0, 0.0),
+    "forward": (1.0, 0.0),
+    "up": (0.0, 1.0),
+    "down": (0.0, -1.0),
 }
 """Directions of a push, along x and z."""
 AFTER_FALL = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
@@ -24,11 +24,11 @@ _SETTINGS = {
     "slope_deg": ("slope [deg]", 0.5, "uphill positive; the floor turns about the stance foot"),
     "friction": ("friction", 0.01, "sliding coefficient between feet and floor"),
     "mass_scale": ("mass ×", 0.01, "factor on all masses and inertias; the controller is not told"),
-    "torque_limit": ("torque limit [N m]", 0.5, "of every joint; the controller knows it"),
+    "torque_limit": ("torque [N m]", 0.5, "limit of every joint; the controller knows it"),
 }
-_ANSWER_FRAMES = 250
-"""How long an answer stands: five seconds."""
-_STATUS_EVERY = 5
+_ANSWER_FRAMES = 240
+"""How long an answer stands: six seconds."""
+_STATUS_EVERY = 10
 """Frames from one line of status to the next."""
 
 

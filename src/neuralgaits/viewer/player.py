@@ -12,14 +12,14 @@ from typing import NamedTuple
 
 from neuralgaits.viewer.walker import Limits, Margins, Shown, Walker
 
-FRAMES_PER_S = 50.0
+FRAMES_PER_S = 40.0
 """Pictures a second that are aimed at."""
-MARGINS_PER_S = 10.0
+MARGINS_PER_S = 5.0
 """Bars a second."""
 SPEED = Limits(0.1, 2.0, 1.0)
 """Playback, simulated seconds a second."""
 STEP_S = 0.02
-"""Simulated time of a single step: one picture."""
+"""Simulated time of a single step."""
 _LONGEST_FRAME_S = 0.1
 """What is owed beyond this is forgotten: a slow machine plays in slow motion."""
 _SHARE = 0.8

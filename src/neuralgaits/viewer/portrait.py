@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 from neuralgaits._types import Float, Int
 
-WIDTH_PX, HEIGHT_PX, DPI = 1320, 900, 150
+WIDTH_PX, HEIGHT_PX, DPI = 1320, 760, 150
 """Of the picture."""
-_LEFT, _RIGHT, _BOTTOM, _TOP = 0.085, 0.985, 0.125, 0.9
+_LEFT, _RIGHT, _BOTTOM, _TOP = 0.08, 0.99, 0.145, 0.895
 """Edges of the plane, as shares of the picture."""
 _GREENS = LinearSegmentedColormap.from_list("margin", ["#e3f2e1", "#a5d6a0", "#4f9d63"])
 _OPEN, _BROKEN = "#fdc788", "#d0664c"
@@ -82,7 +82,7 @@ class Portrait:
             self.z2,
             speed[..., 0],
             speed[..., 1],
-            density=(1.1, 0.8),
+            density=(1.1, 0.7),
             color=_FLOW,
             linewidth=0.7,
             arrowsize=0.8,

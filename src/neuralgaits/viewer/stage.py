@@ -23,14 +23,20 @@ from neuralgaits.viewer.walker import Shown
 
 _TILE, _SECTION = 0.25, 1.0
 """Lines of the floor [m]."""
-_TRAIL = 90
-"""Points of the trail: two seconds or so."""
+_TRAIL = 40
+"""Points of the trail: some steps."""
+_TRAIL_EVERY = 4
+"""Pictures from one point of the trail to the next: lines are slow to draw anew."""
 _ARROW_S = 0.5
 """How long a push is shown [s]: it lasts a fifth of that."""
-_ARROW_M_N = 0.004
+_ARROW_M_N = 0.0022
 """Length of the arrow for each newton [m/N]."""
 _POINT, _LINE, _PUSH = (214, 39, 40), (240, 120, 40), (214, 39, 40)
 _FOV = math.radians(40.0)
+_USUAL_ASPECT = 1.2
+"""Width by height of a window, where it is not known."""
+_PHONE_PX, _PHONE_SHARE = 600, 0.4
+"""Windows narrower than this have the controls over their lower part; what is left of them."""
 _LIFT = 0.004
 """Point and trail before the board, so that they are seen [m]."""
 
@@ -57,9 +63,9 @@ class Stage:
             infinite_grid=True,
             cell_size=_TILE,
             section_size=_SECTION,
-            cell_color=(206, 211, 216),
-            section_color=(138, 148, 158),
-            section_thickness=1.4,
+            cell_color=(222, 226, 230),
+            section_color=(186, 194, 202),
+            section_thickness=1.2,
             plane_color=(243, 244, 246),
             plane_opacity=1.0,
             shadow_opacity=0.25,
@@ -67,7 +73,8 @@ class Stage:
         )
         self._arrow = server.scene.add_arrows(
             "/push",
-            np.zeros((1, 2, 3), dtype=np.float32),
+            # Until there is a push, where nobody looks.
+            np.full((1, 2, 3), -99.0, dtype=np.float32),
             _PUSH,
             shaft_radius=0.016,
             head_radius=0.04,
@@ -130,7 +137,7 @@ class Stage:
 
     @property
     def _board_width(self) -> float:
-        return 2.1 * self._leg
+        return 2.7 * self._leg
 
     @property
     def _board_bottom(self) -> float:
@@ -140,20 +147,25 @@ class Stage:
     def _frame_camera(self, server: viser.ViserServer) -> None:
         """Robot and board in view, whatever the shape of the window."""
         board = self._board_width * HEIGHT_PX / WIDTH_PX
-        top, wide = self._board_bottom + board, self._board_width
-        middle = (0.0, 0.0, 0.5 * top - 0.05)
-        upright = 0.5 * 1.12 * top / math.tan(0.5 * _FOV)
-        server.initial_camera.fov = _FOV
-        server.initial_camera.look_at = middle
-        server.initial_camera.position = (-0.12 * upright, -upright, middle[2] + 0.06 * upright)
+        top, wide = 1.12 * (self._board_bottom + board), 1.1 * self._board_width
+        middle, half = 0.45 * top, math.tan(0.5 * _FOV)
+
+        def pose(aspect: float, share: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+            """Position and target, the scene in the upper `share` of the window."""
+            tall = max(top / share, wide / aspect)
+            away = 0.5 * tall / half
+            position = (-0.06 * away, -away, middle + 0.06 * away)
+            return position, (0.0, 0.0, middle - 0.5 * (1.0 - share) * tall)
+
+        camera = server.initial_camera
+        camera.fov = _FOV
+        camera.position, camera.look_at = pose(_USUAL_ASPECT, 1.0)
 
         @server.on_client_connect
         def _(client: viser.ClientHandle) -> None:
-            aspect = client.camera.image_width / max(client.camera.image_height, 1)
-            narrow = 0.5 * 1.1 * wide / (math.tan(0.5 * _FOV) * aspect)
-            away = max(upright, narrow)
-            client.camera.position = (-0.12 * away, -away, middle[2] + 0.06 * away)
-            client.camera.look_at = middle
+            width, height = client.camera.image_width, max(client.camera.image_height, 1)
+            share = _PHONE_SHARE if width < _PHONE_PX else 1.0
+            client.camera.position, client.camera.look_at = pose(width / height, share)
 
 
 class _Board:
@@ -171,6 +183,7 @@ class _Board:
         self._size = np.array([width, width * HEIGHT_PX / WIDTH_PX])
         self._corner = np.array([-0.5 * width, bottom])
         self._trail: deque[np.ndarray] = deque(maxlen=_TRAIL)
+        self._count = 0
         middle = self._corner + 0.5 * self._size
         image = server.scene.add_image(
             "/board",
@@ -206,15 +219,18 @@ class _Board:
         place = self._portrait.place(self._portrait.clip(z))
         across, up = self._corner + place * self._size
         here = np.array([across, -_LIFT, up], dtype=np.float32)
+        self._point.position = tuple(float(value) for value in here)
+        self._count += 1
+        if self._count % _TRAIL_EVERY:
+            return
         # A step's reset is a jump, not a line.
         if self._trail and here[0] < self._trail[-1][0] - 0.15 * self._size[0]:
             self._trail.append(np.full(3, np.nan, dtype=np.float32))
         self._trail.append(here)
-        self._point.position = tuple(float(value) for value in here)
-        ends = np.stack([list(self._trail)[:-1], list(self._trail)[1:]], axis=1)
-        ends = ends[np.isfinite(ends).all(axis=(1, 2))] if len(self._trail) > 1 else ends
-        if len(ends):
-            self._line.points = ends
+        if len(self._trail) > 1:
+            points = np.array(self._trail)
+            ends = np.stack([points[:-1], points[1:]], axis=1)
+            self._line.points = ends[np.isfinite(ends).all(axis=(1, 2))]
 
     def forget(self) -> None:
         """Begin a new trail."""

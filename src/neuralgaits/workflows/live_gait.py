@@ -91,12 +91,12 @@ class LiveGait:
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
         """Margins of all conditions at a state, or at the nearest one where they apply."""
         conditions = self._run.spec.conditions
-        if self._look is None or not np.all(np.isfinite(z)):
-            nothing = np.full(len(conditions), np.nan)
-            return Margins(nothing, np.zeros(len(conditions), dtype=bool))
         with np.errstate(all="ignore"):
-            phase, level = self.chart.chart(z[None])
-            here = np.array([phase[0], level[0]])
+            here = np.concatenate(self.chart.chart(np.asarray(z)[None]))
+            if self._look is None or not np.all(np.isfinite(here)):
+                # Far outside, the fences' series have no meaning.
+                nothing = np.full(len(conditions), np.nan)
+                return Margins(nothing, np.zeros(len(conditions), dtype=bool))
             asked = [_nearest(here, self._run.spec.regions[c.region]) for c in conditions]
             points = np.unique(np.array(asked), axis=0)
             states = self.chart.z(points[:, 0], points[:, 1])

@@ -1,0 +1,25 @@
+"""Bars of margins: right lengths, right colours, and nothing that a browser would run."""
+
+import re
+
+import numpy as np
+
+from neuralgaits.viewer import bars
+from neuralgaits.viewer.walker import Margins
+
+
+def test_bars_have_the_length_of_their_margins():
+    margins = Margins(np.array([0.5, 2.0, -0.25, np.nan, 0.01]), np.array([True] * 4 + [False]))
+    page = bars.render(["half", "full", "broken", "none", "tight"], margins)
+    widths = [int(width) for width in re.findall(r"width:(\d+)%", page)]
+    assert widths == [50, 100, 25, 0, 1]
+    assert [">0.50<" in page, ">-0.25<" in page, ">–<" in page] == [True] * 3
+    assert page.count(bars._BROKEN) == 2
+    assert page.count("opacity:.45") == 1
+
+
+def test_names_of_a_users_conditions_are_text():
+    margins = Margins(np.array([1.0]), np.array([True]))
+    page = bars.render(["<script>alert(1)</script>"], margins)
+    assert "<script" not in page
+    assert "&lt;script&gt;" in page

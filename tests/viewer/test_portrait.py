@@ -1,0 +1,101 @@
+"""The board's picture: a pixel is a state, and looks like what is known of it."""
+
+import numpy as np
+import pytest
+
+from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
+from neuralgaits.workflows.certificate_words import how_sure
+from neuralgaits.workflows.gait_quantities import Chart, Look, quantities
+from neuralgaits.workflows.phase_plane import portrait
+
+
+@pytest.fixture(scope="module")
+def plane(shipped):
+    look = Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+    return portrait(shipped, look, certified=True)
+
+
+@pytest.fixture(scope="module")
+def picture(plane):
+    return plane.draw().astype(int)
+
+
+def colour_at(picture, portrait, z):
+    """Median colour around a state: a line of the flow does not matter."""
+    across, up = portrait.place(np.asarray(z))
+    height, width, _ = picture.shape
+    row, column = round((1.0 - up) * height), round(across * width)
+    return np.median(picture[row - 4 : row + 5, column - 4 : column + 5].reshape(-1, 3), axis=0)
+
+
+def test_places_and_states_are_inverse(plane):
+    for z in ([0.0, 12.0], [-0.1, 17.0], [0.21, 8.0]):
+        np.testing.assert_allclose(plane.state(plane.place(np.array(z))), z, atol=1e-12)
+    np.testing.assert_array_equal(plane.clip(np.array([9.0, -9.0])), [plane.high[0], plane.low[1]])
+
+
+def test_a_proved_state_is_green_and_a_state_outside_is_not(shipped, plane, picture):
+    chart = Chart(shipped.gait, shipped.spec)
+    inside = chart.z(np.array([0.3, 0.7]), np.array([0.25, 0.75]))
+    outside = np.array([[-0.1, 6.0], [0.0, 20.0]])
+    assert np.all(np.abs(chart.chart(outside)[1] - 0.5) > 0.5)
+    for z in inside:
+        red, green, blue = colour_at(picture, plane, z)
+        assert green > red + 5
+        assert green > blue + 5
+    for z in outside:
+        colour = colour_at(picture, plane, z)
+        assert np.ptp(colour) < 12
+
+
+def test_fences_are_where_their_states_are(plane, picture):
+    height, width, _ = picture.shape
+    for fence in plane.fence_z2:
+        z = np.array([plane.fence_z1[30], fence[30]])
+        across, up = plane.place(z)
+        row, column = round((1.0 - up) * height), round(across * width)
+        assert picture[row - 2 : row + 3, column].sum(axis=-1).min() < 200
+
+
+def test_the_orbit_lies_inside_and_closes(shipped, plane):
+    chart = Chart(shipped.gait, shipped.spec)
+    phase, level = chart.chart(plane.orbit)
+    assert np.all((level > 0.0) & (level < 1.0))
+    assert phase[0] == pytest.approx(0.0, abs=1e-6)
+    assert phase[-1] == pytest.approx(1.0, abs=1e-6)
+    after = np.asarray(shipped.zero_dynamics.reset(plane.orbit[-1]))
+    np.testing.assert_allclose(after, plane.orbit[0], rtol=1e-6)
+
+
+def test_without_a_certificate_margins_are_sampled_and_called_so(shipped):
+    look = Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+    plane = portrait(shipped, look, certified=False)
+    assert "no proof" in plane.title
+    assert set(np.unique(plane.answer)) == {PROVED}
+    assert np.all(plane.margin > 0.0)
+
+
+def test_a_broken_region_is_red():
+    corners = np.array([[[0.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]])
+    line = np.array([0.0, 1.0])
+    bad = Portrait(
+        z1=np.linspace(-0.2, 1.2, 5),
+        z2=np.linspace(0.8, 2.2, 4),
+        dz=np.ones((4, 5, 2)),
+        fence_z1=line,
+        fence_z2=np.array([[1.0, 1.0], [2.0, 2.0]]),
+        orbit=np.zeros((0, 2)),
+        corners=corners,
+        answer=np.array([REFUTED]),
+        margin=np.array([-0.5]),
+        title="broken",
+    )
+    red, green, _ = colour_at(bad.draw().astype(int), bad, [0.45, 1.55])
+    assert red > green + 60
+
+
+def test_the_words_claim_what_the_certificate_says(shipped):
+    sure = how_sure(shipped)
+    assert sure.certified
+    assert sure.words.startswith("**Proved at level 3**")
+    assert "may fall" in sure.words
