@@ -54,7 +54,7 @@ class StandIns:
     def fit(self, run, files, *, seed):
         del seed
         self._called("fit", run.path)
-        assert files
+        assert files and all(Path(file).is_file() for file in files)
         run.folder.write_json("residual/summary.json", LEARNED)
         return SimpleNamespace(summary=LEARNED)
 
@@ -160,7 +160,8 @@ def test_what_was_killed_goes_on_and_repeats_nothing(stand_ins, begin, amber, tm
     with pytest.raises(Stopped):
         begin(rounds=1)
     stand_ins.stop_at, stand_ins.calls = None, []
-    done = episodes(amber, plant="amber3m-tail", resume=tmp_path / "made", root=tmp_path)
+    moved = (tmp_path / "made").rename(tmp_path / "moved")
+    done = episodes(amber, plant="amber3m-tail", resume=moved, root=tmp_path)
     assert stand_ins.calls == ALL[ALL.index(stop) :]
     assert [entry["round"] for entry in done.summary["rounds"]] == [0, 1]
 
@@ -232,6 +233,7 @@ def test_a_round_that_teaches_nothing_ends_the_command_unless_it_is_the_last(
         ({"plant": None, "logs": ".", "resume": None}, "the run whose policy walked the logs"),
         ({"plant": None, "logs": "nowhere"}, "found no such folder"),
         ({"plant": None, "logs": ".", "disturb": "friction=1"}, "--disturb with a plant"),
+        ({"plant": None, "logs": "."}, "walk.csv: expected a header and rows, found an empty"),
         ({"rounds": 0}, "1 to 100 rounds, found 0"),
         ({"seed": -1}, "a seed from 0 to 2147483647, found -1"),
         ({"controller": "mpc"}, "unknown controller 'mpc'"),

@@ -146,6 +146,10 @@ class EpisodeFolder:
         """Summary of a round's walks."""
         return self.round(number) / "walks" / SUMMARY
 
+    def logs(self, number: int) -> Path:
+        """Folder of the logs of a round's walks on a plant."""
+        return self.round(number) / "walks" / "logs"
+
     def write(self, file: str | Path, value: Any) -> None:
         """Save JSON, whole or not at all; `file` is relative to the folder, or a path in it."""
         write_text(self.path / file, to_json(value))

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.logs import read_all
 from neuralgaits.report.rounds import draw_file
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
@@ -156,6 +157,9 @@ def _begin(
             raise InputError("expected --disturb with a plant, found it with --logs: drop it")
         logs_of(Path(logs), 0)
     start = None if resume is None else _start(resume, asked["robot"])
+    if logs is not None:
+        # Logs that cannot be read leave no episodes behind.
+        read_all(logs_of(Path(logs), 0), asked["robot"])
     return EpisodeFolder.create(config, start, out=out, root=root)
 
 
@@ -250,7 +254,7 @@ class _Session:
         else:
             field = Field(plant, Disturbance(**config["disturb"]), config["controller"])
             found = walk_round(
-                run, field, momentum=momentum, seed=config["seed"], folder=file.parent / "logs"
+                run, field, momentum=momentum, seed=config["seed"], folder=self.folder.logs(number)
             )
         self.folder.write(file, found)
         return found
@@ -261,8 +265,12 @@ class _Session:
             return self.folder.read(summary)
         self.tell(number, "learning")
         last = number == self.folder.config["rounds"]
+        files = [Path(file) for file in walked["logs"]]
+        if self.folder.plant is not None:
+            # The folder may have been moved, or the command be given from elsewhere.
+            files = [self.folder.logs(number) / file.name for file in files]
         try:
-            return fit(run, walked["logs"], seed=self.folder.config["seed"]).summary
+            return fit(run, files, seed=self.folder.config["seed"]).summary
         except InputError as error:
             # Nothing is refined after the last round: its errors are a report.
             if not last:
