@@ -8,7 +8,7 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits.certificate.conclusions import Conclusion
-from neuralgaits.cli import screen
+from neuralgaits.cli import proof_screen
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
 from neuralgaits.workflows.train import train
@@ -92,7 +92,7 @@ def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
             "broken": entry | {"verdict": "refuted", "counterexample": point},
         },
     }
-    screen.show_proof(result)
+    proof_screen.show_proof(result)
     out = capsys.readouterr().out
     assert "99.99 %" in out
     assert "100 %" not in out

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
 from rich.text import Text
+
+from neuralgaits.cli.tables import show_facts, show_sentence, show_table
 
 _HEAD = ("round", "steps", "stay up", "0.8-1.2 z2", "speeds m/s", "in tube", "error left", "loss")
 """Starts at 0.8 to 1.2 times the nominal z2; held-out error over the model's. Fits 80 columns."""
@@ -18,10 +18,9 @@ def show_episodes(result: Mapping[str, Any]) -> None:
         share = rounds[-1]["share_that_walks"]
         verdict = Text("walks", "green") if share >= 0.9 else Text("falls", "red")
         text = f": {_percent(share)} of the walks of round {rounds[-1]['round']} stayed up"
-        _print(Text.assemble(verdict, text))
-    table = Table(*_HEAD, box=None, pad_edge=False, header_style="bold")
-    for entry in rounds:
-        table.add_row(
+        show_sentence(verdict, text)
+    rows = [
+        (
             str(entry["round"]),
             _span(entry["steps_walked"]),
             _percent(entry["share_that_walks"]),
@@ -31,23 +30,22 @@ def show_episodes(result: Mapping[str, Any]) -> None:
             _left(entry["heldout_error"], entry["nominal_heldout_error"]),
             _number(entry["loss"]),
         )
-    _print(table)
+        for entry in rounds
+    ]
+    show_table(_HEAD, rows)
     for entry in rounds:
         if entry["reason"]:
-            _print(Text(f"round {entry['round']}: nothing learned: {entry['reason']}"))
+            show_sentence(f"round {entry['round']}: nothing learned: {entry['reason']}", hang=2)
     if result["diverged"]:
-        _print(Text(f"round {len(rounds)}: training diverged: {result['diverged']}", "red"))
-    facts = Table(box=None, pad_edge=False, show_header=False)
-    for name in ("figure", "run"):
-        facts.add_row(name, result[name])
+        what = f"round {len(rounds)}: training diverged: {result['diverged']}"
+        show_sentence(Text(what, "red"), hang=2)
+    facts = [(name, result[name]) for name in ("figure", "run")]
     if result["waiting_for"]:
-        facts.add_row("next", f"walk {result['run']} on the robot, put its logs into")
-        facts.add_row("", f"{result['waiting_for']}, then --resume {result['episodes']}")
-    _print(facts)
-
-
-def _print(item: Table | Text) -> None:
-    Console(highlight=False).print(item)
+        facts += [
+            ("next", f"walk {result['run']} on the robot, put its logs into"),
+            ("", f"{result['waiting_for']}, then --resume {result['episodes']}"),
+        ]
+    show_facts(facts)
 
 
 def _span(steps: list[int]) -> str:

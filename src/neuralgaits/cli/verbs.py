@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.cli import screen
+from neuralgaits.cli import proof_screen, screen
 from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
@@ -150,7 +150,9 @@ def _certify(verb: Certify) -> Outcome:
             progress=progress,
         )
     verdict = done.verdict
-    return Outcome(done.summary, verdict == "proved", screen.show_proof, verdict == "undecided")
+    return Outcome(
+        done.summary, verdict == "proved", proof_screen.show_proof, verdict == "undecided"
+    )
 
 
 def _check_proof(verb: CheckProof) -> Outcome:
@@ -160,7 +162,7 @@ def _check_proof(verb: CheckProof) -> Outcome:
     with CheckProgress(quiet=verb.output.json) as progress:
         result = check_proof(verb.file, run=verb.run, progress=progress)
     verdict = result["verdict"]
-    return Outcome(result, verdict == "proved", screen.show_check, verdict == "undecided")
+    return Outcome(result, verdict == "proved", proof_screen.show_check, verdict == "undecided")
 
 
 def _export(verb: Export) -> Outcome:

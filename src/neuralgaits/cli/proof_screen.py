@@ -1,0 +1,117 @@
+"""What is proved, for a person, on stdout."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from neuralgaits.cli.tables import (
+    ROWS,
+    number,
+    show_facts,
+    show_sentence,
+    show_table,
+    verdict,
+)
+
+Result = Mapping[str, Any]
+
+_INDENT = 2
+_TOGETHER = 4
+"""Barriers whose constants stand side by side: names and numbers of four fit 80 columns."""
+_PREMISE = "/"
+"""In the name of a premise, as in orbit/inside; conditions of a spec have none."""
+
+
+def show_proof(result: Result) -> None:
+    """The verdict on each condition, with its margin (in scales) or the state that breaks it."""
+    conditions = sorted(result["conditions"].items(), key=_urgency)
+    head = ("condition", "verdict", "proved", "margin", "boxes", "")
+    show_table(head, [_row(name, entry) for name, entry in conditions[:ROWS]])
+    others = [entry for _, entry in conditions[ROWS:]]
+    if others:
+        left = sum(entry["verdict"] != "proved" for entry in others)
+        least = min((entry["margin"] for entry in others if entry["margin"] is not None), default=0)
+        what = (
+            f"{left} of them not proved" if left else f"proved with margins of {least:.4g} or more"
+        )
+        show_sentence(f"and {len(others)} more, {what}; --json has all")
+    _show_levels(result)
+    reason = f": {result['reason']}" if result.get("reason") else ""
+    show_sentence(verdict(result["verdict"]), f" at level {result['level']}{reason}")
+    facts = {"boxes": result["boxes"], "time": f"{result['wall_s']:.0f} s"}
+    facts |= {name: result.get(name) for name in ("proof", "map")}
+    if "full_order_proof" in result:
+        facts["proof of level 4"] = result["full_order_proof"]
+    show_facts(facts.items())
+
+
+def _urgency(item: tuple[str, Result]) -> tuple[bool, float]:
+    """What is not proved comes first, then the smallest margin."""
+    _, entry = item
+    margin = entry["margin"]
+    return entry["verdict"] == "proved", math.inf if margin is None else margin
+
+
+def _row(name: str, entry: Result) -> tuple[Any, ...]:
+    point, detail = entry["counterexample"], ""
+    if point is not None:
+        detail = f"{point['margin']:.3g} at z = ({point['z'][0]:.6g}, {point['z'][1]:.6g})"
+    elif entry["verdict"] == "undecided":
+        detail = f"{entry['undecided_boxes']} boxes left"
+    # Rounded down: less than everything never reads as everything.
+    share = f"{math.floor(1e4 * entry['proved_fraction']) / 100:g} %"
+    numbers = number(entry["margin"]), number(entry["boxes"])
+    return name, verdict(entry["verdict"]), share, *numbers, detail
+
+
+def show_check(result: Result) -> None:
+    """The verdict and why, what the file claims, and what the claim rests on."""
+    reason = f": {result['reason']}" if result["reason"] else ""
+    show_sentence(verdict(result["verdict"]), reason)
+    weights = f"weights of sha256 {result['weights_sha256'][:12]}..."
+    show_sentence(f"claims for {result['robot']}, spec {result['spec']}, {weights}")
+    statements: Sequence[str] = result["statements"]
+    shown = [text for text in statements if _PREMISE not in text.partition(":")[0]]
+    shown = shown or list(statements[:ROWS])
+    for statement in shown:
+        show_sentence(statement, indent=_INDENT, hang=_INDENT)
+    if len(shown) < len(statements):
+        rest = len(statements) - len(shown)
+        show_sentence(f"and {rest} premises of the levels; --json has them", indent=_INDENT)
+    _show_levels(result)
+    if result["unclaimed"]:
+        show_sentence(f"not claimed: {', '.join(result['unclaimed'])}", hang=_INDENT)
+    show_sentence("assuming that")
+    for assumption in result["assumptions"]:
+        show_sentence(assumption, indent=_INDENT, hang=_INDENT)
+    show_facts({"boxes": result["boxes"], "time": f"{result['wall_s']:.0f} s"}.items())
+
+
+def _show_levels(result: Result) -> None:
+    """What was concluded about trajectories, sentence by sentence."""
+    for level in result["levels"]:
+        reason = f": {level['reason']}" if level["reason"] else ""
+        show_sentence(f"level {level['level']} ", verdict(level["verdict"]), reason, hang=_INDENT)
+        for sentence in level["words"]:
+            show_sentence(sentence, indent=_INDENT, hang=_INDENT)
+        _show_constants(level["constants"])
+
+
+def _show_constants(constants: Sequence[Result]) -> None:
+    """Those of the whole with their meanings, then those of each barrier side by side."""
+    whole = [one for one in constants if ": " not in one["name"]]
+    rows = [(one["name"], number(one["value"]), one["unit"], one["meaning"]) for one in whole]
+    show_table(("constant", "value", "unit", "meaning"), rows)
+    each: dict[str, dict[str, str]] = {}
+    for one in constants:
+        barrier, colon, name = one["name"].partition(": ")
+        if colon:
+            each.setdefault(barrier, {})[name] = number(one["value"])
+    barriers = list(each)
+    for first in range(0, len(barriers), _TOGETHER):
+        group = barriers[first : first + _TOGETHER]
+        names = dict.fromkeys(name for barrier in group for name in each[barrier])
+        show_table(
+            ("of each barrier", *group),
+            [(name, *(each[barrier].get(name, "-") for barrier in group)) for name in names],
+        )
