@@ -81,7 +81,7 @@ def in_a_browser(view, chromium: str) -> None:
         page = browser.new_page(viewport={"width": 960, "height": 640})
         began = time.perf_counter()
         page.goto(view.url)
-        page.get_by_text("Walks").wait_for(timeout=120_000)
+        page.get_by_text("Walks ·").wait_for(timeout=120_000)
         show("browser, page opened to the walk on it", f"{time.perf_counter() - began:.1f} s")
         time.sleep(4.0)
         frames, simulated = view.player.frames, view.gait.live.time

@@ -1,0 +1,97 @@
+"""The run that comes with the package: its own, proved, small, and to be had from a command."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import urllib.request
+
+import pytest
+
+from neuralgaits.certificate.claims import read_claims
+from neuralgaits.certificate.run_match import differences
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.workflows import demo
+from neuralgaits.workflows.check_proof import against
+from neuralgaits.workflows.view import view
+
+PROOF = demo.FOLDER / "certificate" / "proof.json"
+LARGEST_BYTES = 400_000
+
+
+def test_its_proof_is_about_its_robot_weights_and_spec():
+    claims = read_claims(PROOF)
+    assert differences(claims, demo.FOLDER) == []
+    # The Program is what today's formulas make of the shipped weights.
+    assert against(claims, demo.FOLDER) == []
+    theorems = json.loads(PROOF.read_text())["theorems"]
+    assert [one["level"] for one in theorems if one["claimed"]] == [2, 3]
+
+
+def test_it_is_small_and_knows_no_machine():
+    files = [file for file in demo.FOLDER.rglob("*") if file.is_file()]
+    assert sum(file.stat().st_size for file in files) < LARGEST_BYTES
+    for file in files:
+        if file.suffix in (".json", ".py", ".xml", ".csv"):
+            assert "/home" not in file.read_text()
+            assert "/tmp" not in file.read_text()
+
+
+def test_a_package_without_it_says_so(monkeypatch, tmp_path):
+    monkeypatch.setattr(demo, "FOLDER", tmp_path)
+    with pytest.raises(RunError, match=r"expected the shipped run .* `neuralgaits view RUN`"):
+        demo.demo()
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        (lambda run: run / "missing", "expected a run folder"),
+        (lambda run: (run / "config.json").unlink() or run, "expected config.json"),
+        (lambda run: (run / "policy.safetensors").write_bytes(b"no") and run, "damaged file"),
+        (lambda run: (run / "robot.xml").write_text("<mujoco/>") and run, "another sha256"),
+    ],
+    ids=["missing", "no config", "broken weights", "other robot"],
+)
+def test_a_missing_or_broken_run_is_refused_in_one_line(change, what, tmp_path):
+    run = tmp_path / "run"
+    shutil.copytree(demo.FOLDER, run)
+    with pytest.raises(InputError, match=what) as refused:
+        view(change(run))
+    assert "\n" not in str(refused.value)
+
+
+def test_the_command_serves_prints_where_and_ends_at_ctrl_c():
+    # A child of a background job would ignore the signal.
+    heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    entry = f"{heard}from neuralgaits.cli.main import run; run()"
+    command = [sys.executable, "-c", entry, "demo", "--json", "--no-browser"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as shell:
+        assert shell.stdout is not None
+        text = ""
+        while not text.rstrip().endswith("}"):
+            line = shell.stdout.readline()
+            assert line, shell.communicate()[1]
+            text += line
+        answer = json.loads(text)
+        with urllib.request.urlopen(answer["url"], timeout=10.0) as page:
+            assert page.status == 200
+        again = subprocess.run(
+            [*command, "--port", str(answer["port"])],
+            capture_output=True,
+            text=True,
+            timeout=60.0,
+        )
+        assert again.returncode == 2
+        assert again.stdout == ""
+        assert again.stderr.count("\n") == 1
+        assert "found it taken" in again.stderr
+        os.kill(shell.pid, signal.SIGINT)
+        out, err = shell.communicate(timeout=30.0)
+    assert shell.returncode == 130
+    assert out == ""
+    assert err == "neuralgaits: interrupted\n"
