@@ -111,11 +111,12 @@ def amber():
 
 
 @pytest.fixture
-def begin(amber, brief_run, tmp_path):
-    """Begin episodes in a folder of the test's own."""
+def begin(amber, brief_run, tmp_path, monkeypatch):
+    """Begin episodes in a folder of the test's own, named from where the command is given."""
+    monkeypatch.chdir(tmp_path)
 
     def call(**settings):
-        usual = {"plant": "amber3m-tail", "resume": brief_run.path, "out": tmp_path / "made"}
+        usual = {"plant": "amber3m-tail", "resume": brief_run.path, "out": "made"}
         return episodes(amber, **(usual | settings), root=tmp_path)
 
     return call
@@ -160,7 +161,7 @@ def test_what_was_killed_goes_on_and_repeats_nothing(stand_ins, begin, amber, tm
     with pytest.raises(Stopped):
         begin(rounds=1)
     stand_ins.stop_at, stand_ins.calls = None, []
-    moved = (tmp_path / "made").rename(tmp_path / "moved")
+    moved = Path("made").rename("moved")
     done = episodes(amber, plant="amber3m-tail", resume=moved, root=tmp_path)
     assert stand_ins.calls == ALL[ALL.index(stop) :]
     assert [entry["round"] for entry in done.summary["rounds"]] == [0, 1]
@@ -242,8 +243,7 @@ def test_a_round_that_teaches_nothing_ends_the_command_unless_it_is_the_last(
         ({"resume": "latest"}, "expected episodes below"),
     ],
 )
-def test_bad_input_is_one_line_and_leaves_nothing(begin, tmp_path, monkeypatch, settings, says):
-    monkeypatch.chdir(tmp_path)
+def test_bad_input_is_one_line_and_leaves_nothing(begin, tmp_path, settings, says):
     (tmp_path / "walk.csv").touch()
     with pytest.raises(NeuralGaitsError) as refusal:
         begin(**settings)

@@ -75,7 +75,7 @@ class EpisodeFolder:
             _copy_run(start.path, path / "round-0")
         names = {"robot": robot.name, "plant": plant and plant.name}
         config = plain({"format": FORMAT, **asked, **names, "start": start and str(start.path)})
-        write_text(path / ASKED, to_json(config))
+        write(path / ASKED, config)
         return cls(path, config, robot, plant)
 
     @classmethod
@@ -94,7 +94,7 @@ class EpisodeFolder:
         path = Path(place)
         if not (path / ASKED).is_file():
             return None
-        config = _read(path / ASKED)
+        config = read(path / ASKED)
         if config.get("format") != FORMAT:
             raise RunError(
                 f"expected episodes of format {FORMAT} in {path}, found {config.get('format')!r}: "
@@ -135,7 +135,7 @@ class EpisodeFolder:
         if rounds is None or rounds == self.config["rounds"]:
             return self
         config = self.config | {"rounds": rounds}
-        write_text(self.path / ASKED, to_json(config))
+        write(self.path / ASKED, config)
         return replace(self, config=config)
 
     def round(self, number: int) -> Path:
@@ -150,16 +150,14 @@ class EpisodeFolder:
         """Folder of the logs of a round's walks on a plant."""
         return self.round(number) / "walks" / "logs"
 
-    def write(self, file: str | Path, value: Any) -> None:
-        """Save JSON, whole or not at all; `file` is relative to the folder, or a path in it."""
-        write_text(self.path / file, to_json(value))
 
-    def read(self, file: str | Path) -> dict[str, Any]:
-        """Read JSON of `write`. Raises: RunError if it is damaged."""
-        return _read(self.path / file)
+def write(path: Path, value: Any) -> None:
+    """Save JSON, whole or not at all."""
+    write_text(path, to_json(value))
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read(path: Path) -> dict[str, Any]:
+    """Read JSON of `write`. Raises: RunError if it is damaged."""
     try:
         return json.loads(path.read_bytes())
     except (OSError, ValueError) as error:

@@ -20,7 +20,7 @@ from neuralgaits.runs.folder import CONFIG
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
 from neuralgaits.workflows import fit as fitting
-from neuralgaits.workflows.episode_folder import SUMMARY, EpisodeFolder
+from neuralgaits.workflows.episode_folder import SUMMARY, EpisodeFolder, read, write
 from neuralgaits.workflows.episode_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.gradient_steps import Progress
@@ -121,7 +121,7 @@ def episodes(
     summary |= {"episodes": str(folder.path), "run": str(run.path), "rounds": entries}
     summary |= {**stopped, "figure": str(folder.path / FIGURE)}
     summary = plain(summary | {"wall_s": time.perf_counter() - began})
-    folder.write(SUMMARY, summary)
+    write(folder.path / SUMMARY, summary)
     draw_file(folder.path / SUMMARY, folder.path / FIGURE)
     return Episodes(folder.path, run, summary)
 
@@ -246,7 +246,7 @@ class _Session:
     def _walk(self, number: int, run: Run, momentum: float | None) -> dict[str, Any]:
         file = self.folder.walks(number)
         if file.is_file():
-            return self.folder.read(file)
+            return read(file)
         config, plant = self.folder.config, self.folder.plant
         self.tell(number, "walking" if plant is not None else "reading logs")
         if plant is None or momentum is None:
@@ -256,13 +256,13 @@ class _Session:
             found = walk_round(
                 run, field, momentum=momentum, seed=config["seed"], folder=self.folder.logs(number)
             )
-        self.folder.write(file, found)
+        write(file, found)
         return found
 
     def _learn(self, number: int, run: Run, walked: dict[str, Any]) -> dict[str, Any]:
         summary = run.path / fitting.SUMMARY
         if summary.is_file():
-            return self.folder.read(summary)
+            return read(summary)
         self.tell(number, "learning")
         last = number == self.folder.config["rounds"]
         files = [Path(file) for file in walked["logs"]]
