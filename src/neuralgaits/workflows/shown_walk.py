@@ -34,7 +34,7 @@ _FENCE_POINTS = 41
 
 
 @dataclass(frozen=True)
-class _Asked:
+class Asked:
     """What is to be walked.
 
     Attributes:
@@ -65,7 +65,7 @@ def shown_walk(run: Run) -> dict[str, Any]:
 
     Raises: InputError in one line if it cannot be simulated.
     """
-    asked = _asked(run)
+    asked = asked_of(run)
     key = _key(run, asked)
     file = run.path / FILE
     if file.is_file():
@@ -80,13 +80,13 @@ def shown_walk(run: Run) -> dict[str, Any]:
     return shown
 
 
-def _asked(run: Run) -> _Asked:
+def asked_of(run: Run) -> Asked:
     """The simulation to repeat, or the one to make."""
     try:
         done = run.folder.read_json("simulation/summary.json")
     except RunError:
         return _of_episodes(run)
-    usual = _Asked(origin="repeats the last simulation of this run")
+    usual = Asked(origin="repeats the last simulation of this run")
     try:
         fallen = [number for number, fell in enumerate(done["fell"]) if fell]
         push = float(done.get("push") or 0.0)
@@ -108,23 +108,23 @@ def _asked(run: Run) -> _Asked:
         return _of_episodes(run)
 
 
-def _of_episodes(run: Run) -> _Asked:
+def _of_episodes(run: Run) -> Asked:
     """A walk on the robot whose logs the run was refined for, if it is known."""
     try:
         folder = EpisodeFolder.find(run.path.resolve().parent, run.path)
         if folder is None or folder.plant is None:
-            return _Asked()
-        return _Asked(
+            return Asked()
+        return Asked(
             plant=folder.plant,
             law=folder.config["controller"],
             disturbance=Disturbance(**(folder.config["disturb"] or {})),
             origin="starts in the middle of the gait's region, on the robot of its episodes",
         )
     except (KeyError, TypeError, NeuralGaitsError):
-        return _Asked()
+        return Asked()
 
 
-def _key(run: Run, asked: _Asked) -> str:
+def _key(run: Run, asked: Asked) -> str:
     """Changes with the weights, the robot that walks and everything asked."""
     robot = (asked.plant or run.robot).layout.xml
     rest = plain(replace(asked, plant=None))
@@ -133,7 +133,7 @@ def _key(run: Run, asked: _Asked) -> str:
     return hashlib.sha256(weights + text.encode()).hexdigest()
 
 
-def _walked(run: Run, asked: _Asked) -> Walk:
+def _walked(run: Run, asked: Asked) -> Walk:
     starts = full_states(
         run.zero_dynamics, run.gait, asked.start, seed=asked.seed, episodes=asked.episode + 1
     )
@@ -152,7 +152,7 @@ def _walked(run: Run, asked: _Asked) -> Walk:
     )
 
 
-def _shown(run: Run, asked: _Asked, walked: Walk) -> dict[str, Any]:
+def _shown(run: Run, asked: Asked, walked: Walk) -> dict[str, Any]:
     """Frames of a walk with all that the page says of it."""
     episodes, plant = walked.episodes, walked.plant
     record = episodes.record

@@ -148,7 +148,11 @@ def _left_open(saved: Saved) -> str:
     model = ""
     if "residual.safetensors" in (saved.config.get("copies") or {}):
         model = " The model is the robot file's, corrected by what was learned from logs."
-    seen = " Of those the simulation is a sample." if saved.simulation is not None else ""
+    seen = (
+        " The simulation covers some of that, in the walks it made."
+        if saved.simulation is not None
+        else ""
+    )
     claims = f"It claims nothing about {words.NOT_CLAIMED}."
     return f"The proof assumes that {rests}.{model} {claims}{seen}"
 

@@ -194,7 +194,7 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
             parts.append(tag("figure", picture, caption))
     absent = [figure.title for figure in contents.figures if isinstance(figure, Missing)]
     if absent:
-        told = f"Not drawn, because what they show is not there: {', '.join(absent)}. "
+        told = f"Not drawn, because what they show is not there: {'; '.join(absent)}. "
         link = tag("a", "What is missing", href="#missing")
         parts.append(paragraph(told, link, " has the commands.", class_="quiet"))
     if not parts:

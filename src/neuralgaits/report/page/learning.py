@@ -57,7 +57,7 @@ def _rounds(saved: Saved) -> list[Html]:
     rows = []
     for entry in found["rounds"]:
         steps = entry["steps_walked"]
-        span = f"{min(steps)} to {max(steps)}" if steps else "–"
+        span = " to ".join(str(n) for n in sorted({min(steps), max(steps)})) if steps else "–"
         share = entry["share_that_walks"]
         stayed = "–" if share is None else f"{number(100.0 * share)} %"
         own = entry["round"] == _round_of(saved)

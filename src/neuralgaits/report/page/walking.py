@@ -138,7 +138,7 @@ def _controls(walk: Mapping[str, Any]) -> Html:
         tag("label", "speed", tag("select", *speeds, id="speed")),
         forces,
         tag("button", "Reset view", id="reset", type="button"),
-        tag("output", id="reading", class_="quiet"),
+        tag("span", id="reading", class_="quiet"),
         class_="controls",
     )
 

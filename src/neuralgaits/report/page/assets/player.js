@@ -129,8 +129,10 @@ function steer(canvas, scene, changed) {
     canvas.addEventListener(end, (e) => down.delete(e.pointerId));
   }
   canvas.addEventListener("wheel", (e) => {
-    e.preventDefault();
-    scene.orbit(0, 0, Math.exp(0.0012 * e.deltaY)); changed();
+    const { distance } = scene.view;
+    scene.orbit(0, 0, Math.exp(0.0012 * e.deltaY));
+    // At the end of the zoom the page scrolls on.
+    if (scene.view.distance !== distance) { e.preventDefault(); changed(); }
   }, { passive: false });
   const keys = { ArrowLeft: [-0.1, 0, 1], ArrowRight: [0.1, 0, 1], ArrowUp: [0, 0.1, 1],
     ArrowDown: [0, -0.1, 1], "+": [0, 0, 0.9], "=": [0, 0, 0.9], "-": [0, 0, 1.1] };

@@ -1,0 +1,73 @@
+"""Which walk a report shows: the last simulation's, a fall first, on the robot that walked."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from shipped_run import SHIPPED
+
+from neuralgaits.robots import load_robot
+from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.workflows.episode_folder import EpisodeFolder
+from neuralgaits.workflows.run import open_run
+from neuralgaits.workflows.shown_walk import STEPS, Asked, asked_of
+
+SIMULATED = {
+    "plant": "amber3m-tail",
+    "controller": "fblin",
+    "start": "region",
+    "push": None,
+    "disturb": vars(Disturbance(friction=0.4)),
+    "seed": 5,
+    "steps": 30,
+    "fell": [False, False, True],
+}
+
+
+def _simulated(folder: Path, **changed) -> Asked:
+    (folder / "simulation").mkdir(exist_ok=True)
+    (folder / "simulation/summary.json").write_text(json.dumps(SIMULATED | changed))
+    return asked_of(open_run(folder))
+
+
+def test_the_first_fall_is_walked_again_to_its_end(shipped):
+    asked = _simulated(shipped)
+    assert asked.episode == 2 and asked.steps == 30 and asked.seed == 5
+    assert (asked.law, asked.start, asked.disturbance.friction) == ("fblin", "region", 0.4)
+    assert asked.plant is not None and asked.plant.name == "amber3m-tail"
+
+
+def test_of_walks_that_stayed_up_a_handful_of_steps_is_shown(shipped):
+    asked = _simulated(shipped, fell=[False], plant="amber3m", controller="pd")
+    assert (asked.episode, asked.steps, asked.plant) == (0, STEPS, None)
+
+
+def test_a_pushed_walk_is_whole_because_the_push_comes_at_a_share_of_it(shipped):
+    asked = _simulated(shipped, fell=[False], push=4.0)
+    assert (asked.push, asked.steps) == (4.0, 30)
+
+
+def test_a_process_of_its_own_is_shown_by_the_law_it_ran(shipped):
+    asked = _simulated(shipped, fell=[False], controller="c", link={"law": "fblin"})
+    assert asked.law == "fblin"
+
+
+@pytest.mark.parametrize("lost", [{"plant": "no/such/robot.xml"}, {"fell": 3}])
+def test_a_simulation_that_cannot_be_repeated_gives_a_plain_walk(shipped, lost):
+    assert _simulated(shipped, **lost) == Asked()
+
+
+def test_without_a_simulation_the_robot_of_the_episodes_walks(tmp_path):
+    asked = {
+        "robot": load_robot("amber3m"),
+        "plant": load_robot("amber3m-tail"),
+        "seed": 0,
+        "controller": "fblin",
+        "disturb": vars(Disturbance(torso_shift_m=-0.02)),
+    }
+    folder = EpisodeFolder.create(asked, None, out=tmp_path / "episodes", root=tmp_path)
+    shutil.copytree(SHIPPED, folder.round(1))
+    found = asked_of(open_run(folder.round(1)))
+    assert found.plant is not None and found.plant.name == "amber3m-tail"
+    assert found.disturbance.torso_shift_m == -0.02 and found.law == "fblin"
