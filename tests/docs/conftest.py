@@ -9,18 +9,22 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from neuralgaits.workflows import export as exporting
 from neuralgaits.workflows import train as training
 
 STEPS = 3
 """Gradient steps of a training on a page."""
+STATES = 100
+"""Random states on which an export is compared with Python."""
 
 
 @pytest.fixture
 def place(trained, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to be in, where `latest` is a trained run; trainings there are short."""
+    """A folder to be in, where `latest` is a trained run; trainings and exports are short."""
     runs = tmp_path / "runs"
     shutil.copytree(trained.path, runs / "amber3m" / "before")
     (runs / "latest").write_text("amber3m/before\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(training, "train", partial(training.train, steps=STEPS))
+    monkeypatch.setattr(exporting, "export", partial(exporting.export, states=STATES))
     return tmp_path

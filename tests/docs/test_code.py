@@ -5,6 +5,7 @@ import pages
 import pytest
 
 from neuralgaits.barriers import specs
+from neuralgaits.cli.main import main
 from neuralgaits.robots import load_robot
 
 WITH_CODE = [page for page in pages.PAGES if pages.blocks(page, "python")]
@@ -15,7 +16,13 @@ def run(page, place) -> dict:
     for name, text in pages.files(page).items():
         (place / name).write_text(text, encoding="utf-8")
     names: dict = {"__name__": page.stem}
-    for block in pages.blocks(page, "python"):
+    code = pages.blocks(page, "python")
+    for words in pages.commands(page):
+        # What a command on the page writes is there when the code below reads it.
+        out = words[words.index("--out") + 1] if "--out" in words else None
+        if out is not None and any(out in block.text for block in code):
+            assert main(words[1:]) == 0
+    for block in code:
         # Blank lines before it, so that an error shows the line of the page.
         source = "\n" * (block.line - 1) + block.text
         exec(compile(source, pages.name(page), "exec"), names)
