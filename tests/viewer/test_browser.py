@@ -1,0 +1,127 @@
+"""The page in a real browser: load, push, jump, fall, reset. Skipped only without Chromium."""
+
+import time
+
+import numpy as np
+import pytest
+
+from neuralgaits.workflows.demo import demo
+
+WIDTH, HEIGHT = 1100, 640
+
+
+@pytest.fixture(scope="module")
+def live():
+    with demo() as page:
+        assert page.ready(60.0)
+        yield page
+
+
+@pytest.fixture(scope="module")
+def page(live, browser):
+    """The page, loaded; what went wrong in it, and what it asked of the world."""
+    opened = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+    errors, asked = [], []
+    opened.on("pageerror", lambda error: errors.append(str(error)))
+    opened.on("console", lambda said: errors.append(said.text) if said.type == "error" else None)
+    opened.on("request", lambda request: asked.append(request.url))
+    opened.goto(live.url)
+    opened.get_by_text("Walks ·").wait_for(timeout=60_000)
+    yield opened
+    elsewhere = [url for url in asked if not url.startswith((live.url, "data:", "blob:"))]
+    opened.close()
+    assert errors == []
+    assert elsewhere == []
+
+
+def until(condition, seconds=30.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.01)
+
+
+def test_the_page_shows_the_walk_and_every_condition(live, page):
+    for word in ("Pause", "Reset", "slope [deg]", "friction", "transversal-inertia"):
+        page.get_by_text(word, exact=True).first.wait_for(timeout=20_000)
+
+
+def test_a_push_is_given(live, page):
+    given = live.gait.live.impulse_given.copy()
+    page.get_by_role("button", name="forward").click()
+    until(lambda: live.gait.live.impulse_given[0] > given[0] + 7.99)
+    assert live.gait.live.impulse_given[1] == given[1]
+
+
+def test_pause_holds_and_goes_on(live, page):
+    page.get_by_role("button", name="Pause").click()
+    until(lambda: live.player.paused)
+    frames = live.player.frames
+    until(lambda: live.player.frames > frames + 2)
+    held = live.gait.live.time
+    time.sleep(0.3)
+    assert live.gait.live.time == held
+    page.get_by_role("button", name="Go on").click()
+    until(lambda: live.gait.live.time > held)
+
+
+def test_a_number_beyond_the_slider_reaches_nothing(live, page):
+    box = page.locator("input[inputmode]").nth(2)
+    box.fill("999999")
+    box.press("Enter")
+    time.sleep(0.5)
+    limits = live.gait.settings["slope_deg"]
+    assert limits.low <= live.gait.live.plant.disturbance.slope_deg <= limits.high
+    page.get_by_role("button", name="As the model has it").click()
+    until(lambda: live.gait.live.plant.disturbance.slope_deg == 0.0)
+
+
+def test_a_click_on_the_map_puts_the_robot_there(live, page):
+    for close in page.locator(".mantine-Notification-closeButton").all():
+        close.click()
+    canvas = page.locator("canvas").first.bounding_box()
+    spot = where(live, live.gait.chart.z(np.array([0.45]), np.array([0.5]))[0], canvas)
+    said = []
+    tell = live._panel.say
+    live._panel.say = lambda answer: (said.append(answer), tell(answer))
+    page.mouse.click(*spot)
+    until(lambda: said)
+    assert said[0].startswith("Put to z = ")
+    said.clear()
+    fence = live.gait.chart.z(np.array([0.5]), np.array([0.0]))[0]
+    below = fence - [0.0, 1.2]
+    page.mouse.click(*where(live, below, canvas))
+    until(lambda: said)
+    assert "outside of the region" in said[0]
+
+
+def test_a_fall_is_explained_and_reset(live, page):
+    live.player.ask(lambda walker: walker.push(np.array([-80.0, 0.0])))
+    until(lambda: live.gait.live.ending.fell or live.player.failure)
+    assert live.player.failure is None
+    page.get_by_text("Fell: ").wait_for(timeout=60_000)
+    assert live.gait.shown().fall is not None
+    page.get_by_role("button", name="Reset").click()
+    until(lambda: live.gait.shown().fall is None)
+    page.get_by_text("Walks ·").wait_for(timeout=60_000)
+
+
+def where(live, z, canvas):
+    """Pixel of a state on the board, by a camera of our own: position, target, field of view."""
+    (client,) = live._server.get_clients().values()
+    camera = client.camera
+    board = live._stage._board
+    share = board._portrait.place(z)
+    across, up = board._corner + share * board._size
+    eye, target = np.asarray(camera.position), np.asarray(camera.look_at)
+    ahead = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    over = np.cross(right, ahead)
+    way = np.array([across, 0.0, up]) - eye
+    depth = way @ ahead
+    scale = 0.5 * canvas["height"] / np.tan(0.5 * camera.fov)
+    return (
+        canvas["x"] + 0.5 * canvas["width"] + scale * (way @ right) / depth,
+        canvas["y"] + 0.5 * canvas["height"] - scale * (way @ over) / depth,
+    )
