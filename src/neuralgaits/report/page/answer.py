@@ -88,7 +88,7 @@ def _counted(done: Mapping[str, Any]) -> str:
     else:
         said = f"{stayed} of {count} walks stayed up to their last step"
         reasons = sorted({reason for reason in done["fall_reasons"] if reason})
-        said += f" (fell: {', '.join(reasons)})" if reasons else ""
+        said += f" (falls: {', '.join(reasons)})" if reasons else ""
     if done.get("speed_m_s") is not None:
         speed, time = number(done["speed_m_s"], 2), number(done["step_time_s"], 2)
         said += f", at {speed} m/s with a step every {time} s"

@@ -98,7 +98,7 @@ class Portrait {
       }
     }
     c.textAlign = "center";
-    c.fillText("z1: hip ahead of the foot on the ground [m]", (left + width - 10) / 2, floor + 32);
+    c.fillText("z1: hip ahead of the foot [m]", (left + width - 10) / 2, floor + 32);
     c.save(); c.translate(11, (10 + floor) / 2); c.rotate(-Math.PI / 2);
     c.fillText("z2: angular momentum [kg m²/s]", 0, 0);
     c.restore();
