@@ -55,10 +55,12 @@ def png(figure: Figure) -> bytes:
 
 
 def svg(figure: Figure) -> bytes:
-    """The figure as an SVG file, without the time of its making."""
+    """The figure as an SVG file of nothing but the drawing: no time, no addresses."""
     buffer = BytesIO()
     with style.settings():
-        FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None})
+        FigureCanvasSVG(figure).print_svg(
+            buffer, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type"))
+        )
     return buffer.getvalue()
 
 

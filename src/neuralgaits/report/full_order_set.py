@@ -49,11 +49,11 @@ class FullOrderSet:
     after_impact: float
     decay: float
 
-    def tube(self, phase: np.ndarray) -> np.ndarray:
+    def tube(self, phase: np.ndarray | float) -> np.ndarray:
         """Bound on sqrt(V) that depends on the phase alone [rad]."""
         return self.radius * np.exp(-self.shrink * phase**2)
 
-    def room(self, name: str, h: np.ndarray) -> np.ndarray:
+    def room(self, name: str, h: np.ndarray | float) -> np.ndarray:
         """Bound on sqrt(V) by one barrier's value; zero where z itself is outside [rad]."""
         return np.sqrt(np.maximum(h - self.tightening[name], 0.0) / self.sigma[name])
 

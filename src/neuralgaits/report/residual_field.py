@@ -111,6 +111,7 @@ def _component(figure: Figure, axes: Axes, data: ResidualData, number: int, labe
         dots = {"color": BLACK, "marker": ".", "ms": 1.2, "linestyle": "none"}
         axes.plot(*data.visited.T, **dots, rasterized=True)
     axes.set(xlabel=X_LABEL, ylabel=Y_LABEL if number == 0 else "")
+    axes.tick_params(labelleft=number == 0)
     axes.set_xlim(z1.min(), z1.max())
     axes.set_ylim(z2.min(), z2.max())
 

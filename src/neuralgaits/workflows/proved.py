@@ -47,7 +47,7 @@ def certificate_of(run: Run) -> Certificate:
         return Certificate("the run has no certificate")
     try:
         return _read(run, summary, proof, _json(folder / "full-order.json"))
-    except (KeyError, TypeError, ValueError):
+    except (AttributeError, KeyError, TypeError, ValueError):
         return Certificate("the certificate is damaged or of another version")
 
 
@@ -57,7 +57,7 @@ def _read(
     proof: Mapping[str, Any] | None,
     full: Mapping[str, Any] | None,
 ) -> Certificate:
-    """Raises: KeyError, TypeError or ValueError if something is not as `certify` writes it."""
+    """Raises: what Python raises if something is not as `certify` writes it."""
     if proof is not None and not _of_these_weights(run, proof):
         return Certificate("the certificate is of other weights than the run's")
     levels = {entry["level"]: entry for entry in summary.get("levels") or ()}

@@ -1,0 +1,29 @@
+"""A copy of the shared trained run, with the data and figures of it."""
+
+import shutil
+
+import pytest
+
+from neuralgaits.workflows.figures import figures
+from neuralgaits.workflows.gait_data import gait_data
+from neuralgaits.workflows.run import open_run
+
+
+@pytest.fixture(scope="session")
+def run(trained, tmp_path_factory):
+    """Figures are written into the run: others must not find them there."""
+    folder = tmp_path_factory.mktemp("figures") / "a run"
+    shutil.copytree(trained.path, folder)
+    for part in ("certificate", "simulation", "residual", "figures"):
+        shutil.rmtree(folder / part, ignore_errors=True)
+    return open_run(folder)
+
+
+@pytest.fixture(scope="session")
+def data(run):
+    return gait_data(run)
+
+
+@pytest.fixture(scope="session")
+def drawn(run, data):
+    return {figure.name: figure for figure in figures(run)}
