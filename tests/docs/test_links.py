@@ -1,4 +1,4 @@
-"""Links lead somewhere, from a code host's view of the pages as from the built ones."""
+"""Links lead somewhere as a code host follows them, and lists of what there is are whole."""
 
 import re
 
@@ -6,6 +6,8 @@ import pages
 import pytest
 
 import neuralgaits
+from neuralgaits.cli.main import main
+from neuralgaits.workflows.figures import MAKERS
 
 
 @pytest.mark.parametrize("page", pages.PAGES, ids=pages.name)
@@ -23,3 +25,19 @@ def test_the_interface_page_has_every_public_name():
     page = pages.read(pages.ROOT / "docs" / "api.md")
     described = set(re.findall(r"^\.\. auto\w+:: (?:neuralgaits\.)?(\w+)", page, re.MULTILINE))
     assert set(neuralgaits.__all__) - {"__version__"} <= described
+
+
+def test_the_report_page_has_every_figure():
+    page = pages.read(pages.ROOT / "docs" / "report.md")
+    rows = re.findall(r"^\| (`.*?`) \|", page, re.MULTILINE)
+    assert {name for row in rows for name in re.findall(r"`([^`]+)`", row)} == {
+        name for name, *_ in MAKERS
+    }
+
+
+def test_the_readme_has_every_verb(capsys):
+    assert main([]) == 2
+    known = re.search(r"\{(.*)\}", capsys.readouterr().err)
+    assert known
+    rows = re.findall(r"^\| `([\w-]+)", pages.read(pages.ROOT / "README.md"), re.MULTILINE)
+    assert set(known[1].split(", ")) <= set(rows)
