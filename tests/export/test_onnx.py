@@ -93,7 +93,7 @@ def test_what_is_printed(exported):
     assert 0.0 < summary["max_abs_error"] < 1e-12
     assert 0.0 < summary["latency_us"]["p50"] <= summary["latency_us"]["p99"]
     double, single = summary["builds"]
-    assert 1e-9 < single["agreement"]["output"] <= summary["limits"]["float"]["output"] == 2e-6
+    assert 1e-9 < single["agreement"]["output"] <= summary["limits"]["float"]["output"] == 4e-6
     assert double["agreement"]["rate"] <= 1e-12
 
 
