@@ -27,7 +27,7 @@ def show_export(result: Result) -> None:
 
 def _show_controller(result: Result) -> None:
     laws = [name for name in result["builds"][0]["latency_us"] if name in result["laws"]]
-    head = ("build", "y_d, of its range", "torque, of its limit", "policy p99 us")
+    head = ("build", "y_d", "torque", "policy us")
     rows = []
     for build in result["builds"]:
         agreement, times = build["agreement"], build["latency_us"]
@@ -40,7 +40,8 @@ def _show_controller(result: Result) -> None:
                 *(f"{times[name]['p99']:.3g}" for name in laws),
             )
         )
-    show_table((*head, *(f"{name} p99 us" for name in laws)), rows)
+    show_table((*head, *(f"{name} us" for name in laws)), rows)
+    show_sentence("Largest distances are shares of range and limit; times are p99, of whole ticks.")
     for precision, sizes in result["sizes"].items():
         show_sentence(
             f"{precision}: {sizes['flash_bytes']} bytes of code and weights, "
