@@ -2,7 +2,7 @@
 PYTHON ?= python3
 PIP_INSTALL = .venv/bin/python -m pip install --quiet --constraint constraints.txt
 
-.PHONY: walk proofcheck test bench docs lint clean
+.PHONY: walk demo proofcheck test bench docs lint clean
 .DELETE_ON_ERROR:
 
 # Train a gait for AMBER-3M, walk it in MuJoCo, prove it, and write all that into one page.
@@ -11,6 +11,10 @@ walk: .venv/run.stamp
 	.venv/bin/neuralgaits simulate latest
 	.venv/bin/neuralgaits certify latest
 	.venv/bin/neuralgaits report latest
+
+# Watch a gait that came with the package walk, without training: a live page.
+demo: .venv/run.stamp
+	.venv/bin/neuralgaits demo
 
 # Build the independent proof checker, which needs g++ and nothing else: build/proofcheck FILE.
 proofcheck: build/proofcheck
