@@ -15,6 +15,7 @@ def test_every_condition_of_a_built_in_spec_has_words(name):
     for condition in specs.load(name, load_robot("amber3m")).describe()["conditions"]:
         said = words.condition(condition)
         assert "written by the user" not in said and "_" not in said, condition["name"]
+        assert not said.startswith(("at least", "at most")), condition["name"]
         assert words.region(condition["region"])
 
 
@@ -42,6 +43,15 @@ def test_a_users_own_condition_is_named_and_not_explained():
     assert "mine" in words.condition({"user": "mine", "name": "x"})
     inner = {"function": "at_least", "of": {"user": "my_quantity"}, "bound": 1.0}
     assert "my_quantity" in words.condition({"kind": "Pointwise", "quantity": inner})
+
+
+def test_the_gist_of_a_spec_names_only_what_it_asks_for():
+    robot = load_robot("amber3m")
+    asked = words.gist(specs.load("walking", robot).describe()["conditions"])
+    assert "ground that only pushes" in asked and len(asked) == len(set(asked))
+    papers = words.gist(specs.load("paper", robot).describe()["conditions"])
+    # The paper bounds no contact force.
+    assert papers and not {"ground that only pushes", "feet that do not slip"} & set(papers)
 
 
 def test_every_disturbance_has_words():

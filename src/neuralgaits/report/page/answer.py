@@ -103,16 +103,18 @@ def _why(saved: Saved) -> str:
     )
     level = saved.proved_level
     if saved.summary is None:
-        return common + "The network is trained until a list of conditions holds on a whole region."
+        return common + "It is trained towards conditions on a whole region of states."
     if level >= 2:
         return common + (
             "It was trained so that a whole region of states leads back into itself: a step that "
             "begins inside ends with a touchdown inside, so the next step can be taken, and so on."
         )
+    described = (saved.config.get("described") or {}).get("conditions") or []
+    asked = ", ".join(words.gist(described))
+    listed = f" ({asked})" if asked else ""
     return common + (
-        "It was trained so that a list of conditions (ground that only pushes, no slip, torques "
-        "within limits, foot clear of the ground, next step begins in range) holds on a whole "
-        "region of states, not along one motion only."
+        f"It was trained towards {len(described)} conditions{listed} on a whole region of states, "
+        "not along one motion only."
     )
 
 

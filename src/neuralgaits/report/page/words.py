@@ -1,6 +1,6 @@
 """Plain words for what a run is about: conditions, verdicts, levels, disturbances, terms."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from neuralgaits.report.page.markup import Html, number, tag
@@ -31,9 +31,29 @@ _QUANTITIES = {
     "normal_impulse": ("upward impulse of the impact", "N s"),
     "old_foot_lift": ("upward velocity of the old standing foot after touchdown", "m/s"),
     "orbital_energy": ("orbital energy", "m²/s²"),
+    "foot_on_circle": ("swinging foot outside a circle: distance² less radius²", "m²"),
+    "parabolic_clearance": ("swinging foot above a parabola: height", "m"),
 }
 """What each function of `barriers.functions` is, and its unit."""
 
+_GISTS = {
+    "torso_angle": "an upright torso",
+    "normal_force": "ground that only pushes",
+    "friction_forward": "feet that do not slip",
+    "torque_reserve": "torques within limits",
+    "joint_rates": "joints that are not too fast",
+    "forward_rate": "a hip that always moves forward",
+    "knee_bend": "bent knees",
+    "foot_above_arc": "a swinging foot clear of the ground",
+    "foot_on_circle": "a swinging foot clear of the ground",
+    "parabolic_clearance": "a swinging foot clear of the ground",
+    "foot_forward": "steps that are long enough",
+    "orbital_energy": "energy kept in bounds",
+    "output_mismatch": "joints that match across a touchdown",
+    "squared_mismatch": "joints that match across a touchdown",
+}
+"""What a condition on a quantity is there for, in two or three words."""
+_INLET = "a next step that begins in range"
 _REGIONS = {
     "tube": "the whole step",
     "lift-off": "start of the step",
@@ -192,9 +212,25 @@ def condition(described: Mapping[str, Any]) -> str:
     return words
 
 
+def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What a list of conditions asks for, each thing once, in the order of the list."""
+    found = {}
+    for described in conditions:
+        inner = described.get("quantity") or {}
+        inner = inner.get("of") or inner
+        name = inner.get("function", "")
+        if described.get("kind") == "Inlet":
+            found[_INLET] = None
+        elif name in _GISTS:
+            found[_GISTS[name]] = None
+    return list(found)
+
+
 def quantity(described: Mapping[str, Any]) -> str:
     """An inequality on a quantity in words."""
     name = described.get("function")
+    if name == "after_reset":
+        return f"after touchdown: {quantity(described['of'])}"
     if name in ("at_least", "at_most"):
         what, unit = _named(described["of"])
         sign = "≥" if name == "at_least" else "≤"
