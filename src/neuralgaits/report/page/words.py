@@ -196,8 +196,11 @@ def condition(described: Mapping[str, Any]) -> str:
     if kind == "TubeWidth":
         return f"the region is at least {number(described['least'])} of its middle wide"
     if kind == "Equality":
-        what, unit = _named(described["quantity"])
-        return f"{what} within ±{number(described['tolerance'])} {unit}".rstrip()
+        inner = described["quantity"]
+        bounded = inner.get("function") in ("at_least", "at_most")
+        what, unit = _named(inner["of"] if bounded else inner)
+        middle = f" of {_numbers(inner['bound'])}" if bounded else ""
+        return f"{what} within ±{number(described['tolerance'])}{middle} {unit}".rstrip()
     inner = described.get("quantity")
     if kind is None or not isinstance(inner, Mapping):
         return f"written by the user: {described.get('user', 'unknown')}"
@@ -234,9 +237,7 @@ def quantity(described: Mapping[str, Any]) -> str:
     if name in ("at_least", "at_most"):
         what, unit = _named(described["of"])
         sign = "≥" if name == "at_least" else "≤"
-        bound = described["bound"]
-        bounds = bound if isinstance(bound, list) else [bound]
-        return f"{what} {sign} {', '.join(number(value) for value in bounds)} {unit}".rstrip()
+        return f"{what} {sign} {_numbers(described['bound'])} {unit}".rstrip()
     share = described.get("coefficient")
     if name in ("friction_forward", "friction_backward"):
         way = name.removeprefix("friction_")
@@ -253,6 +254,11 @@ def quantity(described: Mapping[str, Any]) -> str:
         return f"swinging foot above an arc of {number(described['clearance'])} m"
     what, unit = _named(described)
     return f"{what} ≥ 0 {unit}".rstrip()
+
+
+def _numbers(bound: Any) -> str:
+    """A bound, or one for each joint."""
+    return ", ".join(number(value) for value in (bound if isinstance(bound, list) else [bound]))
 
 
 def _named(described: Mapping[str, Any]) -> tuple[str, str]:
