@@ -236,8 +236,6 @@ def _knee(
     # Actuated joints run up the stance leg and down the swing leg; hips stand between.
     at = len(points) - 1 - (count - joint) if swing else joint + 1
     above = points[at - 1] if swing else points[at + 1]
-    if swing and at - 1 == hip + 1 and data.torso:
-        above = points[hip]
     direction = (points[at] - above) / np.linalg.norm(points[at] - above)
     size = 0.3 * float(points[hip, 1])
     axes.plot(

@@ -54,7 +54,7 @@ def draw(
     shift: float = 0.0,
     faint: bool = False,
 ) -> None:
-    """Draw one pose: stance leg dark and whole, swing leg lighter and dashed.
+    """Draw one pose: stance leg and torso dark, swing leg lighter.
 
     Args:
         axes: to draw on, x forward and y up [m].
