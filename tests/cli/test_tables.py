@@ -3,7 +3,14 @@
 import pytest
 from rich.text import Text
 
-from neuralgaits.cli import episodes_screen, export_screen, learning_screen, proof_screen, screen
+from neuralgaits.cli import (
+    episodes_screen,
+    export_screen,
+    learning_screen,
+    proof_screen,
+    report_verb,
+    screen,
+)
 from neuralgaits.cli.tables import ROWS, show_facts, show_sentence, show_table
 
 Captured = pytest.CaptureFixture[str]
@@ -135,6 +142,13 @@ EXPORT = {
     "sizes": {"float": {"flash_bytes": 31234, "ram_bytes": 1234}},
     "float_bound": {"output": 1.2e-5},
 }
+REPORT = {
+    "report": PATH,
+    "figures": ["a"] * 11,
+    "bytes": 1_234_567,
+    "damaged": {"metrics.csv": "expected the columns step, loss and the like, found others " * 3},
+    "missing": [{"command": f"neuralgaits certify {PATH} --level 4"}] * 2,
+}
 DOCTOR = {
     "compiler": {"ok": False, "needed": False, "found": "none", "fix": "apt-get install gcc " * 4},
     "opengl": {"ok": True, "needed": False, "found": "MUJOCO_GL=default: renders", "fix": None},
@@ -150,6 +164,7 @@ SCREENS = {
     "episodes": (episodes_screen.show_episodes, ROUNDS),
     "fit": (learning_screen.show_fit, FIT),
     "export": (export_screen.show_export, EXPORT),
+    "report": (report_verb.show_report, REPORT),
     "doctor": (screen.show_findings, DOCTOR),
     "robots": (screen.show_names, ROBOTS),
 }
