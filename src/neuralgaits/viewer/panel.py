@@ -43,7 +43,6 @@ class Panel:
         title: str,
         settings: Mapping[str, Limits],
         conditions: Sequence[str],
-        sure: str,
         restarted: Callable[[], None],
     ):
         """Build the panel.
@@ -54,7 +53,6 @@ class Panel:
             title: one line of Markdown.
             settings: limits of what can be changed of the plant.
             conditions: names, in the order of the margins; empty if there are none.
-            sure: Markdown, what is known of the gait.
             restarted: called when the robot was put elsewhere.
         """
         self._player, self._conditions, self._restarted = player, conditions, restarted
@@ -69,7 +67,7 @@ class Panel:
         with gui.add_folder("Margins at the robot's state"):
             self._bars = gui.add_html(_note("no margins yet"))
         with gui.add_folder("How sure are we?", expand_by_default=False):
-            gui.add_markdown(sure)
+            self._sure = gui.add_markdown("reading the certificate")
 
     def show(self, picture: Picture) -> None:
         """Bring status and bars up to date."""
@@ -85,6 +83,10 @@ class Panel:
     def say(self, answer: str) -> None:
         """Show a message for a while."""
         self._answer, self._answer_left = answer, _ANSWER_FRAMES
+
+    def tell_how_sure(self, words: str) -> None:
+        """Say what is known of the gait, in Markdown."""
+        self._sure.content = words
 
     def explain_margins(self, why: str) -> None:
         """Say why there are no bars."""

@@ -3,10 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PolyCollection
-from matplotlib.colors import LinearSegmentedColormap
-from matplotlib.figure import Figure
 
 from neuralgaits._types import Float, Int
 
@@ -14,7 +10,7 @@ WIDTH_PX, HEIGHT_PX, DPI = 1320, 760, 150
 """Of the picture."""
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.08, 0.99, 0.145, 0.895
 """Edges of the plane, as shares of the picture."""
-_GREENS = LinearSegmentedColormap.from_list("margin", ["#e3f2e1", "#a5d6a0", "#4f9d63"])
+_GREENS = ("#e3f2e1", "#a5d6a0", "#4f9d63")
 _OPEN, _BROKEN = "#fdc788", "#d0664c"
 _FLOW, _INK, _ORBIT, _GUARD = "#5b6770", "#1f2a33", "#0b57a4", "#7a3e9d"
 PROVED, UNDECIDED, REFUTED = 0, 1, 2
@@ -73,6 +69,10 @@ class Portrait:
 
     def draw(self) -> np.ndarray:
         """The picture. [HEIGHT_PX, WIDTH_PX, 3]."""
+        # Half a second of imports that the first frame does not wait for.
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
         figure = Figure(figsize=(WIDTH_PX / DPI, HEIGHT_PX / DPI), dpi=DPI)
         axes = figure.add_axes((_LEFT, _BOTTOM, _RIGHT - _LEFT, _TOP - _BOTTOM))
         self._draw_boxes(axes)
@@ -106,10 +106,14 @@ class Portrait:
         return np.array(canvas.buffer_rgba())[..., :3]
 
     def _draw_boxes(self, axes) -> None:
+        from matplotlib.collections import PolyCollection
+        from matplotlib.colors import LinearSegmentedColormap
+
+        greens = LinearSegmentedColormap.from_list("margin", _GREENS)
         order = np.argsort(-self.margin, kind="stable")
         order = order[np.argsort(self.answer[order], kind="stable")]
         top = float(np.max(self.margin[self.answer == PROVED], initial=1e-6))
-        colours = _GREENS(np.clip(self.margin / top, 0.0, 1.0))
+        colours = greens(np.clip(self.margin / top, 0.0, 1.0))
         colours[self.answer == UNDECIDED] = _rgba(_OPEN)
         colours[self.answer == REFUTED] = _rgba(_BROKEN)
         axes.add_collection(

@@ -13,7 +13,6 @@ from neuralgaits.viewer.panel import Panel
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.stage import Stage
 from neuralgaits.viewer.walker import Walker
-from neuralgaits.workflows.certificate_words import Sureness, how_sure
 from neuralgaits.workflows.gait_quantities import Look, quantities
 from neuralgaits.workflows.live_gait import LiveGait
 from neuralgaits.workflows.phase_plane import portrait
@@ -42,8 +41,7 @@ class LiveView:
             self.player = Player(self.gait, self._show)
             self._stage = Stage(self._server, run.robot)
             self._stage.show(self.gait.shown())
-            self._sure = how_sure(run)
-            self._panel = self._build_panel(self._sure)
+            self._panel = self._build_panel()
         except BaseException:
             self.close()
             raise
@@ -78,7 +76,7 @@ class LiveView:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _build_panel(self, sure: Sureness) -> Panel:
+    def _build_panel(self) -> Panel:
         config = self._run.folder.config
         return Panel(
             self._server,
@@ -86,17 +84,21 @@ class LiveView:
             title=f"**{config['robot']}**, spec `{config['spec']}`, seed {config['seed']}",
             settings=self.gait.settings,
             conditions=[condition.name for condition in self._run.spec.conditions],
-            sure=sure.words,
             restarted=self._stage.restart,
         )
 
     def _bring_to_life(self) -> None:
-        """Margins and portrait: the robot walks meanwhile."""
+        """Certificate, margins and portrait: the robot walks meanwhile."""
+        # Its imports would hold up the first frame.
+        from neuralgaits.workflows.certificate_words import how_sure
+
         try:
             run = self._run
             look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
             self.gait.look_with(look)
-            plane = portrait(run, look, certified=self._sure.certified)
+            sure = how_sure(run)
+            self._panel.tell_how_sure(sure.words)
+            plane = portrait(run, look, certified=sure.certified)
             self._stage.hang(plane, self._clicked)
         except SpecError as error:
             self._panel.explain_margins(f"no margins and no phase portrait: {error}")
