@@ -30,8 +30,10 @@ COUNT_FRAMES = """(seconds) => new Promise(done => {
   }; next(); })"""
 
 
-def from_a_shell(cache: Path | None) -> tuple[float, float]:
+def from_a_shell(cache: Path | None) -> tuple[float, float, float]:
     """Seconds from the start of `neuralgaits demo` until the robot stands in the page and walks.
+
+    The third number is the processor's time until it walks, which a busy machine stretches less.
 
     `cache` is the folder of compiled programs; None is the user's own.
     """
@@ -42,7 +44,7 @@ def from_a_shell(cache: Path | None) -> tuple[float, float]:
         "from neuralgaits.workflows.demo import demo\n"
         "view = demo(); print(json.dumps(view.url), flush=True)\n"
         "while view.gait.live.time == 0.0: time.sleep(0.005)\n"
-        "print('walks', flush=True); view.close()\n"
+        "print(time.process_time(), flush=True); view.close()\n"
     )
     began = time.perf_counter()
     with subprocess.Popen(
@@ -53,8 +55,8 @@ def from_a_shell(cache: Path | None) -> tuple[float, float]:
         with urllib.request.urlopen(address, timeout=10.0) as page:
             page.read()
         served = time.perf_counter() - began
-        shell.stdout.readline()
-        return served, time.perf_counter() - began
+        spent = float(shell.stdout.readline())
+        return served, time.perf_counter() - began, spent
 
 
 def slider_to_effect(view, rounds: int = 8) -> list[float]:
@@ -107,13 +109,13 @@ def main() -> None:
     load = f"{os.getloadavg()[0]:.1f} on {os.cpu_count()} cores"
     show("load when begun", load)
     from_a_shell(None)
-    served, walks = from_a_shell(None)
+    served, walks, spent = from_a_shell(None)
     show("demo, compiled before: first frame served", f"{served:.1f} s", "<= 3 s")
-    show("demo, compiled before: walks", f"{walks:.1f} s")
+    show("demo, compiled before: walks", f"{walks:.1f} s, {spent:.1f} s of processor")
     with tempfile.TemporaryDirectory() as folder:
-        served, walks = from_a_shell(Path(folder))
+        served, walks, spent = from_a_shell(Path(folder))
     show("demo, nothing compiled: first frame served", f"{served:.1f} s")
-    show("demo, nothing compiled: walks", f"{walks:.1f} s", "<= 10 s")
+    show("demo, nothing compiled: walks", f"{walks:.1f} s, {spent:.1f} s of processor", "<= 10 s")
     environment.prepare()
     from neuralgaits.workflows.demo import FOLDER
     from neuralgaits.workflows.view import view

@@ -33,6 +33,7 @@ class LiveView:
     def __init__(self, run: Run, host: str, port: int | None):
         """Serve the page, with the robot standing; `_bring_to_life` does the rest."""
         self._run = run
+        self._closed = threading.Event()
         self._server = page.open_server(f"Neural Gaits: {run.robot.name}", host, port)
         try:
             self.host, self.port = host, self._server.get_port()
@@ -60,6 +61,7 @@ class LiveView:
 
     def close(self) -> None:
         """Stop walking and serving."""
+        self._closed.set()
         if hasattr(self, "player"):
             self.player.stop()
         with page.quiet():
@@ -97,9 +99,10 @@ class LiveView:
             look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
             self.gait.look_with(look)
             sure = how_sure(run)
-            self._panel.tell_how_sure(sure.words)
             plane = portrait(run, look, certified=sure.certified)
-            self._stage.hang(plane, self._clicked)
+            if not self._closed.is_set():
+                self._panel.tell_how_sure(sure.words)
+                self._stage.hang(plane, self._clicked)
         except SpecError as error:
             self._panel.explain_margins(f"no margins and no phase portrait: {error}")
         except BaseException as error:

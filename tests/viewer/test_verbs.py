@@ -1,0 +1,70 @@
+"""What the verbs say before they stay."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from neuralgaits.cli.arguments import Page
+from neuralgaits.cli.main import main
+from neuralgaits.cli.viewer_verbs import _served
+
+
+def served(host, wait=None):
+    calls = []
+    live = SimpleNamespace(
+        host=host,
+        url="http://127.0.0.1:8080",
+        summary={"url": "http://127.0.0.1:8080", "port": 8080},
+        wait=wait or (lambda: calls.append("wait")),
+        close=lambda: calls.append("close"),
+    )
+    return _served(live, Page(no_browser=True)), calls
+
+
+def test_on_loopback_nothing_is_warned_of(capsys):
+    outcome, calls = served("127.0.0.1")
+    outcome.show()
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out == "walks at http://127.0.0.1:8080 (open it in a browser); Ctrl-C ends it\n"
+    assert calls == []
+    outcome.then()
+    assert calls == ["wait", "close"]
+
+
+def test_an_address_that_others_reach_is_said_to_be_one(capsys):
+    served("0.0.0.0")
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert "0.0.0.0 is reached from other machines" in err
+    assert "--host" in err
+
+
+def test_the_page_is_closed_when_it_is_left():
+    def leave():
+        raise KeyboardInterrupt
+
+    outcome, calls = served("127.0.0.1", leave)
+    with pytest.raises(KeyboardInterrupt):
+        outcome.then()
+    assert calls == ["close"]
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        (["view", "no-such-run"], "expected a run folder at no-such-run, found nothing"),
+        (["view"], "RUN"),
+        (["demo", "--port", "0"], "--port from 1 to 65535"),
+        (["demo", "--port", "many"], "'many'"),
+        (["demo", "--host", "no.such.host.invalid"], "--host as an address of this machine"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(words, what, capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert what in err
