@@ -1,6 +1,7 @@
 """What the verbs say before they stay."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -11,24 +12,26 @@ from neuralgaits.cli.viewer_verbs import _served
 
 def served(host, wait=None):
     calls = []
-    live = SimpleNamespace(
+    live: Any = SimpleNamespace(
         host=host,
         url="http://127.0.0.1:8080",
         summary={"url": "http://127.0.0.1:8080", "port": 8080},
         wait=wait or (lambda: calls.append("wait")),
         close=lambda: calls.append("close"),
     )
-    return _served(live, Page(no_browser=True)), calls
+    outcome = _served(live, Page(no_browser=True))
+    assert outcome.then is not None
+    return outcome.show, outcome.then, calls
 
 
 def test_on_loopback_nothing_is_warned_of(capsys):
-    outcome, calls = served("127.0.0.1")
-    outcome.show()
+    show, stay, calls = served("127.0.0.1")
+    show()
     out, err = capsys.readouterr()
     assert err == ""
     assert out == "walks at http://127.0.0.1:8080 (open it in a browser); Ctrl-C ends it\n"
     assert calls == []
-    outcome.then()
+    stay()
     assert calls == ["wait", "close"]
 
 
@@ -45,9 +48,9 @@ def test_the_page_is_closed_when_it_is_left():
     def leave():
         raise KeyboardInterrupt
 
-    outcome, calls = served("127.0.0.1", leave)
+    _, stay, calls = served("127.0.0.1", leave)
     with pytest.raises(KeyboardInterrupt):
-        outcome.then()
+        stay()
     assert calls == ["close"]
 
 
