@@ -16,7 +16,7 @@ from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
 from neuralgaits.export.compare import agree, float_bound, limits, questions
 from neuralgaits.export.facts import Design
-from neuralgaits.export.programs import parts
+from neuralgaits.export.programs import policy_rate
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
@@ -42,10 +42,19 @@ def asked(design, reference):
     return questions(design, reference, STATES)
 
 
+@pytest.fixture(scope="module")
+def agreements(design, files, asked, tmp_path_factory):
+    """How far C is from Python, by precision."""
+    folder = tmp_path_factory.mktemp("c")
+    return {
+        precision: agree(design, asked, compiled(folder, files, defines), precision)
+        for precision, defines in build.PRECISIONS.items()
+    }
+
+
 @pytest.mark.parametrize("precision", build.PRECISIONS)
-def test_c_does_what_python_does(design, files, asked, tmp_path, precision):
-    program = compiled(tmp_path, files, build.PRECISIONS[precision])
-    agreement = agree(design, asked, program, precision)
+def test_c_does_what_python_does(design, agreements, precision):
+    agreement = agreements[precision]
     asking = limits(design, precision)
     assert max(agreement.output, agreement.rate) <= asking.output
     assert agreement.torque <= asking.torque
@@ -67,12 +76,10 @@ def test_the_cases_meet_every_decision(asked):
     assert np.any(changed[slow] > 0.999 * 1e4 * 1e-3)
 
 
-def test_float_is_inside_its_bound(design, files, asked, tmp_path):
+def test_float_is_inside_its_bound(design, agreements, asked):
     """The bound over the region covers what is measured, and says something."""
-    program = compiled(tmp_path, files, ("-DNG_FLOAT",))
-    agreement = agree(design, asked, program, "float")
-    rates = next(p for p in parts(design.robot, design.gait.policy) if "rate" in p.function)
-    bound = float_bound(design, rates, asked)
+    agreement = agreements["float"]
+    bound = float_bound(design, policy_rate(design.gait.policy), asked)
     assert agreement.output <= bound["output"] < 1e-3
     assert agreement.rate <= bound["rate"] < 1e-3
 
