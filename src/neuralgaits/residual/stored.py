@@ -48,7 +48,13 @@ def read(path: Path, robot: PlanarBiped) -> Learned:
 
     Raises: RunError if it is missing, damaged, no residual, or of a robot with other joints.
     """
-    arrays, _ = read_arrays(path)
+    try:
+        arrays, _ = read_arrays(path)
+    except RunError:
+        found = "another file" if path.is_file() else "a folder" if path.is_dir() else "none"
+        raise RunError(
+            f"expected a residual in {path}, found {found}: give a file that `fit` wrote"
+        ) from None
     sizes: list[int] = []
     while _LAYER.format(len(sizes)) in arrays:
         sizes.append(arrays[_LAYER.format(len(sizes))].size)

@@ -85,12 +85,14 @@ def fit(
     zd = ZeroDynamics(trained.robot, trained.gait.policy)
     parts = _dealt(long, seed)
     scale = _scale(trained, long)
-    train, validation, heldout = (_windows(part) for part in parts)
+    train, validation = _windows(parts.train), _windows(parts.validation)
     fitter = Fitter.build(zd, train, validation, scale, config=config, seed=seed)
     flow, state = fit_flow(fitter, progress)
     corrected = ZeroDynamics(zd.robot, zd.policy, flow)
     reset = fit_reset(corrected, walks.touchdowns([*parts.train, *parts.validation], zd))
-    learned = Learned(flow, reset, largest_defects(missed(zd, flow, heldout)))
+    # Pairs of samples reach further into a stride's end than the windows of the fit.
+    pairs = walks.windows(parts.heldout, samples=2, step=STEP_S)
+    learned = Learned(flow, reset, largest_defects(missed(zd, flow, pairs)))
     path = trained.path / FILE
     stored.write(path, learned)
     summary = {
