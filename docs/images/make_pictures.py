@@ -35,7 +35,7 @@ OF_RUN = {
 OF_ROUND = {"10-learning": "rounds"}
 LIMIT = 60_000
 """Largest picture [bytes]."""
-COLOURS = (128, 64, 32, 16)
+COLOURS = (128, 112, 96, 64, 32)
 
 
 def main() -> None:
@@ -63,7 +63,9 @@ def save(name: str, picture: bytes) -> None:
     whole = Image.open(BytesIO(picture)).convert("RGB")
     for colours in COLOURS:
         small = BytesIO()
-        whole.quantize(colours, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+        # By coverage: the few dots of a legend keep their colours.
+        few = whole.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        few.save(small, "PNG", optimize=True)
         if small.tell() <= LIMIT:
             break
     path = FOLDER / f"{name}.png"
