@@ -1,0 +1,54 @@
+"""Take the picture of the live page: the shipped gait a few steps into its walk.
+
+    .venv/bin/python docs/images/make_viewer.py
+
+Needs Chromium; without a graphics card it draws in software, which the page then says: the note
+is closed first.
+"""
+
+import shutil
+import sys
+from io import BytesIO
+from pathlib import Path
+
+from PIL import Image
+from playwright.sync_api import sync_playwright
+
+from neuralgaits.cli import environment
+
+WIDTH, HEIGHT = 1280, 760
+"""Size of the window in pixels."""
+WALKED_S = 6.0
+"""How long it has walked before the picture is taken."""
+COLOURS = 256
+"""Of the picture's palette: a third of the size."""
+OUT = Path(__file__).with_name("viewer.png")
+DRAWING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"]
+DRAWING += ["--enable-unsafe-swiftshader"]
+
+
+def main() -> None:
+    """Serve the page, look at it, save what is seen."""
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        sys.exit("expected chromium, found none: install it, as in `apt-get install chromium`")
+    environment.prepare()
+    from neuralgaits.workflows.demo import demo
+
+    with demo() as live, sync_playwright() as driver:
+        live.ready(120.0)
+        browser = driver.chromium.launch(executable_path=chromium, args=DRAWING)
+        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+        page.goto(live.url)
+        page.get_by_text("Walks ·").wait_for(timeout=60_000)
+        page.wait_for_timeout(1000.0 * WALKED_S)
+        for close in page.locator(".mantine-Notification-closeButton").all():
+            close.click()
+        page.wait_for_timeout(2000.0)
+        picture = Image.open(BytesIO(page.screenshot())).convert("RGB")
+        browser.close()
+    picture.quantize(COLOURS, Image.Quantize.FASTOCTREE).save(OUT, optimize=True)
+
+
+if __name__ == "__main__":
+    main()
