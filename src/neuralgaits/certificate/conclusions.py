@@ -11,6 +11,7 @@ from typing import Literal, Protocol
 import numpy as np
 from flint import arb
 
+from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.theorems import (
     Corner,
     Orbit,
@@ -169,7 +170,7 @@ def walking(
         "where the swing foot meets the ground",
         f"every trajectory of the projected hybrid zero dynamics that starts in T{pushed}, stays "
         "between the fences, meets the ground once and transversally within "
-        f"{figures['step_time_at_most_s']:.4g} s, and is reset into T: it walks for ever",
+        f"{at_most(figures['step_time_at_most_s'], 4)} s, and is reset into T: it walks for ever",
         f"along it hold{meant}: {', '.join(shape.carried)}",
     )
     if uncarried:
@@ -216,8 +217,8 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         figures["tubes_shrink_by_at_most"] = _above(shrinking)
         why = (
             "outside a thin tube around the orbit every trajectory gets nearer to it along the "
-            f"step, and by {_above(shrinking):.4f} or less across the impact; inside it the return "
-            f"map contracts by {_above(high):.4f} or less"
+            f"step, and by {at_most(_above(shrinking), 4)} or less across the impact; inside it "
+            f"the return map contracts by {at_most(_above(high), 4)} or less"
         )
         if not shrinking < 1:
             reason = f"tubes around the orbit may widen by {_above(shrinking):.4g} at the impact"
@@ -225,7 +226,7 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     else:
         why = (
             "the return map of the section at mid-step contracts by "
-            f"{_above(contraction):.4f} or less on all of T"
+            f"{at_most(_above(contraction), 4)} or less on all of T"
         )
         if not contraction < 1:
             reason = f"the return map is not shown to contract: |P'| <= {_above(contraction):.4g}"
@@ -236,14 +237,13 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     if not (low > 0 and high < 1):
         reason = f"the multiplier is enclosed in [{_below(low):.4g}, {_above(high):.4g}] only"
         return Conclusion(3, "undecided", reason, (), figures)
+    least, most = _below(middle[0]), _above(middle[1])
     words = (
         f"{why}: there is one periodic orbit, and every trajectory of the undisturbed system in T "
         "converges to it",
-        f"at mid-step the orbit has z2 in [{figures['z2_at_mid_step_at_least']:.6f}, "
-        f"{figures['z2_at_mid_step_at_most']:.6f}] kg m^2/s, and is known to {width:.3g} "
-        "everywhere",
-        f"its multiplier is in [{figures['multiplier_at_least']:.4f}, "
-        f"{figures['multiplier_at_most']:.4f}]",
+        f"at mid-step the orbit has z2 in [{at_least(least, 8)}, {at_most(most, 8)}] kg m^2/s, and "
+        f"is known to {at_most(width, 3)} everywhere",
+        f"its multiplier is in [{at_least(_below(low), 4)}, {at_most(_above(high), 4)}]",
     )
     return Conclusion(3, "proved", None, words, figures)
 

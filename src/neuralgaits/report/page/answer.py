@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from neuralgaits.report.page import words
-from neuralgaits.report.page.markup import Html, join, number, paragraph, tag
+from neuralgaits.report.page.markup import Html, bound, join, number, paragraph, tag
 from neuralgaits.report.page.saved import Contents, Saved
 
 
@@ -161,7 +161,7 @@ def _left_open(saved: Saved) -> str:
 
 def _least(certificate: Mapping[str, Any]) -> str:
     margins = [c["margin"] for c in certificate["conditions"].values() if c["margin"] is not None]
-    return f"{number(100.0 * min(margins), 2)} %" if margins else "–"
+    return f"{bound(100.0 * min(margins), digits=2)} %" if margins else "–"
 
 
 def _open(certificate: Mapping[str, Any]) -> str:

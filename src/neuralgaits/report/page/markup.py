@@ -9,6 +9,8 @@ import shlex
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from neuralgaits._digits import at_least, at_most
+
 
 class Html(str):
     """Markup, safe to put into the page."""
@@ -111,4 +113,21 @@ def number(value: Any, digits: int = 3) -> str:
         return f"{value:,}".replace(",", "\u202f")
     if not math.isfinite(value):
         return str(value)
-    return f"{value:.{digits}g}".replace("-", "\u2212") if value else "0"
+    return _signed(f"{value:.{digits}g}") if value else "0"
+
+
+def bound(value: float | None, *, above: bool = False, digits: int = 3) -> str:
+    """A proved bound as a person writes it, rounded to the side on which it stays true.
+
+    Args:
+        value: a lower bound; a dash if it is None.
+        above: it is an upper bound.
+        digits: significant ones.
+    """
+    if value is None:
+        return "–"
+    return _signed((at_most if above else at_least)(value, digits))
+
+
+def _signed(written: str) -> str:
+    return written.replace("-", "\u2212")

@@ -6,6 +6,7 @@ from typing import Any
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
+    bound,
     command,
     facts,
     items,
@@ -107,7 +108,10 @@ def _level(entry: Mapping[str, Any]) -> Html:
         reason = entry["reason"] or "no reason is given"
         return paragraph(tag("b", f"Level {level} is {entry['verdict']}: "), reason)
     figures = [
-        (label, f"{number(entry['figures'][name], 4)} {unit}".rstrip())
+        (
+            label,
+            f"{bound(entry['figures'][name], above='_at_most' in name, digits=6)} {unit}".rstrip(),
+        )
         for name, (label, unit) in _LEVEL_FIGURES.items()
         if name in entry["figures"]
     ]
@@ -138,7 +142,7 @@ def _conditions(found: Mapping[str, Any]) -> Html:
             (
                 name,
                 words.verdict(entry["verdict"]),
-                number(entry["margin"]),
+                bound(entry["margin"]),
                 share,
                 number(entry["boxes"]),
                 detail,
