@@ -4,6 +4,7 @@ import re
 import shlex
 import shutil
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 
 import matplotlib as mpl
 import numpy as np
@@ -204,10 +205,27 @@ def test_the_proved_enclosure_is_drawn_around_the_fixed_point(data):
 def test_captions_claim_no_more_than_is_proved(data):
     walk = MeasuredWalk("MuJoCo", *(np.zeros((1, 2)) for _ in range(7)))
     assert "not proved" in phase_portrait.caption(data, None, 1)
+    for level in (2, 3):
+        assert "follow the policy exactly" in phase_portrait.caption(data, None, level)
     assert "settles" not in phase_portrait.caption(data, None, 2)
+    unsafe = replace(data, arrays={**data.arrays, "chart/barriers": np.array([[[-0.1]]])})
+    assert "safe part" in phase_portrait.caption(unsafe, None, 2)
     assert phase_portrait.caption(data, None, 3).endswith("proved.")
     assert "MuJoCo" in phase_portrait.caption(data, walk, 0)
     assert "proved" not in return_map.caption(data, None)
+
+
+def test_the_proved_approach_is_one_in_zeta():
+    """A map that contracts zeta = z2^2 / 2 by a factor, towards the orbit and past it."""
+    orbit, starts, factor = 12.0, np.array([9.0, 14.0]), -0.8
+    far = return_map.farthest(orbit, starts, abs(factor) ** np.arange(9))
+    zeta = 0.5 * starts**2
+    for bound in far:
+        away = np.abs(np.sqrt(2.0 * zeta) - orbit)
+        assert np.all(away <= bound + 1e-12)
+        zeta = 0.5 * orbit**2 + factor * (zeta - 0.5 * orbit**2)
+    # The walk that starts farther off is on the far side every other step.
+    assert far[0] == pytest.approx(3.0)
 
 
 def test_the_same_data_give_the_same_file_and_settings_come_back(data, tmp_path):

@@ -199,7 +199,7 @@ def _joints(axes: Axes, data: GaitData) -> None:
     )
     text = f"on average {speed:.2f} m/s"
     if slowest is not None:
-        text += f"\nalways ≥ {slowest:.2f} m/s"
+        text += f"\nasked for: ≥ {slowest:.2f} m/s"
     axes.text(
         hip[0] + size,
         hip[1] + 0.03 * tall,

@@ -18,7 +18,7 @@ TITLE = "What is proved, where"
 CAPTION = (
     "Every box is a set of states on which all conditions that apply there were bounded at once. "
     "Green boxes are proved, the darker the further from a limit; orange ones are open, red ones "
-    "broken. Where all is green nothing is left to chance: no state lies between samples."
+    "broken. A green box speaks of every state in it: none lies between samples."
 )
 
 PROVED, UNDECIDED, REFUTED = 0, 1, 2

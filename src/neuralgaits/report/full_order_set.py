@@ -15,10 +15,10 @@ from neuralgaits.report.style import BLACK, BLUE, RED, new_figure, panel, series
 
 TITLE = "How far the joints may be off"
 CAPTION = (
-    "Real joints never follow exactly. Left: for every state of the tube, how large their errors "
-    "may be and the robot still provably walks on for ever: little near the edges and before "
-    "the foot lands. Right: the same along the step, against the errors that an impact leaves and "
-    "how the controller lets them die out."
+    "Real joints never follow exactly. Left: over the states of the tube, how large their errors "
+    "may be and the robot still provably walks on for ever, with motors that do without delay what "
+    "the controller asks: little near the edges and before the foot lands. Right: the same along "
+    "the step, against the errors that an impact leaves and how the controller lets them die out."
 )
 LEVEL_LOWER, LEVEL_UPPER = "level-lower", "level-upper"
 """Barriers that are the tube's fences."""

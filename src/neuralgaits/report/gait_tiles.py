@@ -10,7 +10,7 @@ from neuralgaits.report.style import GREY, new_figure, styled
 TITLE, MEASURED_TITLE = "The gait", "The gait in simulation"
 CAPTION = (
     "One step of the periodic gait, from the moment a foot lands to the moment the other one does. "
-    "The dark leg stands, the light leg swings forward without touching the ground."
+    "The dark leg stands, the light leg swings forward; what is written below is how high."
 )
 TILES = 7
 

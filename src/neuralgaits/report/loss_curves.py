@@ -9,8 +9,9 @@ from neuralgaits.report.style import BLACK, GREY, marker, new_figure, panel, ser
 
 TITLE = "How it was trained"
 CAPTION = (
-    "The loss says by how much the conditions are broken on random states, zero being not at all. "
-    "What remains at the end is effort, and the distance that training keeps from the limits."
+    "The loss says by how much the conditions are broken on random states, or are nearer to their "
+    "limits than training wants them; effort is added to it. So it does not end at zero, and a "
+    "small loss alone does not say that nothing is broken."
 )
 NOT_CONDITIONS = ("step", "loss", "validation_loss", "effort")
 FLOOR = 1e-6

@@ -24,7 +24,8 @@ TITLE = "How much room there is"
 CAPTION = (
     "A condition is a limit the robot must keep, and its margin is what is left of it: above zero "
     "it holds. Left: the margins over one step of the periodic gait, the tightest ones by name. "
-    "Right: the least margin of each condition over every state of the region where it must hold."
+    "Right: the least margin of each condition on a grid over the region where it must hold; "
+    "diamonds are bounds that are proved for every state of it."
 )
 NAMED = 6
 """Conditions with a line of their own: the tightest."""

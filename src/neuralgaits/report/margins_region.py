@@ -12,9 +12,9 @@ from neuralgaits.report.style import BLACK, RED, new_figure, panel, styled
 
 TITLE = "Where it is tight"
 CAPTION = (
-    "Every state of the tube, coloured by the margin of the condition that is nearest to its limit "
-    "there (left: light is tight) and by which condition that is (right). The gait gives way first "
-    "where it is lightest."
+    "The tube, coloured by the margin of the condition that is nearest to its limit there (left: "
+    "light is tight) and by which condition that is (right), as found on a grid of states. The "
+    "gait has least to spare where it is lightest."
 )
 _MAP = LinearSegmentedColormap.from_list("room", ["#f4faff", "#9ecae1", "#08306b"])
 _BROKEN = LinearSegmentedColormap.from_list("broken", ["#7f2704", "#fdae6b"])

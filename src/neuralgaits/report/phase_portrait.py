@@ -37,14 +37,21 @@ def caption(data: GaitData, walk: MeasuredWalk | None, level: int) -> str:
         level: up to which the gait is proved, 0 if nothing is.
     """
     text = (
-        "A point is the whole state of the walking robot: where the hip is, and how fast it turns "
-        "over the foot. Grey lines show where the motion carries it; at the guard the foot lands, "
+        "As long as the joints follow the policy exactly, a point is the whole state of the "
+        "walking robot: where the hip is, and with how much momentum it turns over the foot. Grey "
+        "lines show where the motion carries it; at the guard the foot lands, "
         "and the dotted arrows take the state to the start of the next step. "
     )
+    chart = data["chart/barriers"]
+    # Where barrier functions are negative on the tube, the walking set is the rest of it.
+    where = "the blue tube" if np.min(chart, initial=0.0) >= 0.0 else "the tube's safe part"
     if level >= 3:
-        text += "Nothing leaves the blue tube and every walk in it settles on the red orbit: proved"
+        text += (
+            f"No such walk that begins in {where} leaves it, and every one settles on one orbit: "
+            "that is proved"
+        )
     elif level == 2:
-        text += "Nothing leaves the blue tube: that is proved"
+        text += f"No such walk that begins in {where} leaves it: that is proved"
     else:
         text += "The gait is made for the blue tube; that nothing leaves it is not proved yet"
     return text + (f". Black dots were measured ({walk.source})." if walk else ".")

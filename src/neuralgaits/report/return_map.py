@@ -6,6 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from neuralgaits._digits import at_least, at_most
+from neuralgaits._types import Float
 from neuralgaits.report.data import GaitData
 from neuralgaits.report.style import BLACK, BLUE, GREEN, GREY, RED, new_figure, panel, styled
 
@@ -23,7 +25,8 @@ class Proved:
     Attributes:
         z2: enclosure at z1 = 0 [kg m^2/s].
         multiplier: enclosure.
-        contraction: of the map on all of the tube, at most.
+        contraction: of the map of z2^2 / 2 on all of the walking set, at most; None if what is
+            proved is that nested tubes shrink.
     """
 
     z2: tuple[float, float]
@@ -43,7 +46,10 @@ def caption(data: GaitData, proved: Proved | None) -> str:
             f"{abs(data.numbers.multiplier):.2f} of itself with each step."
         )
     if proved is not None:
-        text += " That this orbit exists, is the only one and attracts the whole tube is proved."
+        text += (
+            " That such an orbit exists, is the only one and attracts the whole walking set is "
+            "proved, for joints that follow the policy exactly."
+        )
     return text
 
 
@@ -66,7 +72,8 @@ def _map(axes: Axes, data: GaitData, proved: Proved | None) -> None:
     slope = numbers.z2 + numbers.multiplier * (near - numbers.z2)
     label = f"slope {numbers.multiplier:.3f}"
     if proved is not None:
-        label += ", proved {:.3f} to {:.3f}".format(*proved.multiplier)
+        low, high = proved.multiplier
+        label += f", proved {at_least(low, 3)} to {at_most(high, 3)}"
     axes.plot(near, slope, color=RED, linewidth=4.0, alpha=0.45, label=label, zorder=2.5)
     for start, colour in ((z2[0], GREEN), (z2[-1], GREEN)):
         points = np.repeat(_iterates(data, float(start)), 2)
@@ -107,13 +114,29 @@ def _approach(axes: Axes, data: GaitData, proved: Proved | None) -> None:
     label = f"multiplier {numbers.multiplier:.3f}, each step"
     axes.plot(steps, first * numbers.multiplier**steps, "--", color=RED, linewidth=1.2, label=label)
     if proved is not None and proved.contraction is not None:
-        slowest = first * proved.contraction**steps
-        label = f"proved rate, {proved.contraction:.3f} or less"
+        slowest = farthest(numbers.z2, z2[[0, -1]], proved.contraction**steps)
+        label = f"proved: nearer than this, {at_most(proved.contraction, 3)} a step"
         axes.plot(steps, slowest, color=BLUE, linewidth=2.0, label=label)
     axes.set(yscale="log", xlabel="steps taken [1]", ylabel="distance from the orbit [kg m²/s]")
     axes.set_ylim(bottom=first * min(abs(numbers.multiplier), 0.9) ** (STEPS + 1))
     axes.legend(fontsize=8.5)
     panel(axes, "b", "walks come to the orbit")
+
+
+def farthest(
+    orbit: float, starts: Float[np.ndarray, "2"], shrunk: Float[np.ndarray, " k"]
+) -> Float[np.ndarray, " k"]:
+    """Largest distance from the orbit where that of zeta = z2^2 / 2 is so much of its first.
+
+    The map contracts in zeta, and a zeta below the orbit's is farther off in z2 than one above.
+
+    Args:
+        orbit: z2 of the fixed point [kg m^2/s].
+        starts: z2 of the walks at first [kg m^2/s].
+        shrunk: share of the first distance that is left.
+    """
+    most = float(np.max(np.abs(starts**2 - orbit**2)))
+    return orbit - np.sqrt(np.maximum(orbit**2 - most * shrunk, 0.0))
 
 
 def _iterates(data: GaitData, start: float) -> np.ndarray:

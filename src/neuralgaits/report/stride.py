@@ -14,8 +14,8 @@ def caption(walk: MeasuredWalk | None) -> str:
     """What is to be seen."""
     text = (
         "What the joints do in one step, the torques that takes and the force of the ground on the "
-        "standing foot. Torques stay off the motors' limits, the ground only pushes, and the "
-        "horizontal force stays inside what friction can hold."
+        "standing foot. Torques have to stay off the motors' limits, the ground can only push, and "
+        "the horizontal force has to stay inside what friction can hold."
     )
     return text + (f" Thin dotted lines were measured ({walk.source})." if walk else "")
 
