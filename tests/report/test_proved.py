@@ -27,9 +27,8 @@ FULL = FullOrder(
 def certified(run, tmp_path):
     folder = tmp_path / "run"
     shutil.copytree(run.path, folder)
-    weights = hashlib.sha256((folder / "policy.safetensors").read_bytes()).hexdigest()
-    write(folder, "proof.json", weights, Theorems(WALKING, ORBIT, claimed=(2, 3)))
-    write(folder, "full-order.json", weights, Theorems(full=FULL, claimed=(4,)))
+    write(folder, "proof.json", Theorems(WALKING, ORBIT, claimed=(2, 3)))
+    write(folder, "full-order.json", Theorems(full=FULL, claimed=(4,)))
     levels = [
         {"level": 2, "verdict": "proved", "figures": {}},
         {
@@ -43,9 +42,18 @@ def certified(run, tmp_path):
     return open_run(folder)
 
 
-def write(folder, name, weights, theorems):
+def write(folder, name, theorems):
     (folder / "certificate").mkdir(exist_ok=True)
-    content = {"weights_sha256": weights, "theorems": theorems.tables()}
+    files = ("policy.safetensors", "robot.xml", "spec.py")
+    weights, robot, spec = (
+        hashlib.sha256((folder / file).read_bytes()).hexdigest() for file in files
+    )
+    content = {
+        "weights_sha256": weights,
+        "robot": {"sha256": robot},
+        "spec": {"sha256": spec},
+        "theorems": theorems.tables(),
+    }
     (folder / "certificate" / name).write_text(json.dumps(content))
 
 
@@ -74,9 +82,7 @@ def test_the_thin_tube_is_read_at_the_hip_above_the_foot(certified):
     middle, half = 0.5 * (start + guard), 0.5 * (guard - start)
     lower = (72.0 + 10.0 * middle, 10.0 * half)
     shape = Orbit("contraction", 0.9, 1.1, lower, (HIGH,), (0.1,), (0.1,), (0.2,))
-    proof = certified.path / "certificate" / "proof.json"
-    weights = json.loads(proof.read_text())["weights_sha256"]
-    write(certified.path, "proof.json", weights, Theorems(WALKING, shape, claimed=(2, 3)))
+    write(certified.path, "proof.json", Theorems(WALKING, shape, claimed=(2, 3)))
     found = certificate_of(certified).orbit
     assert found is not None
     assert found.z2[0] == pytest.approx(12.0, rel=1e-12)
@@ -92,12 +98,21 @@ def test_the_set_of_level_4_keeps_its_constants(certified):
     assert full.tube(0.5) == pytest.approx(0.01 * math.exp(-0.75))
 
 
-def test_other_weights_prove_nothing(certified):
-    proof = certified.path / "certificate" / "proof.json"
-    content = json.loads(proof.read_text()) | {"weights_sha256": "0" * 64}
+@pytest.mark.parametrize("file", ["proof.json", "full-order.json"])
+@pytest.mark.parametrize(
+    ("other", "what"),
+    [
+        ({"weights_sha256": "0" * 64}, "policy.safetensors"),
+        ({"robot": {"sha256": "0" * 64}}, "robot.xml"),
+        ({"spec": {"sha256": "0" * 64}}, "spec.py"),
+    ],
+)
+def test_a_proof_about_other_files_proves_nothing(certified, file, other, what):
+    proof = certified.path / "certificate" / file
+    content = json.loads(proof.read_text()) | other
     proof.write_text(json.dumps(content))
     found = certificate_of(certified)
-    assert found.reason == "the certificate is of other weights than the run's"
+    assert found.reason == f"certificate/{file} is about another {what} than the run's"
     assert (found.level, found.orbit, found.full, dict(found.margins)) == (0, None, None, {})
 
 

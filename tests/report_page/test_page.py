@@ -9,13 +9,14 @@ from html.parser import HTMLParser
 import pytest
 
 from neuralgaits.cli.arguments import read as read_words
+from neuralgaits.report.certificate import proved_level
 from neuralgaits.report.figure import Missing
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.markup import Html, number, tag, text
 from neuralgaits.report.page.proof import certificate
-from neuralgaits.report.page.saved import proved_level, read
+from neuralgaits.report.page.saved import read
 from neuralgaits.report.page.walking import animation, simulations
 from neuralgaits.runs import RunFolder
 
@@ -126,8 +127,32 @@ def test_a_proof_of_other_weights_is_not_shown(contents, shipped):
     weights.write_bytes(content)
     page = contents(shipped)
     assert page.saved.certificate is None
-    assert "expected a proof about the run&#x27;s own policy.safetensors" in failures(page)
+    assert "is about another policy.safetensors than the run&#x27;s" in failures(page)
+    assert f"`neuralgaits certify {shipped}`" in failures(page)
     assert "Proved" not in answer(page)
+
+
+def test_a_certificate_without_its_proof_is_not_shown(contents, shipped):
+    proof = shipped / "certificate/proof.json"
+    proof.write_text("{}")
+    assert contents(shipped).saved.certificate is None
+    proof.unlink()
+    page = contents(shipped)
+    assert page.saved.certificate is None
+    assert "certificate/proof.json is missing" in failures(page)
+
+
+def test_proved_bounds_are_rounded_to_the_safe_side(contents, shipped):
+    def nearly(summary):
+        summary["conditions"]["knee"]["margin"] = 0.019999
+
+    _change(shipped, "certificate/summary.json", nearly)
+    page = contents(shipped)
+    assert "at least 1.9 % of its typical size" in answer(page)
+    said = certificate(page)
+    assert "0.0199<" in said and "0.02<" not in said
+    # z2 of the orbit at mid-step is in [12.2529126, 12.2537101] kg m^2/s.
+    assert "12.2529 kg" in said and "12.2538 kg" in said
 
 
 def test_falls_stand_in_the_answer_and_with_their_reasons(contents, shipped, walk):

@@ -1,6 +1,5 @@
 """What a run's certificate says, as far as figures show it."""
 
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,11 +10,16 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.report.certificate import (
+    FULL_ORDER,
+    PROOF,
+    SUMMARY,
+    proved_level,
+    why_not_of_run,
+)
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.return_map import Proved
-from neuralgaits.workflows.run import WEIGHTS, Run
-
-FOLDER = "certificate"
+from neuralgaits.workflows.run import Run
 
 
 @dataclass(frozen=True)
@@ -40,13 +44,16 @@ class Certificate:
 
 
 def certificate_of(run: Run) -> Certificate:
-    """Read a run's certificate, if it has one and it is of the run's weights."""
-    folder = run.path / FOLDER
-    summary, proof = _json(folder / "summary.json"), _json(folder / "proof.json")
-    if summary is None:
+    """Read a run's certificate, if it has one and it is about the run's own files."""
+    if not (run.path / SUMMARY).is_file():
         return Certificate("the run has no certificate")
+    summary = _json(run.path / SUMMARY)
+    if summary is None:
+        return Certificate(f"{SUMMARY} is damaged")
+    if why := why_not_of_run(summary, run.path):
+        return Certificate(why)
     try:
-        return _read(run, summary, proof, _json(folder / "full-order.json"))
+        return _read(run, summary, _json(run.path / PROOF), _json(run.path / FULL_ORDER))
     except (AttributeError, KeyError, TypeError, ValueError):
         return Certificate("the certificate is damaged or of another version")
 
@@ -58,8 +65,6 @@ def _read(
     full: Mapping[str, Any] | None,
 ) -> Certificate:
     """Raises: what Python raises if something is not as `certify` writes it."""
-    if proof is not None and not _of_these_weights(run, proof):
-        return Certificate("the certificate is of other weights than the run's")
     levels = {entry["level"]: entry for entry in summary.get("levels") or ()}
     margins = {
         name: row["margin"]
@@ -67,14 +72,9 @@ def _read(
         if row["verdict"] == "proved" and row["margin"] is not None
     }
     orbit = None if proof is None else _orbit(run, levels.get(3), proof)
-    shape = None
-    if full is not None and _of_these_weights(run, full):
-        shape = _full(levels.get(4), full)
+    shape = None if full is None else _full(levels.get(4), full)
     reason = (levels.get(4) or {}).get("reason") or Certificate.no_full
-    level = int(all(row["verdict"] == "proved" for row in summary["conditions"].values()))
-    while level and levels.get(level + 1, {}).get("verdict") == "proved":
-        level += 1
-    return Certificate(None, level, margins, orbit, shape, str(reason))
+    return Certificate(None, proved_level(summary), margins, orbit, shape, str(reason))
 
 
 def _json(path: Path) -> dict[str, Any] | None:
@@ -84,11 +84,6 @@ def _json(path: Path) -> dict[str, Any] | None:
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None
-
-
-def _of_these_weights(run: Run, proof: Mapping[str, Any]) -> bool:
-    weights = (run.path / WEIGHTS).read_bytes()
-    return proof.get("weights_sha256") == hashlib.sha256(weights).hexdigest()
 
 
 def _orbit(run: Run, level: Mapping[str, Any] | None, proof: Mapping[str, Any]) -> Proved | None:

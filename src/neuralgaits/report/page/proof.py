@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from neuralgaits.report.certificate import FULL_ORDER, LEVELS, PROOF, SUMMARY
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
@@ -18,7 +19,7 @@ from neuralgaits.report.page.markup import (
     table,
     tag,
 )
-from neuralgaits.report.page.saved import FULL_ORDER, LEVELS, PROOF, Contents, Saved
+from neuralgaits.report.page.saved import Contents, Saved
 
 _LEVEL_FIGURES = {
     "step_time_at_most_s": ("a step takes at most", "s"),
@@ -63,7 +64,7 @@ def certificate(contents: Contents) -> Html:
 
 
 def _absent(saved: Saved) -> Html:
-    reason = saved.damaged.get("certificate/summary.json")
+    reason = saved.damaged.get(SUMMARY)
     said = reason or (
         "This gait has no certificate: nothing is proved of it. Measured conditions and simulated "
         "walks are evidence, and no more."

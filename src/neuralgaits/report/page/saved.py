@@ -1,12 +1,19 @@
 """What a run folder holds, read as plain data; a part that is not there is None."""
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from neuralgaits.errors import RunError
+from neuralgaits.report.certificate import (
+    FULL_ORDER,
+    PROOF,
+    SUMMARY,
+    proved_level,
+    sha256,
+    why_not_of_run,
+)
 from neuralgaits.report.figure import Drawn, Missing
 from neuralgaits.runs import RunFolder
 
@@ -17,11 +24,9 @@ _HASHED = (
     "spec.py",
     "residual.safetensors",
     "start.safetensors",
-    "certificate/proof.json",
-    "certificate/full-order.json",
+    PROOF,
+    FULL_ORDER,
 )
-PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
-LEVELS = (1, 2, 3, 4)
 
 
 @dataclass(frozen=True)
@@ -92,17 +97,6 @@ class Contents:
     assumptions: tuple[str, ...]
 
 
-def proved_level(certificate: Json | None) -> int:
-    """As `Saved.proved_level`."""
-    if certificate is None:
-        return 0
-    conditions = certificate.get("conditions") or {}
-    if not conditions or any(c["verdict"] != "proved" for c in conditions.values()):
-        return 0
-    proved = {entry["level"] for entry in certificate["levels"] if entry["verdict"] == "proved"}
-    return max((n for n in LEVELS if set(range(2, n + 1)) <= proved), default=1)
-
-
 def read(folder: RunFolder) -> Saved:
     """Read a run. A damaged part is left out and named; only a damaged config is an error."""
     damaged: dict[str, str] = {}
@@ -122,14 +116,12 @@ def read(folder: RunFolder) -> Saved:
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
     rounds = part("summary.json", above) if (above / "episodes.json").is_file() else None
-    certificate = part("certificate/summary.json")
-    hashes = {
-        file: hashlib.sha256((folder.path / file).read_bytes()).hexdigest()
-        for file in _HASHED
-        if (folder.path / file).is_file()
-    }
-    if certificate is not None and (why := _not_of_run(folder, hashes, part)):
-        certificate, damaged["certificate/summary.json"] = None, why
+    certificate = part(SUMMARY)
+    found = {file: sha256(folder.path / file) for file in _HASHED}
+    hashes = {file: digest for file, digest in found.items() if digest is not None}
+    if certificate is not None and (why := why_not_of_run(certificate, folder.path)):
+        again = f"prove it again with `neuralgaits certify {folder.path}`"
+        certificate, damaged[SUMMARY] = None, f"{why}: {again}"
     return Saved(
         folder=folder,
         config=folder.config,
@@ -154,23 +146,3 @@ def _disturbance(proof: Json | None) -> tuple[float, ...]:
             values = tuple(float.fromhex(str(bound)) for bound in bounds)
             return values if any(values) else ()
     return ()
-
-
-def _not_of_run(folder: RunFolder, hashes: Mapping[str, str], part) -> str | None:
-    """Why a certificate is not about the files that lie in the run now; None if it is."""
-    for file in (PROOF, FULL_ORDER):
-        proof = part(file)
-        if proof is None:
-            continue
-        expected = {
-            "policy.safetensors": proof.get("weights_sha256"),
-            "robot.xml": (proof.get("robot") or {}).get("sha256"),
-            "spec.py": (proof.get("spec") or {}).get("sha256"),
-        }
-        for name, digest in expected.items():
-            if hashes.get(name) != digest:
-                return (
-                    f"expected a proof about the run's own {name}, found another sha256 in {file}: "
-                    f"prove it again with `neuralgaits certify {folder.path}`"
-                )
-    return None
