@@ -1,6 +1,5 @@
 """Time of a live page: pace, pause, single steps, wishes and resets."""
 
-import threading
 import time
 
 import numpy as np
@@ -129,4 +128,3 @@ def test_a_failure_of_its_thread_reaches_who_waits(played):
     player.start()
     with pytest.raises(ValueError, match="slope"):
         player.wait()
-    assert threading.active_count() >= 1

@@ -1,12 +1,20 @@
 """The board's picture: a pixel is a state, and looks like what is known of it."""
 
+import json
+import re
+import shutil
+
 import numpy as np
 import pytest
 
+from neuralgaits.report import certificate_map
+from neuralgaits.viewer import markdown
+from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.gait_quantities import Chart, Look, quantities
 from neuralgaits.workflows.phase_plane import portrait
+from neuralgaits.workflows.run import open_run
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +75,12 @@ def test_the_orbit_lies_inside_and_closes(shipped, plane):
     np.testing.assert_allclose(after, plane.orbit[0], rtol=1e-6)
 
 
+def test_answers_of_boxes_are_those_of_the_certificates_map():
+    """The rooms do not know each other; the saved map holds these numbers."""
+    for name in ("PROVED", "UNDECIDED", "REFUTED"):
+        assert getattr(board, name) == getattr(certificate_map, name)
+
+
 def test_without_a_certificate_margins_are_sampled_and_called_so(shipped):
     look = Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
     plane = portrait(shipped, look, certified=False)
@@ -99,3 +113,38 @@ def test_the_words_claim_what_the_certificate_says(shipped):
     assert sure.certified
     assert sure.words.startswith("**Proved at level 3**")
     assert "may fall" in sure.words
+
+
+def test_words_of_a_run_without_a_proof_claim_nothing(shipped, tmp_path):
+    folder = tmp_path / "run"
+    shutil.copytree(shipped.path, folder)
+    summary = folder / "certificate" / "summary.json"
+    answer = json.loads(summary.read_text())
+    (folder / "certificate" / "proof.json").unlink()
+    lost = how_sure(open_run(folder))
+    assert not lost.certified and "no certificate of this gait" in lost.words
+    # Nothing was proved that a file could hold: undecided, and no other gait's.
+    open_conditions = {
+        name: entry | {"verdict": "undecided", "margin": None}
+        for name, entry in answer["conditions"].items()
+    }
+    answer |= {"verdict": "undecided", "proof": None, "levels": [], "conditions": open_conditions}
+    summary.write_text(json.dumps(answer))
+    undecided = how_sure(open_run(folder))
+    assert undecided.certified and undecided.words.startswith("**Undecided at level 3**")
+    assert "holds at every state" not in undecided.words
+    summary.write_text("{}")
+    assert "damaged" in how_sure(open_run(folder)).words
+
+
+def test_words_of_a_run_are_no_markup(shipped, tmp_path):
+    folder = tmp_path / "run"
+    shutil.copytree(shipped.path, folder)
+    summary = folder / "certificate" / "summary.json"
+    answer = json.loads(summary.read_text())
+    answer["levels"][0]["words"][0] = "<iframe srcdoc='x'>\n\n# *big* [a](b)"
+    summary.write_text(json.dumps(answer))
+    words = how_sure(open_run(folder)).words
+    assert re.search(r"(?<!\\)[<*\[]", words.replace("**", "")) is None
+    assert "\n#" not in words
+    assert markdown.code("a`<b>\n\n# c") == "`a'<b> # c`"

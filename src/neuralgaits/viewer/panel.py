@@ -53,7 +53,7 @@ class Panel:
             title: one line of Markdown.
             settings: limits of what can be changed of the plant.
             conditions: names, in the order of the margins; empty if there are none.
-            restarted: called when the robot was put elsewhere.
+            restarted: called, in the player's thread, when the robot was put back.
         """
         self._player, self._conditions, self._restarted = player, conditions, restarted
         self._answer, self._answer_left, self._count = "", 0, 0
@@ -90,6 +90,7 @@ class Panel:
 
     def explain_margins(self, why: str) -> None:
         """Say why there are no bars."""
+        self._conditions = ()
         self._bars.content = _note(why)
 
     def _add_time(self, gui: viser.GuiApi) -> None:
@@ -131,8 +132,12 @@ class Panel:
 
     def reset(self) -> None:
         """Put the robot back; the plant stays as it is."""
-        self._player.ask(_reset)
-        self._restarted()
+
+        def back(walker: Walker) -> None:
+            walker.reset()
+            self._restarted()
+
+        self._player.ask(back)
 
     def _add_push(self, gui: viser.GuiApi) -> None:
         with gui.add_folder("Push"):
@@ -188,11 +193,6 @@ class Panel:
 
     def _lags(self, picture: Picture) -> bool:
         return picture.pace < 0.9 * self._player.speed
-
-
-def _reset(walker: Walker) -> str | None:
-    walker.reset()
-    return None
 
 
 def _line(text: str, colour: str, *, strong: bool = False) -> str:

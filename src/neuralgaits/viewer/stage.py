@@ -83,6 +83,7 @@ class Stage:
         )
         self._arrow_until = -1.0
         self._board: _Board | None = None
+        self._fallen = False
         self._frame_camera(server)
 
     def hang(self, portrait: Portrait, clicked: Callable[[viser.ClientHandle, np.ndarray], None]):
@@ -91,6 +92,10 @@ class Stage:
 
     def show(self, shown: Shown) -> None:
         """Move everything to a moment of the walk."""
+        if self._fallen and shown.fall is None:
+            # Put back by itself: nobody said so.
+            self.restart()
+        self._fallen = shown.fall is not None
         x = float(shown.hip[0])
         ground = shown.level + shown.slope * x
         with self._server.atomic():
@@ -102,7 +107,7 @@ class Stage:
         self._server.flush()
 
     def restart(self) -> None:
-        """Forget the trail: the robot was put elsewhere."""
+        """Forget the trail: the robot was put elsewhere. For the thread that calls `show`."""
         if self._board is not None:
             self._board.forget()
         self._arrow.visible = False

@@ -1,14 +1,13 @@
 """How sure we are of a run's gait, in a few lines of Markdown, and whether its proof is its own."""
 
-from pathlib import Path
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
-from neuralgaits.certificate.claims import InconsistentError, read_claims
-from neuralgaits.certificate.run_match import differences
-from neuralgaits.errors import NeuralGaitsError
+from neuralgaits._digits import at_least
+from neuralgaits.errors import RunError
+from neuralgaits.report.certificate import PROOF, SUMMARY, proved_level, why_not_of_run
+from neuralgaits.viewer import markdown
 from neuralgaits.workflows.run import Run
-
-PROOF, SUMMARY = "certificate/proof.json", "certificate/summary.json"
 
 
 class Sureness(NamedTuple):
@@ -25,43 +24,48 @@ def how_sure(run: Run) -> Sureness:
 
     The proof is not checked again here: `check-proof` does that.
     """
+    again = markdown.code(f"neuralgaits certify {run.path}")
     if not (run.path / SUMMARY).is_file():
         return Sureness(
             False,
             "**Nothing is proved of this gait.** Training looked at samples. "
-            f"`neuralgaits certify {run.path}` looks for a proof.",
+            f"{again} looks for a proof.",
         )
-    wrong = _mismatch(run.path)
-    if wrong is not None:
+    try:
+        answer = run.folder.read_json(SUMMARY)
+        why = why_not_of_run(answer, run.path)
+        lines = [] if why else _lines(run, answer)
+    except (RunError, AttributeError, KeyError, TypeError, ValueError):
+        why, lines = f"{SUMMARY} is damaged or of another version", []
+    if why is not None:
         return Sureness(
             False,
-            f"**The certificate is not about this gait**: {wrong}. "
-            f"`neuralgaits certify {run.path}` looks for a new one.",
+            f"**There is no certificate of this gait**: {markdown.text(why)}. {again} looks for a "
+            "new one.",
         )
-    answer = run.folder.read_json(SUMMARY)
-    lines = [f"**{answer['verdict'].capitalize()} at level {answer['level']}**"]
-    margins = [one["margin"] for one in answer["conditions"].values() if one["margin"] is not None]
-    if margins and answer["verdict"] == "proved":
-        lines.append(
-            f"Each of {len(answer['conditions'])} conditions holds at every state of its region, "
-            f"by {min(margins):.3f} of its scale or more."
-        )
-    for level in answer["levels"]:
-        lines += [f"{sentence}." for sentence in level["words"][:2]]
-    lines.append(
-        "This is about the zero dynamics of the rigid model, not about MuJoCo, pushes, slopes or "
-        "other masses: what you see here is a simulation, and may fall. "
-        f"`neuralgaits check-proof {run.path / PROOF} --run {run.path}` checks it again."
-    )
     return Sureness(True, "\n\n".join(lines))
 
 
-def _mismatch(path: Path) -> str | None:
-    """What of the proof is not the run's; None if all of it is."""
-    try:
-        wrong = differences(read_claims(path / PROOF), path)
-    except InconsistentError as error:
-        return f"its proof contradicts itself ({error})"
-    except (NeuralGaitsError, OSError) as error:
-        return f"its proof cannot be read ({error})"
-    return wrong[0] if wrong else None
+def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
+    conditions = answer["conditions"].values()
+    verdict = markdown.text(str(answer["verdict"]).capitalize())
+    lines = [f"**{verdict} at level {int(answer['level'])}**"]
+    level, margins = proved_level(answer), [one["margin"] for one in conditions]
+    if level and None not in margins:
+        lines.append(
+            f"Each of {len(margins)} conditions holds at every state of its region, by "
+            f"{at_least(min(margins), 3)} of its scale or more."
+        )
+    for entry in answer["levels"]:
+        lines += [f"{markdown.text(sentence)}." for sentence in entry["words"][:2]]
+    about = "This is about the zero dynamics of the rigid model"
+    if level == 4:
+        about += ", and at level 4 about the whole of it under an exact controller without delay"
+    lines.append(
+        f"{about}; not about MuJoCo, pushes, slopes or other masses: what you see here is a "
+        "simulation, and may fall."
+    )
+    if answer.get("proof"):
+        check = f"neuralgaits check-proof {run.path / PROOF} --run {run.path}"
+        lines.append(f"{markdown.code(check)} checks it again.")
+    return lines

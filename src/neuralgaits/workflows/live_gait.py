@@ -123,7 +123,7 @@ class LiveGait:
     def jump(self, z: Float[np.ndarray, "2"]) -> str | None:
         """Put the robot onto the zero dynamics at z, standing on leg 0.
 
-        Returns: why not, if z is outside of the region; None if it is there.
+        Returns: why not, if z is outside of the region or has no pose; None if it is there.
         """
         z = np.asarray(z, dtype=np.float64)
         if not np.all(np.isfinite(z)):
@@ -135,7 +135,8 @@ class LiveGait:
                 f"z = ({z[0]:.3f} m, {z[1]:.1f} kg m²/s) is outside of the region: "
                 "click between the two black fences."
             )
-        self._restart(z)
+        if not self._restart(z):
+            return "The policy has no pose for that state."
         return None
 
     def reset(self) -> None:
@@ -146,13 +147,14 @@ class LiveGait:
         """Full state on the zero dynamics (rad, rad/s). [2n]."""
         return self._onto(z[None])["x"][0]
 
-    def _restart(self, z: Float[np.ndarray, "2"]) -> None:
+    def _restart(self, z: Float[np.ndarray, "2"]) -> bool:
+        """Returns: False, and nothing changes, if there is no pose to stand in."""
         try:
             self.live.place(self._state(z))
         except InputError:
-            # A state whose outputs do not exist: nothing to stand in.
-            return
+            return False
         self._z = z
+        return True
 
 
 def _nearest(here: np.ndarray, boxes) -> tuple[float, float]:

@@ -8,7 +8,7 @@ import numpy as np
 import viser
 
 from neuralgaits.errors import SpecError
-from neuralgaits.viewer import page
+from neuralgaits.viewer import markdown, page
 from neuralgaits.viewer.panel import Panel
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.stage import Stage
@@ -83,7 +83,8 @@ class LiveView:
         return Panel(
             self._server,
             self.player,
-            title=f"**{config['robot']}**, spec `{config['spec']}`, seed {config['seed']}",
+            title=f"**{markdown.text(config['robot'])}**, spec {markdown.code(config['spec'])}, "
+            f"seed {markdown.text(str(config['seed']))}",
             settings=self.gait.settings,
             conditions=[condition.name for condition in self._run.spec.conditions],
             restarted=self._stage.restart,

@@ -1,0 +1,20 @@
+"""Text of a run inside Markdown: always text, never markup. Browsers render HTML in Markdown."""
+
+import re
+
+_MARKS = re.compile(r"([\\`*_{}\[\]()<>#|~!&])")
+
+
+def text(words: str) -> str:
+    """Words as they are: every mark of Markdown is escaped."""
+    return _MARKS.sub(r"\\\1", _one_line(words))
+
+
+def code(words: str) -> str:
+    """Words as code; a backtick would end it, and becomes an apostrophe."""
+    return f"`{_one_line(words).replace('`', chr(39))}`"
+
+
+def _one_line(words: str) -> str:
+    # A line of its own could begin a heading, a list or a block of HTML.
+    return " ".join(str(words).split())
