@@ -9,6 +9,8 @@ from typing import Any
 SUMMARY = "certificate/summary.json"
 PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
 LEVELS = (1, 2, 3, 4)
+_NEEDED = {"conditions", "level", "levels"}
+"""Of a summary, for anything to be said of it."""
 
 
 def proved_level(certificate: Mapping[str, Any] | None) -> int:
@@ -23,7 +25,7 @@ def proved_level(certificate: Mapping[str, Any] | None) -> int:
 
 
 def why_not_of_run(certificate: Mapping[str, Any], run: Path) -> str | None:
-    """Why a certificate is not about the run's own robot, weights and spec; None if it is.
+    """Why a certificate says nothing of the run's own robot, weights and spec; None if it does.
 
     Compares the hashes that its proof files hold with the run's files. Whether the proofs hold is
     for `check-proof` to say.
@@ -32,6 +34,8 @@ def why_not_of_run(certificate: Mapping[str, Any], run: Path) -> str | None:
         certificate: its summary.
         run: the run folder.
     """
+    if not certificate.keys() >= _NEEDED:
+        return f"{SUMMARY} is damaged or of another version"
     if certificate.get("proof") and not (run / PROOF).is_file():
         return f"{PROOF} is missing"
     for file in (PROOF, FULL_ORDER):

@@ -142,7 +142,10 @@ def _borne(saved: Saved) -> str:
     if not saved.disturbance:
         return ""
     first, second = (number(bound) for bound in saved.disturbance)
-    return f" At level 2 the model may be off: by up to {first} m/s in dz1 and {second} N m in dz2."
+    return (
+        f" At level 2 the motion between touchdowns may be off the model, by up to {first} m/s in "
+        f"dz1 and {second} N m in dz2; forces, torques and touchdowns are the model's."
+    )
 
 
 def _left_open(saved: Saved) -> str:

@@ -104,7 +104,7 @@ def _said(walk: Mapping[str, Any]) -> str:
     if walk["fell"]:
         said += f", and falls after {walk['steps_walked']} steps: {walk['fall_reason']}."
     else:
-        said += f", and stays up for all {walk['steps_walked']} steps shown."
+        said += f", and stays up for all its {walk['steps_walked']} steps."
     return said
 
 

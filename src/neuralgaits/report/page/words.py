@@ -145,9 +145,9 @@ PROVED = {
     "state of the walking set.",
     3: "as long as the joints follow the network exactly, the robot walks for ever from every "
     "state of the walking set, and comes nearer and nearer to one motion that repeats.",
-    4: "the whole robot walks for ever from every state of a set in which joints may be a little "
-    "off their targets. With joints exactly on target, it comes nearer and nearer to one motion "
-    "that repeats.",
+    4: "as long as the motors do at once exactly what the controller asks, the whole robot walks "
+    "for ever from every state of a set in which joints may be a little off their targets. With "
+    "joints exactly on target, it comes nearer and nearer to one motion that repeats.",
 }
 """What the highest proved level means for a reader who knows none of the words."""
 _RIGID = (
