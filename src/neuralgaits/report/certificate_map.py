@@ -32,16 +32,16 @@ _NOT_PROVED = (UNDECIDED, ORANGE, "///"), (REFUTED, _RED, "xxx")
 
 def draw_file(data: Path, figure: Path) -> Path:
     """Draw saved boxes. Returns: the path of the PNG file."""
-    arrays, metadata = read_arrays(data)
-    drawn = draw(
-        arrays["corners"],
-        arrays["answer"],
-        arrays["margin"],
-        arrays["counterexamples"],
-        metadata.get("title", ""),
-    )
-    write_bytes(figure, png(drawn))
+    write_bytes(figure, png(draw_saved(data)))
     return figure
+
+
+def draw_saved(data: Path) -> Figure:
+    """The map of saved boxes. Raises: RunError if they are damaged."""
+    arrays, metadata = read_arrays(data)
+    names = ("corners", "answer", "margin", "counterexamples")
+    corners, answer, margin, points = (arrays[name] for name in names)
+    return draw(corners, answer, margin, points, metadata.get("title", ""))
 
 
 @styled

@@ -1,6 +1,6 @@
 """What was learned of the robot beyond its model: the field, and the flow before and after."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -67,15 +67,8 @@ def draw(data: ResidualData) -> Figure:
     panel(parts[0], "a", "how fast the hip moves")
     panel(parts[1], "b", "how the momentum changes")
     axes = figure.add_subplot(grid[1, :])
-    corrected = GaitData(
-        {**gait.arrays, "plane/corrected": gait["plane/nominal_dz"] + data.epsilon},
-        gait.conditions,
-        gait.barriers,
-        gait.described,
-        gait.joints,
-        gait.torso,
-        gait.residual,
-    )
+    after = gait["plane/nominal_dz"] + data.epsilon
+    corrected = replace(gait, arrays={**gait.arrays, "plane/corrected": after})
     flow(axes, corrected, "nominal_dz", GREY, density=0.6)
     flow(axes, corrected, "corrected", BLUE, density=0.6, width=1.7)
     _fences(axes, gait)

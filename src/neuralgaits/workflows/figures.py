@@ -26,7 +26,6 @@ from neuralgaits.report import (
 )
 from neuralgaits.report.data import GaitData, MeasuredWalk
 from neuralgaits.report.figure import Drawn, Missing, write
-from neuralgaits.runs import read_arrays
 from neuralgaits.workflows.certificate_figure import DATA as MAP
 from neuralgaits.workflows.gait_data import gait_data
 from neuralgaits.workflows.proved import Certificate, certificate_of
@@ -156,15 +155,7 @@ def _certificate_map(source: Source) -> Made:
     if source.certificate.reason is not None or not path.is_file():
         reason = source.certificate.reason or f"{path.name} is missing in the certificate"
         raise Absent(reason, f"neuralgaits certify {source.path}")
-    arrays, words = read_arrays(path)
-    figure = certificate_map.draw(
-        arrays["corners"],
-        arrays["answer"],
-        arrays["margin"],
-        arrays["counterexamples"],
-        words.get("title", ""),
-    )
-    return certificate_map.CAPTION, figure
+    return certificate_map.CAPTION, certificate_map.draw_saved(path)
 
 
 def _return_map(source: Source) -> Made:

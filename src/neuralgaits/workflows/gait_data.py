@@ -124,9 +124,7 @@ def _map(
     motion: Look, tube: Chart, span: tuple[float, float]
 ) -> tuple[dict[str, np.ndarray], gait_flow.Orbit]:
     """The sampled Poincare map, and its fixed point."""
-    middle = -span[0] / (span[1] - span[0])
-    low, high = tube.fences(np.array(middle))
-    z2 = np.linspace(low, high, MAP_POINTS)
+    z2 = tube.section(MAP_POINTS)
     mapped = gait_flow.returns(motion, z2, span).z2
     orbit = gait_flow.fixed_point(motion, z2, mapped, span)
     return {"map/z2": z2, "map/z2_after": mapped}, orbit
@@ -136,11 +134,8 @@ def _orbit(
     run: Run, look: Look, motion: Look, orbit: gait_flow.Orbit, span: tuple[float, float]
 ) -> dict[str, np.ndarray]:
     """One step from landing to landing; without a fixed point, arrays of no nodes."""
-    z, t = np.zeros((0, 2)), np.zeros(0)
-    if np.isfinite(orbit.z2):
-        start = motion(orbit.before[None])["z_after"]
-        path = gait_flow.swing(motion, start, span)
-        z, t = path.z[:, 0], path.t[:, 0]
+    path = gait_flow.cycle(motion, orbit, span)
+    z, t = path.z[:, 0], path.t[:, 0]
     tube, robot = Chart(run.gait, run.spec), run.robot
     found = look(z) if len(z) else look(np.array([[0.0, 1.0]]))
     found = {name: array[: len(z)] for name, array in found.items()}

@@ -147,6 +147,13 @@ def fixed_point(
     return Orbit(float(guess), float(slope), period, length, step.before[1])
 
 
+def cycle(motion: Motion, orbit: Orbit, span: tuple[float, float]) -> Swing:
+    """One step of an orbit from landing to landing, N = 1; no nodes if there is no orbit."""
+    if not np.isfinite(orbit.z2):
+        return Swing(np.zeros((0, 1, 2)), np.zeros((0, 1)), np.zeros(1, dtype=bool))
+    return swing(motion, motion(orbit.before[None])["z_after"], span)
+
+
 def _rate(motion: Motion, z1: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Slopes of (z2, t) in z1. [N, 2]."""
     dz = motion(np.stack([z1, y[:, 0]], axis=1))["dz"]

@@ -95,6 +95,11 @@ class Chart:
         zeta = [self.unit * chebval(2.0 * phase - 1.0, side) for side in self.series]
         return np.sqrt(2.0 * np.stack(zeta))
 
+    def section(self, points: int) -> np.ndarray:
+        """z2 between the fences at mid-step, z1 = 0 [kg m^2/s]. [points]."""
+        low, high = self.fences(np.array(-self.start / (self.guard - self.start)))
+        return np.linspace(low, high, points)
+
     def z(self, phase: np.ndarray, level: np.ndarray) -> np.ndarray:
         """States at chart points. [..., 2]."""
         low, high = 0.5 * self.fences(phase) ** 2

@@ -85,10 +85,7 @@ def _sampled(chart: Chart, look: Look) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 def _orbit(chart: Chart, motion: Look, span: tuple[float, float]) -> np.ndarray:
     """From landing to landing; no rows if no periodic orbit was found between the fences."""
-    low, high = chart.fences(np.array(-span[0] / (span[1] - span[0])))
-    z2 = np.linspace(low, high, MAP_POINTS)
+    z2 = chart.section(MAP_POINTS)
     orbit = gait_flow.fixed_point(motion, z2, gait_flow.returns(motion, z2, span).z2, span)
-    if not np.isfinite(orbit.z2):
-        return np.zeros((0, 2))
-    path = gait_flow.swing(motion, motion(orbit.before[None])["z_after"], span).z[:, 0]
+    path = gait_flow.cycle(motion, orbit, span).z[:, 0]
     return path[np.isfinite(path).all(axis=1)]

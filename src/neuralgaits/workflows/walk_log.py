@@ -19,19 +19,19 @@ SIMULATED, WALKED = "simulation", "walks/logs"
 
 def measured_walk(run: Run) -> MeasuredWalk | None:
     """The first log of the run that holds a finished step; None if there is none."""
-    for path in _candidates(run.path):
+    for path, simulated in _candidates(run.path):
         try:
             log = logs.read(path, run.robot).log
         except InputError:
             # A walk that fell at once, or a file of something else: the next may do.
             continue
         if log.z is not None:
-            return _walk(run, log, path)
+            return _walk(run, log, f"{'MuJoCo' if simulated else 'log'}, {path.name}")
     return None
 
 
-def _candidates(run: Path) -> Iterator[Path]:
-    """Logs in the run's folder, those of the last simulation first."""
+def _candidates(run: Path) -> Iterator[tuple[Path, bool]]:
+    """Logs of the run, those of the last simulation first, and whether `simulate` wrote them."""
     summary = run / SIMULATED / "summary.json"
     named: list[Path] = []
     if summary.is_file():
@@ -42,17 +42,17 @@ def _candidates(run: Path) -> Iterator[Path]:
         # A run that was moved keeps its logs, but not their names.
         for path in map(Path, found):
             named += [path, run / SIMULATED / path.name]
-    others = [*sorted((run / SIMULATED).glob("*.csv")), *sorted((run / WALKED).glob("*.csv"))]
-    yield from (path for path in dict.fromkeys([*named, *others]) if path.is_file())
+    of_simulations = dict.fromkeys([*named, *sorted((run / SIMULATED).glob("*.csv"))])
+    yield from ((path, True) for path in of_simulations if path.is_file())
+    yield from ((path, False) for path in sorted((run / WALKED).glob("*.csv")))
 
 
-def _walk(run: Run, log: Log, path: Path) -> MeasuredWalk:
+def _walk(run: Run, log: Log, source: str) -> MeasuredWalk:
     robot = run.robot
     assert log.z is not None
     theta = log.q @ np.asarray(robot.link_angles).T
     step = np.concatenate([[0], np.cumsum(log.stance[1:] != log.stance[:-1])])
     points = skeleton(theta, np.asarray(robot.foot), robot.torso)
-    source = f"{'MuJoCo' if SIMULATED in path.parts else 'log'}, {path.name}"
     return MeasuredWalk(
         source, log.t, log.z, log.q[:, 1:], log.qd, log.tau, points, step.astype(int)
     )
