@@ -35,6 +35,7 @@ def _distribution(module: str, installed: dict[str, list[str]]) -> str:
 def test_every_import_is_declared() -> None:
     installed = dict(packages_distributions())
     needed = {_distribution(module, installed) for module in _imported()}
-    video = _names(PROJECT["optional-dependencies"]["video"])
-    assert needed <= _names(PROJECT["dependencies"]) | video
-    assert video <= needed
+    extras = PROJECT["optional-dependencies"]
+    optional = _names(extras["video"]) | _names(extras["onnx"])
+    assert needed <= _names(PROJECT["dependencies"]) | optional
+    assert optional <= needed
