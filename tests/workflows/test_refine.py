@@ -122,7 +122,7 @@ def test_bad_input_makes_no_run(brief_run, refined, root):
     before = sorted(path.name for path in root.iterdir())
     with pytest.raises(RunError, match=r"expected a residual of .*neuralgaits fit"):
         refine(refined, out=root / "no", root=root)
-    with pytest.raises(RunError, match=r"expected a residual in .*nothing, found none: give a file"):
+    with pytest.raises(RunError, match=r"expected a residual in .*nothing, found none: give"):
         refine(brief_run, residual=root / "nothing", out=root / "no", root=root)
     with pytest.raises(InputError, match="expected at least 1 gradient step, found 0"):
         refine(brief_run, steps=0, out=root / "no", root=root)
