@@ -151,7 +151,7 @@ def test_proved_bounds_are_rounded_to_the_safe_side(contents, shipped):
     assert "at least 1.9 % of its typical size" in answer(page)
     said = certificate(page)
     assert "0.0199<" in said and "0.02<" not in said
-    # z2 of the orbit at mid-step is in [12.2529126, 12.2537101] kg m^2/s.
+    # z2 of the orbit at phase 0.5 is in [12.2529126, 12.2537101] kg m^2/s.
     assert "12.2529 kg" in said and "12.2538 kg" in said
 
 

@@ -36,11 +36,29 @@ def test_the_first_fall_is_walked_again_to_its_end(shipped):
     assert asked.episode == 2 and asked.steps == 30 and asked.seed == 5
     assert (asked.law, asked.start, asked.disturbance.friction) == ("fblin", "region", 0.4)
     assert asked.plant is not None and asked.plant.name == "amber3m-tail"
+    assert asked.origin == "repeats the last simulation of this run"
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"push": 4.0},
+        {"disturb": vars(Disturbance(encoder_noise=0.001))},
+        {"disturb": vars(Disturbance(floor_height=0.01))},
+        {"controller": "c", "link": {"law": "pd"}},
+    ],
+)
+def test_a_walk_that_meets_other_chances_is_not_called_a_repetition(shipped, changed):
+    assert "not repeating" in _simulated(shipped, **changed).origin
+    # The first walk draws what the first walk drew.
+    first = _simulated(shipped, **changed, fell=[True])
+    assert ("not repeating" in first.origin) == ("link" in changed)
 
 
 def test_of_walks_that_stayed_up_a_handful_of_steps_is_shown(shipped):
     asked = _simulated(shipped, fell=[False], plant="amber3m", controller="pd")
     assert (asked.episode, asked.steps, asked.plant) == (0, STEPS, None)
+    assert f"the first {STEPS} steps of" in asked.origin
 
 
 def test_a_pushed_walk_is_whole_because_the_push_comes_at_a_share_of_it(shipped):

@@ -1,4 +1,8 @@
-"""Poincare map of the step: where a walk passes mid-step, one step later."""
+"""Poincare map of the step: the momentum as the hip passes over the foot, one step later.
+
+The section is z1 = 0. A certificate speaks of the section at phase 1/2, whose z2 is another number;
+the slope at the orbit is the same on every section, and so is what bounds it on the walking set.
+"""
 
 from dataclasses import dataclass
 
@@ -37,8 +41,8 @@ class Proved:
 def caption(data: GaitData, proved: Proved | None) -> str:
     """What is to be seen."""
     text = (
-        "The curve says how fast the robot passes mid-step after one more step. Where it crosses "
-        "the diagonal the robot repeats itself."
+        "The curve says with how much momentum the hip passes over the standing foot one step "
+        "later. Where it crosses the diagonal the robot repeats itself."
     )
     if abs(data.numbers.multiplier) < 1.0:
         text += (
@@ -81,7 +85,7 @@ def _map(axes: Axes, data: GaitData, proved: Proved | None) -> None:
     axes.plot([], [], "-.", color=GREEN, linewidth=1.0, label="step after step")
     label = f"fixed point, {numbers.z2:.2f} kg m²/s"
     axes.plot(numbers.z2, numbers.z2, "o", color=BLACK, ms=6, label=label, zorder=4)
-    axes.set(xlabel="z2 at mid-step [kg m²/s]", ylabel="z2 one step later [kg m²/s]")
+    axes.set(xlabel="z2 with the hip over the foot [kg m²/s]", ylabel="z2 one step later [kg m²/s]")
     axes.legend(loc="upper left", fontsize=8.5)
     panel(axes, "a", "from one step to the next")
     if proved is not None:

@@ -31,6 +31,8 @@ _LONGEST = 1500
 _BEFORE_FALL = 400
 """Frames kept before a fall: eight seconds."""
 _FENCE_POINTS = 41
+_DRAWN = ("floor_height", "encoder_noise", "rate_noise")
+"""Disturbances that are drawn at random along a walk."""
 
 
 @dataclass(frozen=True)
@@ -86,22 +88,33 @@ def asked_of(run: Run) -> Asked:
         done = run.folder.read_json("simulation/summary.json")
     except RunError:
         return _of_episodes(run)
-    usual = Asked(origin="repeats the last simulation of this run")
     try:
         fallen = [number for number, fell in enumerate(done["fell"]) if fell]
         push = float(done.get("push") or 0.0)
         law = done["link"]["law"] if "link" in done else done["controller"]
-        whole = bool(fallen or push)
-        return replace(
-            usual,
+        steps = int(done["steps"])
+        shown = steps if fallen or push else min(STEPS, steps)
+        disturbance, episode = Disturbance(**done["disturb"]), fallen[0] if fallen else 0
+        # Pushes, floors and noise are drawn by the number of an episode, and this one is the first.
+        drawn = push or any(getattr(disturbance, name) for name in _DRAWN)
+        if "link" in done or law not in LAWS or (episode and drawn):
+            origin = (
+                "starts as a walk of the last simulation of this run did, not repeating its course"
+            )
+        elif shown < steps:
+            origin = f"repeats the first {shown} steps of the last simulation of this run"
+        else:
+            origin = "repeats the last simulation of this run"
+        return Asked(
             plant=None if done["plant"] == run.robot.name else load_robot(done["plant"]),
             law=law if law in LAWS else "pd",
-            steps=int(done["steps"]) if whole else min(STEPS, int(done["steps"])),
+            steps=shown,
             start=done["start"],
             push=push,
-            disturbance=Disturbance(**done["disturb"]),
+            disturbance=disturbance,
             seed=int(done["seed"]),
-            episode=fallen[0] if fallen else 0,
+            episode=episode,
+            origin=origin,
         )
     except (KeyError, TypeError, ValueError, AttributeError, NeuralGaitsError):
         # A plant that is no longer where it was, or a summary of another version.

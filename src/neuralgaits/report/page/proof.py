@@ -28,8 +28,8 @@ _LEVEL_FIGURES = {
     "contraction_at_most": ("a deviation shrinks per step to at most", "of itself"),
     "multiplier_at_least": ("multiplier of the orbit, at least", ""),
     "multiplier_at_most": ("multiplier of the orbit, at most", ""),
-    "z2_at_mid_step_at_least": ("z2 of the orbit at mid-step, at least", "kg m²/s"),
-    "z2_at_mid_step_at_most": ("z2 of the orbit at mid-step, at most", "kg m²/s"),
+    "z2_at_mid_step_at_least": ("z2 of the orbit at phase 0.5, at least", "kg m²/s"),
+    "z2_at_mid_step_at_most": ("z2 of the orbit at phase 0.5, at most", "kg m²/s"),
 }
 
 
