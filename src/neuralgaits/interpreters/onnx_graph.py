@@ -231,11 +231,12 @@ def graph(
         for number, value in fold(program, POINT).items()
     }
     evaluate(program, {}, algebra, constants)
-    described = [
+    inputs, outputs = (
         [_described(item, algebra.real, about) for item in items]
         for items in (program.inputs, program.outputs)
-    ]
-    return helper.make_graph(algebra.nodes, name, *described, list(algebra.constants.values()))
+    )
+    weights = list(algebra.constants.values())
+    return helper.make_graph(algebra.nodes, name, inputs, outputs, weights)
 
 
 def _described(item: Input | Output, real: np.dtype, about: Mapping[str, str]) -> ValueInfoProto:
