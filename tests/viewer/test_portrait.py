@@ -11,6 +11,7 @@ from neuralgaits.report import certificate_map
 from neuralgaits.viewer import markdown
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
+from neuralgaits.workflows import phase_plane
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.gait_quantities import Chart, Look, quantities
 from neuralgaits.workflows.phase_plane import portrait
@@ -87,6 +88,15 @@ def test_without_a_certificate_margins_are_sampled_and_called_so(shipped):
     assert "no proof" in plane.title
     assert set(np.unique(plane.answer)) == {PROVED}
     assert np.all(plane.margin > 0.0)
+
+
+def test_a_map_that_is_open_somewhere_is_not_called_proved(shipped, plane, monkeypatch):
+    assert "proved margins" in plane.title
+    answer = np.where(np.arange(len(plane.answer)) == 3, board.UNDECIDED, plane.answer)
+    arrays = {"corners": plane.corners, "answer": answer, "margin": plane.margin}
+    monkeypatch.setattr(phase_plane, "read_arrays", lambda _: (arrays, {}))
+    look = Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+    assert "only green is proved" in portrait(shipped, look, certified=True).title
 
 
 def test_a_broken_region_is_red():

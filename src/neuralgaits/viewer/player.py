@@ -1,7 +1,7 @@
 """The loop of a live page: wishes in, time forward at the pace asked for, pictures out.
 
 One thread owns the robot. Callbacks of the page only leave wishes, which are carried out
-between two frames, so nothing needs a lock.
+between two frames, and set how to play: single values, so nothing needs a lock.
 """
 
 import queue
@@ -98,9 +98,13 @@ class Player:
         self._wishes.put(wish)
 
     def step(self) -> None:
-        """Stand still, and go on by one picture."""
+        """Stand still, and go on by `STEP_S`."""
+
+        def one_more(_: Walker) -> None:
+            self._steps += 1
+
         self.paused = True
-        self._steps += 1
+        self.ask(one_more)
 
     def _run(self) -> None:
         try:

@@ -38,10 +38,12 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
         z2 = np.linspace(low, float(fences.max()) + above, ROWS)
         dz = motion(np.stack(np.meshgrid(z1, z2), axis=-1).reshape(-1, 2))["dz"]
         boxes = _proved(run) if certified else None
-        title = "Zero dynamics, proved margins: click to put the robot there"
         if boxes is None:
-            boxes = _sampled(chart, look)
-            title = "Zero dynamics, sampled margins (no proof): click to put the robot there"
+            boxes, known = _sampled(chart, look), "sampled margins (no proof)"
+        elif np.all(boxes[1] == PROVED):
+            known = "proved margins"
+        else:
+            known = "bounded margins (only green is proved)"
         orbit = _orbit(chart, motion, span)
     corners, answer, margin = boxes
     return Portrait(
@@ -54,7 +56,7 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
         corners=corners,
         answer=answer,
         margin=margin,
-        title=title,
+        title=f"Zero dynamics, {known}: click to put the robot there",
     )
 
 
