@@ -6,8 +6,8 @@ from pathlib import Path
 import pages
 import pytest
 
-from neuralgaits.cli.arguments import read
 from neuralgaits.cli.main import main
+from neuralgaits.cli.words import read
 
 ALL = [(pages.name(page), words) for page in pages.PAGES for words in pages.commands(page)]
 CHEAP = ("inspect", "robots")

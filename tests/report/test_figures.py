@@ -13,6 +13,7 @@ from matplotlib._pylab_helpers import Gcf
 
 from neuralgaits import logs
 from neuralgaits.cli import arguments
+from neuralgaits.cli.words import read
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.logs.table import Log
 from neuralgaits.report import (
@@ -116,10 +117,10 @@ def test_commands_of_missing_figures_are_commands(run, drawn):
     for figure in missing.values():
         for command in figure.command.split(" && "):
             words = shlex.split(command)
-            verb = arguments.read(words[1:])
+            verb = read(words[1:])
             given = getattr(verb, "run", None) or getattr(verb, "resume", None)
             assert str(given) == str(run.path), "a folder with a space in its name"
-    certify = arguments.read(shlex.split(missing["full-order-set"].command)[1:])
+    certify = read(shlex.split(missing["full-order-set"].command)[1:])
     assert isinstance(certify, arguments.Certify) and certify.level == 4
 
 
@@ -128,7 +129,7 @@ def test_a_log_brings_the_walk(run, data, tmp_path):
     copy = copied(run, tmp_path)
     missing = entry(copy, "walk-tiles")
     assert isinstance(missing, Missing)
-    simulate = arguments.read(shlex.split(missing.command)[1:])
+    simulate = read(shlex.split(missing.command)[1:])
     assert isinstance(simulate, arguments.Simulate) and simulate.log is not None
     target = simulate.log
     walk = orbit_log(copy, data)

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from neuralgaits.cli.arguments import read as read_words
+from neuralgaits.cli.words import read as read_words
 from neuralgaits.report.certificate import proved_level
 from neuralgaits.report.figure import Missing
 from neuralgaits.report.page.answer import answer
@@ -98,6 +98,7 @@ def test_a_refuted_condition_is_shown_with_its_state(contents, shipped):
     said = failures(page)
     assert "knee is refuted: at z1 = 0.0125 m, z2 = 14.25" in said
     assert "Not proved." in answer(page) and "(knee)" in answer(page)
+    assert "Why it stays up." not in answer(page)
     assert page.saved.proved_level == 0
 
 

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
-from tyro.conf import Positional, arg, subcommand
+from tyro.conf import Positional, arg
 
 Robot = Annotated[Positional[str], arg(metavar="ROBOT")]
 Run = Annotated[Positional[str], arg(metavar="RUN")]
@@ -255,55 +254,3 @@ class Doctor:
     """Check this machine; one line that mends each thing found wrong."""
 
     output: Annotated[Output, arg(name="")] = Output()
-
-
-Verb = (
-    Train
-    | Simulate
-    | Certify
-    | CheckProof
-    | Fit
-    | Refine
-    | Episodes
-    | Export
-    | Report
-    | View
-    | Demo
-    | Inspect
-    | Robots
-    | Doctor
-)
-
-_NAMED = (
-    Annotated[Train, subcommand("train")]
-    | Annotated[Simulate, subcommand("simulate")]
-    | Annotated[Certify, subcommand("certify")]
-    | Annotated[CheckProof, subcommand("check-proof")]
-    | Annotated[Fit, subcommand("fit")]
-    | Annotated[Refine, subcommand("refine")]
-    | Annotated[Episodes, subcommand("episodes")]
-    | Annotated[Export, subcommand("export")]
-    | Annotated[Report, subcommand("report")]
-    | Annotated[View, subcommand("view")]
-    | Annotated[Demo, subcommand("demo")]
-    | Annotated[Inspect, subcommand("inspect")]
-    | Annotated[Robots, subcommand("robots")]
-    | Annotated[Doctor, subcommand("doctor")]
-)
-
-
-def read(arguments: list[str]) -> Verb:
-    """Turn words into a verb.
-
-    Raises: SystemExit as tyro does, after printing help (code 0) or an error (code 2).
-    """
-    words = list(arguments)
-    if words and words[0] in ("-v", "--verbose"):
-        words = [*words[1:], "-v"]
-    return tyro.cli(
-        _NAMED,  # type: ignore[arg-type]
-        prog="neuralgaits",
-        description="Neural walking gaits from barrier conditions on the zero dynamics.",
-        args=words,
-        config=(tyro.conf.FlagCreatePairsOff,),
-    )

@@ -53,8 +53,8 @@ def main(arguments: list[str]) -> int:
 
 def _answer(arguments: list[str]) -> int:
     # The parser, the workflows and JAX are imported when they are needed: --help is quick.
-    from neuralgaits.cli.arguments import read
     from neuralgaits.cli.usage import one_line_errors
+    from neuralgaits.cli.words import read
 
     verb = one_line_errors(read, arguments)
     from neuralgaits.cli import verbs

@@ -19,7 +19,6 @@ from neuralgaits.cli.arguments import (
     Robots,
     Simulate,
     Train,
-    Verb,
     View,
 )
 from neuralgaits.cli.learning_verbs import (
@@ -31,6 +30,7 @@ from neuralgaits.cli.learning_verbs import (
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.report_verb import carry_out_report
 from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
+from neuralgaits.cli.words import Verb
 from neuralgaits.errors import InputError
 
 _TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out")
