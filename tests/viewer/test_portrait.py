@@ -143,6 +143,7 @@ def test_words_of_a_run_without_a_proof_claim_nothing(shipped, tmp_path):
     undecided = how_sure(open_run(folder))
     assert undecided.certified and undecided.words.startswith("**Undecided at level 3**")
     assert "holds at every state" not in undecided.words
+    assert "27 of 27 conditions undecided: torso-lower, " in undecided.words
     summary.write_text("{}")
     assert "damaged" in how_sure(open_run(folder)).words
 

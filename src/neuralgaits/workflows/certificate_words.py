@@ -56,6 +56,11 @@ def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
             f"Each of {len(margins)} conditions holds at every state of its region, by "
             f"{at_least(min(margins), 3)} of its scale or more."
         )
+    for word in ("refuted", "undecided"):
+        names = [name for name, one in answer["conditions"].items() if one["verdict"] == word]
+        if names:
+            named = markdown.text(", ".join(names))
+            lines.append(f"{len(names)} of {len(margins)} conditions {word}: {named}.")
     for entry in answer["levels"]:
         lines += [f"{markdown.text(sentence)}." for sentence in entry["words"][:2]]
     about = "This is about the zero dynamics of the rigid model"

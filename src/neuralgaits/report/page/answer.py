@@ -22,11 +22,14 @@ def answer(contents: Contents) -> Html:
 
 
 def _heading(contents: Contents) -> str:
-    """What the second paragraph is about: it is no explanation of a robot that fell."""
+    """What the second paragraph is about: it explains no robot that fell and no broken gait."""
     walk, done = contents.walk, contents.saved.simulation
     fell = (walk is not None and walk["fell"]) or (done is not None and any(done["fell"]))
     unfinished = contents.saved.summary is None
-    return "How it is meant to stay up." if fell or unfinished else "Why it stays up."
+    conditions = ((contents.saved.certificate or {}).get("conditions") or {}).values()
+    broken = any(entry["verdict"] == "refuted" for entry in conditions)
+    meant = fell or unfinished or broken
+    return "How it is meant to stay up." if meant else "Why it stays up."
 
 
 def _part(head: str, body: str) -> Html:

@@ -18,7 +18,7 @@ def learning(saved: Saved) -> Html:
         parts.append(
             paragraph(
                 "This policy was refined on corrected dynamics: a small network, learned from logs "
-                "of walks, adds what the model misses. What is proved of this run is about the "
+                "of walks, adds what the model misses. Whatever is proved of this run is about the "
                 "corrected dynamics, and the correction itself is learned, not proved."
             )
         )
