@@ -16,7 +16,7 @@ from common import show, trained
 
 from neuralgaits.export import build, writing
 from neuralgaits.export.reference import Reference
-from neuralgaits.workflows.export import controller_files, design_of, export
+from neuralgaits.workflows.export import controller_files, design_of, export_controller
 from neuralgaits.workflows.run import Run
 from neuralgaits.workflows.simulate import simulate
 
@@ -48,8 +48,8 @@ def main() -> None:
 
 def _exported(run: Run, width: int, asked: tuple[str, str, str]) -> None:
     with TemporaryDirectory() as folder:
-        summary = export(run, Path(folder) / "c").summary
-        models = export(run, Path(folder) / "onnx", format="onnx").summary
+        summary = export_controller(run, Path(folder) / "c").summary
+        models = export_controller(run, Path(folder) / "onnx", format="onnx").summary
     single, native, plain = asked
     for row in summary["builds"]:
         name = f"{width} wide, {row['compiler']} {row['flags']}, {row['precision']}"

@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.certify import certify
     from neuralgaits.workflows.check_proof import check_proof
+    from neuralgaits.workflows.demo import demo
     from neuralgaits.workflows.doctor import doctor
     from neuralgaits.workflows.episodes import episodes
+    from neuralgaits.workflows.export import export_controller
     from neuralgaits.workflows.figures import figures
     from neuralgaits.workflows.fit import fit
     from neuralgaits.workflows.inspect import inspect
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.simulate import simulate
     from neuralgaits.workflows.train import train
+    from neuralgaits.workflows.view import view
 
 _HOMES = {
     "BezierPolicy": "neuralgaits.gait",
@@ -39,8 +42,10 @@ _HOMES = {
     "ZeroDynamics": "neuralgaits.gait",
     "certify": "neuralgaits.workflows.certify",
     "check_proof": "neuralgaits.workflows.check_proof",
+    "demo": "neuralgaits.workflows.demo",
     "doctor": "neuralgaits.workflows.doctor",
     "episodes": "neuralgaits.workflows.episodes",
+    "export_controller": "neuralgaits.workflows.export",
     "figures": "neuralgaits.workflows.figures",
     "fit": "neuralgaits.workflows.fit",
     "inspect": "neuralgaits.workflows.inspect",
@@ -52,6 +57,7 @@ _HOMES = {
     "specs": "neuralgaits.barriers",
     "train": "neuralgaits.workflows.train",
     # `report` is the room of figures and pages.
+    "view": "neuralgaits.workflows.view",
     "write_report": "neuralgaits.workflows.report",
 }
 
@@ -63,8 +69,10 @@ __all__ = [
     "__version__",
     "certify",
     "check_proof",
+    "demo",
     "doctor",
     "episodes",
+    "export_controller",
     "figures",
     "fit",
     "inspect",
@@ -75,6 +83,7 @@ __all__ = [
     "simulate",
     "specs",
     "train",
+    "view",
     "write_report",
 ]
 

@@ -8,7 +8,7 @@ import pytest
 from neuralgaits.errors import InputError, MismatchError, RunError, SpecError
 from neuralgaits.export import build
 from neuralgaits.workflows import export as workflow
-from neuralgaits.workflows.export import export
+from neuralgaits.workflows.export import export_controller
 
 FIELDS = {"files", "max_abs_error", "latency_us", "flash_bytes", "ram_bytes"}
 STATES = 500
@@ -25,7 +25,7 @@ def one_compiler():
 @pytest.fixture(scope="module")
 def exported(trained, tmp_path_factory):
     out = tmp_path_factory.mktemp("export") / "new" / "c"
-    return out, export(trained, out, states=STATES)
+    return out, export_controller(trained, out, states=STATES)
 
 
 def test_what_is_printed(exported):
@@ -68,11 +68,11 @@ def test_hashes_are_those_of_the_run(exported, trained):
 def test_a_used_folder_is_refused_without_force(exported, trained, monkeypatch):
     out, _ = exported
     with pytest.raises(InputError, match=r"expected an empty folder .* --force"):
-        export(trained, out, states=STATES)
+        export_controller(trained, out, states=STATES)
     (out / "mine.txt").write_text("kept")
     (out / "gait.h").write_text("spoilt")
     monkeypatch.setattr(build, "compilers", list)
-    export(trained, out, force=True, states=STATES)
+    export_controller(trained, out, force=True, states=STATES)
     assert (out / "mine.txt").read_text() == "kept"
     assert "NG_ROBOT" in (out / "gait.h").read_text()
     (out / "mine.txt").unlink()
@@ -81,12 +81,12 @@ def test_a_used_folder_is_refused_without_force(exported, trained, monkeypatch):
 def test_a_file_in_the_way_is_refused(trained, tmp_path):
     (tmp_path / "c").write_text("")
     with pytest.raises(InputError, match=r"expected a folder"):
-        export(trained, tmp_path / "c", force=True)
+        export_controller(trained, tmp_path / "c", force=True)
 
 
 def test_without_a_compiler_files_are_written_and_not_checked(trained, tmp_path, monkeypatch):
     monkeypatch.setattr(build, "compilers", list)
-    done = export(trained, tmp_path / "c")
+    done = export_controller(trained, tmp_path / "c")
     assert not done.checked and done.summary["checked"] is False
     assert "not checked" in done.summary["reason"]
     assert (tmp_path / "c" / "gait.c").stat().st_size > 10_000
@@ -103,14 +103,14 @@ def test_a_mismatch_leaves_nothing(trained, tmp_path, monkeypatch):
 
     monkeypatch.setattr(workflow, "gait_files", spoilt)
     with pytest.raises(MismatchError, match=r"disagree"):
-        export(trained, tmp_path / "c", states=STATES)
+        export_controller(trained, tmp_path / "c", states=STATES)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_c_that_does_not_compile_is_a_mismatch(trained, tmp_path, monkeypatch):
     monkeypatch.setattr(workflow, "gait_files", lambda design: {"gait.h": "int unused = x;"})
     with pytest.raises(MismatchError, match=r"compiles without warnings"):
-        export(trained, tmp_path / "c", states=STATES)
+        export_controller(trained, tmp_path / "c", states=STATES)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -124,15 +124,15 @@ def test_a_policy_with_a_kink_is_refused_by_name(trained, tmp_path):
     gait = eqx.tree_at(lambda g: g.policy, trained.gait, relu)
     run = type(trained)(trained.folder, trained.robot, trained.spec, gait)
     with pytest.raises(SpecError, match=r"cannot trace max .*tanh or softplus"):
-        export(run, tmp_path / "c")
+        export_controller(run, tmp_path / "c")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_bad_input_is_one_line(trained, tmp_path):
     with pytest.raises(InputError, match=r"unknown format 'rust'"):
-        export(trained, tmp_path / "c", format="rust")
+        export_controller(trained, tmp_path / "c", format="rust")
     unfinished = tmp_path / "run"
     unfinished.mkdir()
     (unfinished / "config.json").write_bytes((trained.path / "config.json").read_bytes())
     with pytest.raises(RunError, match=r"expected a finished run"):
-        export(unfinished, tmp_path / "c")
+        export_controller(unfinished, tmp_path / "c")

@@ -15,7 +15,7 @@ from program_cases import CASES, points_of
 from neuralgaits.errors import InputError, MismatchError, SpecError
 from neuralgaits.interpreters import POINT, evaluate
 from neuralgaits.interpreters.tracer import trace
-from neuralgaits.workflows.export import export
+from neuralgaits.workflows.export import export_controller
 
 pytestmark = pytest.mark.skipif(
     find_spec("onnx") is None or find_spec("onnxruntime") is None, reason="needs the extra onnx"
@@ -81,7 +81,7 @@ def test_names_are_told_apart():
 @pytest.fixture(scope="module")
 def exported(trained, tmp_path_factory):
     out = tmp_path_factory.mktemp("onnx") / "out"
-    return out, export(trained, out, format="onnx", states=STATES)
+    return out, export_controller(trained, out, format="onnx", states=STATES)
 
 
 def test_what_is_printed(exported):
@@ -159,7 +159,7 @@ def test_a_spoilt_weight_is_found(trained, tmp_path, monkeypatch):
 
     monkeypatch.setattr(onnx_model, "model_files", spoilt)
     with pytest.raises(MismatchError, match=r"ONNX Runtime and Python disagree: .* double"):
-        export(trained, tmp_path / "out", format="onnx", states=STATES)
+        export_controller(trained, tmp_path / "out", format="onnx", states=STATES)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -169,5 +169,5 @@ def test_without_the_extra_it_says_what_to_install(trained, tmp_path, monkeypatc
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(InputError, match=rf"no {package}: pip install 'neuralgaits\[onnx\]'"):
-        export(trained, tmp_path / "out", format="onnx", states=STATES)
+        export_controller(trained, tmp_path / "out", format="onnx", states=STATES)
     assert list(tmp_path.iterdir()) == []

@@ -168,10 +168,10 @@ def _check_proof(verb: CheckProof) -> Outcome:
 def _export(verb: Export) -> Outcome:
     from neuralgaits.cli.export_screen import show_export
     from neuralgaits.cli.progress import waiting
-    from neuralgaits.workflows.export import export
+    from neuralgaits.workflows.export import export_controller
 
     with waiting("writing it, comparing it with Python", quiet=verb.output.json):
-        done = export(verb.run, verb.out, format=verb.format, force=verb.force)
+        done = export_controller(verb.run, verb.out, format=verb.format, force=verb.force)
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
 
 

@@ -49,7 +49,7 @@ class Export:
     checked: bool
 
 
-def export(
+def export_controller(
     run: Run | str | Path,
     out: str | Path,
     *,
