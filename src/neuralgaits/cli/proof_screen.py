@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from neuralgaits._digits import at_least
 from neuralgaits.cli.tables import (
     ROWS,
     number,
@@ -32,7 +33,9 @@ def show_proof(result: Result) -> None:
         left = sum(entry["verdict"] != "proved" for entry in others)
         least = min((entry["margin"] for entry in others if entry["margin"] is not None), default=0)
         what = (
-            f"{left} of them not proved" if left else f"proved with margins of {least:.4g} or more"
+            f"{left} of them not proved"
+            if left
+            else f"proved with margins of {at_least(least, 4)} or more"
         )
         show_sentence(f"and {len(others)} more, {what}; --json has all")
     _show_levels(result)
@@ -60,8 +63,9 @@ def _row(name: str, entry: Result) -> tuple[Any, ...]:
         detail = f"{entry['undecided_boxes']} boxes left"
     # Rounded down: less than everything never reads as everything.
     share = f"{math.floor(1e4 * entry['proved_fraction']) / 100:g} %"
-    numbers = number(entry["margin"]), number(entry["boxes"])
-    return name, verdict(entry["verdict"]), share, *numbers, detail
+    margin = entry["margin"]
+    bound = number(None) if margin is None else at_least(margin, 4)
+    return name, verdict(entry["verdict"]), share, bound, number(entry["boxes"]), detail
 
 
 def show_check(result: Result) -> None:

@@ -59,12 +59,16 @@ def _measured(angles: Axes, torques: Axes, walk: MeasuredWalk, until: float) -> 
 
 
 def _limits(axes: Axes, limits: np.ndarray) -> None:
-    least = float(limits.min())
-    for side in (-least, least):
-        axes.axhline(side, color=RED, linewidth=1.4, linestyle=(0, (6, 2)))
+    """Limits of all motors; only beyond the strongest one nothing can be."""
+    most, different = float(limits.max()), np.unique(limits)
+    for limit in (*-different, *different):
+        axes.axhline(limit, color=RED, linewidth=1.4, linestyle=(0, (6, 2)))
+    for side in (-most, most):
         axes.axhspan(side, 1.25 * side, facecolor="none", edgecolor=GREY, hatch="////", linewidth=0)
-    axes.plot([], [], color=RED, linestyle=(0, (6, 2)), label=f"limit, {least:.3g} N m")
-    axes.set_ylim(-1.25 * least, 1.25 * least)
+    label = "limit" if len(different) == 1 else "limits"
+    label += f", {', '.join(f'{limit:.3g}' for limit in different)} N m"
+    axes.plot([], [], color=RED, linestyle=(0, (6, 2)), label=label)
+    axes.set_ylim(-1.25 * most, 1.25 * most)
 
 
 def _forces(axes: Axes, data: GaitData) -> None:

@@ -143,6 +143,12 @@ def _disturbance(proof: Json | None) -> tuple[float, ...]:
     for theorem in (proof or {}).get("theorems") or ():
         bounds = (theorem.get("parameters") or {}).get("disturbance") or ()
         if theorem.get("level") == 2 and len(bounds) == 2:
-            values = tuple(float.fromhex(str(bound)) for bound in bounds)
+            try:
+                values = tuple(float.fromhex(str(bound)) for bound in bounds)
+            except ValueError:
+                raise RunError(
+                    f"expected bounds as hexadecimal numbers in {PROOF}, found {bounds}: the file "
+                    "is damaged; certify the run again"
+                ) from None
             return values if any(values) else ()
     return ()
