@@ -11,7 +11,7 @@ from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import path, rate
 from neuralgaits.interpreters import POINT, evaluate
 from neuralgaits.interpreters.c99 import emit
-from neuralgaits.interpreters.c99_layout import BLOCK
+from neuralgaits.interpreters.c99_layout import BLOCK, WIDEST
 from neuralgaits.interpreters.c99_tables import Tables
 from neuralgaits.interpreters.ops import KINDS
 from neuralgaits.interpreters.tracer import trace
@@ -81,8 +81,14 @@ def test_arrays_are_lent_on():
 
 def test_a_first_layer_needs_no_array():
     """Two wide layers: values and rates of the second, a block of the first, little else."""
-    assert work((64, 64)) < 2 * 64 + 2 * BLOCK + 32
-    assert work((256, 256)) - work((64, 64)) == 2 * (256 - 64)
+    assert work((WIDEST, WIDEST)) < 2 * WIDEST + 2 * BLOCK + 32
+    assert work((WIDEST, WIDEST)) - work((32, 32)) == 2 * (WIDEST - 32)
+
+
+def test_wide_layers_stand_whole():
+    """Where strips of a matrix would cost time: values and rates of both layers."""
+    wide = 2 * WIDEST
+    assert 4 * wide <= work((wide, wide)) < 6 * wide
 
 
 def test_a_matrix_stands_once():

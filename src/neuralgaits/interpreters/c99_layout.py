@@ -4,8 +4,10 @@ from dataclasses import dataclass, field
 
 from neuralgaits.interpreters.c99_nodes import GATHERED, LOOPED, Node
 
-BLOCK = 16
-"""Elements of a hidden layer that are made at a time where nothing but a product needs them."""
+BLOCK, WIDEST = 8, 64
+"""Elements of a hidden layer that are made at a time where nothing but a product needs them, and
+the widest layer made so: stack is saved by reading the next matrix in strips, which costs little
+while its rows are short and half the speed at 256."""
 
 
 @dataclass
@@ -179,7 +181,8 @@ def _serves(loop: Group, products: Group) -> bool:
     mine = {node.number for node in loop.nodes}
     direct = {node.operands[1].number for node in products.nodes}
     read = {base.number for node in products.nodes for base, _ in _read(node)}
-    return size == first.inner and size > BLOCK and size % BLOCK == 0 and mine & read <= direct
+    blocks = size % BLOCK == 0 and BLOCK < size <= WIDEST
+    return size == first.inner and blocks and mine & read <= direct
 
 
 def _read(node: Node):
