@@ -26,5 +26,7 @@ def place(trained, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (runs / "latest").write_text("amber3m/before\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(training, "train", partial(training.train, steps=STEPS))
-    monkeypatch.setattr(exporting, "export", partial(exporting.export, states=STATES))
+    monkeypatch.setattr(
+        exporting, "export_controller", partial(exporting.export_controller, states=STATES)
+    )
     return tmp_path
