@@ -1,6 +1,7 @@
 """Strict numerics for every test, and one core each: pytest-xdist already uses them all."""
 
 import os
+import shutil
 import time
 from pathlib import Path
 
@@ -49,3 +50,18 @@ def trained(tmp_path_factory: pytest.TempPathFactory):
             failed.touch()
             raise
     return open_run(folder)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """The machine's Chromium; one without a graphics card draws in software."""
+    found = shutil.which("chromium") or shutil.which("chromium-browser")
+    if found is None:
+        pytest.skip("no Chromium on this machine: the page is not looked at")
+    from playwright.sync_api import sync_playwright
+
+    drawing = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=found, args=["--no-sandbox", *drawing])
+        yield running
+        running.close()

@@ -15,27 +15,12 @@ from neuralgaits.workflows.shown_walk import FILE
 
 WIDTHS = (390, 1440)
 """Pixels: a telephone, and a desk."""
-_FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"]
-_FLAGS.append("--enable-unsafe-swiftshader")
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     folder = Path(shutil.copytree(SHIPPED, tmp_path_factory.mktemp("report") / "a run"))
     return write_report(folder)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
-    if chromium is None:
-        pytest.skip("no Chromium on this machine: the page is not looked at")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=chromium, args=_FLAGS)
-        yield running
-        running.close()
 
 
 @pytest.fixture

@@ -1,9 +1,6 @@
 """The words of a command line, turned into a verb with its settings."""
 
-from typing import Annotated
-
 import tyro
-from tyro.conf import subcommand
 
 from neuralgaits.cli.arguments import (
     Certify,
@@ -38,23 +35,7 @@ Verb = (
     | Robots
     | Doctor
 )
-
-_NAMED = (
-    Annotated[Train, subcommand("train")]
-    | Annotated[Simulate, subcommand("simulate")]
-    | Annotated[Certify, subcommand("certify")]
-    | Annotated[CheckProof, subcommand("check-proof")]
-    | Annotated[Fit, subcommand("fit")]
-    | Annotated[Refine, subcommand("refine")]
-    | Annotated[Episodes, subcommand("episodes")]
-    | Annotated[Export, subcommand("export")]
-    | Annotated[Report, subcommand("report")]
-    | Annotated[View, subcommand("view")]
-    | Annotated[Demo, subcommand("demo")]
-    | Annotated[Inspect, subcommand("inspect")]
-    | Annotated[Robots, subcommand("robots")]
-    | Annotated[Doctor, subcommand("doctor")]
-)
+"""One subcommand each: the class name in lower case, with hyphens."""
 
 
 def read(arguments: list[str]) -> Verb:
@@ -66,7 +47,7 @@ def read(arguments: list[str]) -> Verb:
     if words and words[0] in ("-v", "--verbose"):
         words = [*words[1:], "-v"]
     return tyro.cli(
-        _NAMED,  # type: ignore[arg-type]
+        Verb,  # type: ignore[arg-type]
         prog="neuralgaits",
         description="Neural walking gaits from barrier conditions on the zero dynamics.",
         args=words,

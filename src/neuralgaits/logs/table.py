@@ -6,7 +6,6 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
-from neuralgaits.robots import PlanarBiped
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +88,3 @@ def columns(joint_names: Sequence[str], *, plant: bool) -> tuple[Column, ...]:
         ("dpitch", "rad/s"),
         *((("z2_plant", "kg m^2/s"),) if plant else ()),
     )
-
-
-def matches(log: Log, robot: PlanarBiped) -> bool:
-    """Whether a log has the joints of a robot, by name."""
-    return log.joint_names == robot.joint_names

@@ -113,7 +113,7 @@ def walk(
     episodes = lockstep.run(
         field,
         batch,
-        _states(field, robot, starts),
+        _states(field, starts),
         terrain=Terrain(field.disturbance.floor_height, seed, count),
         push=Push(push, steps, seed, count),
         noise=_noise(field, seed, count),
@@ -146,7 +146,7 @@ def _noise(plant: Plant, seed: int, episodes: int) -> Noise:
     return Noise((2, 1 + plant.wires.joints.size), seed, episodes, silent=silent)
 
 
-def _states(plant: Plant, robot: PlanarBiped, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
+def _states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
     """MuJoCo states of the starts, the stance foot resting on the floor at x = 0."""
     q, dq = np.split(starts, 2, axis=1)
     # On a slope the sphere touches beside its lowest point.
