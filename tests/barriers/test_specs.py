@@ -47,6 +47,12 @@ def legs():
         (plain(scale=0.0), "condition 'extra': expected scale > 0, found 0.0"),
         (plain(scale=-1.0), "expected scale > 0"),
         (plain(scale=float("nan")), "expected scale > 0"),
+        (plain("set/inertia"), "'set/inertia', which has a slash: .* premises .*; rename it"),
+        (plain("hip/high"), "has a slash"),
+        (plain("knee\x1b[2J"), r"'knee\\x1b\[2J', which has characters that cannot be printed"),
+        (plain("knee\u202e"), "cannot be printed"),
+        (plain(""), "which is empty"),
+        (plain(" knee"), "begins or ends with a space"),
     ],
 )
 def test_a_bad_condition_is_refused(spec, condition, message):

@@ -108,7 +108,8 @@ class CheckProof:
     file: Annotated[Positional[Path], arg(metavar="FILE")]
     """Proof file, as in RUN/certificate/proof.json."""
     run: Annotated[str | None, arg(metavar="RUN")] = None
-    """Run folder, or latest, that the proof must be about."""
+    """Run folder, or latest, that the proof must be about. Without it the best answer is
+    consistent, which says nothing of a robot."""
     output: Annotated[Output, arg(name="")] = Output()
 
 
