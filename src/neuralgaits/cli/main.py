@@ -43,6 +43,8 @@ def main(arguments: list[str]) -> int:
     except (NeuralGaitsError, OSError) as error:
         return _fail(str(error), error, BAD_INPUT, verbose)
     except Exception as error:
+        if (mistake := _of_user(error)) is not None:
+            return _fail(str(mistake), error, BAD_INPUT, verbose)
         # The last resort, so that a script never takes a defect for the answer "no".
         what = f"defect in this program: {type(error).__name__}: {error}"
         return _fail(f"{what}; please report it with what -v prints", error, DEFECT, verbose)
@@ -71,6 +73,13 @@ def _answer(arguments: list[str]) -> int:
     if outcome.undecided:
         return UNDECIDED
     return GOOD if outcome.good else NO
+
+
+def _of_user(error: Exception) -> Exception | None:
+    """What a line of a user's spec file raised, whenever it was run; None if it was none of it."""
+    # Not imported here: without it no such file was read, and the import may be what failed.
+    user_code = sys.modules.get("neuralgaits.barriers.user_code")
+    return None if user_code is None else user_code.mistake(error)
 
 
 def _next(arguments: list[str], error: KeyboardInterrupt) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import jax
 
-from neuralgaits.barriers import Gait, GaitSpec, specs
+from neuralgaits.barriers import Gait, GaitSpec, specs, user_code
 from neuralgaits.barriers.spec import Init
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
@@ -73,10 +73,12 @@ def train(
         _check(seed, init, hidden, steps)
         check_proof_budget(certify, budget)
         loaded = specs.load(spec, robot) if isinstance(spec, str) else spec
-        gait = loaded.new_gait(jax.random.key(seed), init, hidden)
+        with user_code.blamed():
+            gait = loaded.new_gait(jax.random.key(seed), init, hidden)
         if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
             # The built-in ones are traced by the tests.
-            refuse_untraceable(loaded, robot, gait)
+            file = specs.source_path(spec) if isinstance(spec, str) else None
+            refuse_untraceable(loaded, robot, gait, file)
         unprovable = why_not_provable(gait)
         if certify and unprovable is not None:
             raise InputError(f"expected a gait that can be certified, found that {unprovable}")
