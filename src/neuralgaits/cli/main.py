@@ -6,6 +6,7 @@ of budget; 70 a defect of this program; 130 interrupted. Every error is one line
 
 import contextlib
 import os
+import re
 import shlex
 import sys
 import traceback
@@ -45,6 +46,8 @@ def main(arguments: list[str]) -> int:
     except Exception as error:
         if (mistake := _of_user(error)) is not None:
             return _fail(str(mistake), error, BAD_INPUT, verbose)
+        if (graphics := _of_graphics(error)) is not None:
+            return _fail(graphics, error, BAD_INPUT, verbose)
         # The last resort, so that a script never takes a defect for the answer "no".
         what = f"defect in this program: {type(error).__name__}: {error}"
         return _fail(f"{what}; please report it with what -v prints", error, DEFECT, verbose)
@@ -80,6 +83,19 @@ def _of_user(error: Exception) -> Exception | None:
     # Not imported here: without it no such file was read, and the import may be what failed.
     user_code = sys.modules.get("neuralgaits.barriers.user_code")
     return None if user_code is None else user_code.mistake(error)
+
+
+def _of_graphics(error: Exception) -> str | None:
+    """What MUJOCO_GL asks of MuJoCo's import that this machine has not; None if that is well."""
+    backend = os.environ.get("MUJOCO_GL")
+    frames = traceback.walk_tb(error.__traceback__)
+    names = [str(frame.f_globals.get("__name__")) for frame, _ in frames]
+    if backend is None or not any(re.fullmatch(r"mujoco\..*gl_context", name) for name in names):
+        return None
+    return (
+        f"expected MUJOCO_GL to name a way to render that is there, found {backend!r}: unset it, "
+        "or see `neuralgaits doctor`"
+    )
 
 
 def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
