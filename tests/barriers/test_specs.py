@@ -93,8 +93,8 @@ def test_built_in_specs_load_by_name(amber, name):
         ("missing.py:own", "spec file missing.py: no such file"),
         ("own.py:nothing", "own.py defines no 'nothing'"),
         ("own.py:number", "expected a GaitSpec, found int"),
-        ("broken.py:own", "spec file broken.py: ZeroDivisionError: division by zero"),
-        ("typo.py:own", "spec file typo.py: SyntaxError"),
+        ("broken.py:own", r"broken\.py:1: ZeroDivisionError: division by zero"),
+        ("typo.py:own", r"typo\.py:1: SyntaxError"),
     ],
 )
 def test_a_spec_that_is_not_there_is_refused(amber, tmp_path, monkeypatch, name, message):
@@ -110,7 +110,7 @@ def test_a_spec_that_is_not_there_is_refused(amber, tmp_path, monkeypatch, name,
 def test_a_function_that_raises_is_refused(amber, tmp_path):
     path = tmp_path / "own.py"
     path.write_text("def own(robot):\n    return robot.wings\n")
-    with pytest.raises(SpecError, match="AttributeError") as refusal:
+    with pytest.raises(SpecError, match=r"own\.py:2: a PlanarBiped has no 'wings'") as refusal:
         specs.load(f"{path}:own", amber)
     assert "\n" not in str(refusal.value)
 

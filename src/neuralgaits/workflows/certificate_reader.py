@@ -130,10 +130,10 @@ def _conditions(
         if row["verdict"] != "proved":
             yield name, row
             continue
-        margins = [bounds.get(box) for box in boxes if box[0] == name]
-        if None in margins:
+        own = [box for box in boxes if box[0] == name]
+        if not all(box in bounds for box in own):
             raise _Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")
-        yield name, row | {"margin": min(margins)}
+        yield name, row | {"margin": min(bounds[box] for box in own)}
 
 
 def _levels(

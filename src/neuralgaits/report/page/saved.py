@@ -15,6 +15,8 @@ from neuralgaits.report.certificate import (
 )
 from neuralgaits.report.figure import Drawn, Missing
 from neuralgaits.runs import RunFolder
+from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.folder import NAN
 
 Json = Mapping[str, Any]
 _HASHED = (
@@ -44,6 +46,7 @@ class Saved:
         walks: of this run as a round of episodes.
         episodes: all rounds of them.
         hashes: sha256 of the files that count, by name.
+        nan: that the training ended in NaN, and where, in a sentence; None if it did not.
         damaged: why a part could not be read, by file.
     """
 
@@ -58,12 +61,13 @@ class Saved:
     walks: Json | None
     episodes: Json | None
     hashes: dict[str, str]
+    nan: str | None
     damaged: dict[str, str]
 
     @property
     def name(self) -> str:
         """The run as commands name it."""
-        return str(self.folder.path)
+        return named(self.folder.path)
 
     @property
     def robot(self) -> str:
@@ -131,7 +135,7 @@ def read(
     found = {file: _sha256(folder.path / file) for file in _HASHED}
     hashes = {file: digest for file, digest in found.items() if digest is not None}
     if no_certificate is not None:
-        again = f"prove it again with `neuralgaits certify {folder.path}`"
+        again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
     return Saved(
         folder=folder,
@@ -145,6 +149,7 @@ def read(
         walks=part("walks/summary.json"),
         episodes=rounds,
         hashes=hashes,
+        nan=_nan(part(NAN)) if folder.ended_in_nan else None,
         damaged=damaged,
     )
 
@@ -152,3 +157,14 @@ def read(
 def _sha256(path: Path) -> str | None:
     """Of a file's bytes; None if there is no such file."""
     return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+
+
+def _nan(found: Json | None) -> str:
+    """Where a training ended in NaN, as far as it is known."""
+    if found is None:
+        return "The training ended in NaN: its loss or its weights were no longer finite."
+    names = ", ".join(found["conditions"]) or "no condition alone: the sum, or its gradient"
+    return (
+        f"The training ended in NaN at step {found['step']}: its loss or its weights were no "
+        f"longer finite (conditions: {names})."
+    )
