@@ -23,7 +23,7 @@ from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.run import open_run
 
-EXIT = {"proved": 0, "rejected": 1, "undecided": 3}
+EXIT = {"proved": 0, "consistent": 0, "rejected": 1, "undecided": 3}
 
 
 def certified(trained, folder: Path, level: int) -> Base:

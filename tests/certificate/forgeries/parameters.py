@@ -108,22 +108,19 @@ def _(case: Case) -> None:
     parameters(case.table, 3)["expansion"] = [_hex(0.0)] * 13
 
 
-@THEME.forgery("thin tube inverted, in the Program too", bounded=True)
+@THEME.forgery("thin tube inverted, in the Program too")
 def _(case: Case) -> None:
     found = parameters(case.table, 3)
     found["lower"], found["upper"] = found["upper"], found["lower"]
-    first(case.table, "orbit/inside")
-    first(case.table, "orbit/fence-lower")
     for side in ("lower", "upper"):
         values = [float.fromhex(x) for x in found[side]]
         constant(case.table, f"orbit.{side}", lambda _, v=values: v)
 
 
-@THEME.forgery("thin tube of no width, in the Program too", bounded=True)
+@THEME.forgery("thin tube of no width, in the Program too")
 def _(case: Case) -> None:
     found = parameters(case.table, 3)
     found["upper"] = found["lower"]
-    first(case.table, "orbit/fence-upper")
     values = [float.fromhex(x) for x in found["lower"]]
     constant(case.table, "orbit.upper", lambda _: values)
 

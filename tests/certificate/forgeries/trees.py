@@ -152,8 +152,9 @@ for _text in ("NaN", "Infinity", "-Infinity", "1e999", "1e99999999999999999999",
         _no_number(_text, _part)
 
 
-@THEME.forgery("a digit as long as the file", cpp=refused("unreadable rejected"), alone=LOOSE)
+@THEME.forgery("a digit as long as the file", cpp=LOOSE, alone=LOOSE, run=LOOSE)
 def _(case: Case) -> Content:
+    """A bound of next to nothing."""
     statement_of(case.table, "tall")["bounds"]["tall"] = MARK
     return json.dumps(case.table).replace(f'"{MARK}"', "0." + "0" * 100_000 + "1")
 
@@ -175,8 +176,12 @@ def _(case: Case) -> None:
 
 
 def _corner(text: str) -> None:
-    @THEME.forgery(f"a corner at {text}", cpp=UNREADABLE, alone=NO)
+    number = text in ("1.0", "0x10p-4", " 0x1p0", "0X1P0")
+    same = LOOSE if number else UNREADABLE
+
+    @THEME.forgery(f"a corner at {text!r}", cpp=UNREADABLE, alone=same, run=same)
     def _(case: Case) -> None:
+        """Another way to write the number that stands there is not false, or is no number."""
         statement_of(case.table, "tall")["root"]["high"][0] = text
 
 
