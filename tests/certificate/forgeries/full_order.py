@@ -1,5 +1,6 @@
 """Level 4 with other constants, barriers and edges than those that were proved."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -83,7 +84,7 @@ def _edge(name: str, factor: float = 1.0, ulps: int = 0) -> None:
         found[name] = number(found[name], factor, ulps)
 
 
-for _name in ("guard_strip", "start_strip", "risen"):
+for _name in ("start_strip", "risen"):
     _edge(_name, ulps=1)
     _edge(_name, ulps=-1)
 for _factor in (0.0, -1.0, 1e9):
@@ -91,20 +92,24 @@ for _factor in (0.0, -1.0, 1e9):
         _edge(_name, _factor)
 
 
-@_kind("crossing by one last place", alone=LOOSE, run=LOOSE)
-def _(case: Case) -> None:
-    """1 - crossing may round to the same number."""
-    found = parameters(case.table, 4)
-    found["crossing"] = number(found["crossing"], ulps=-1)
+def _hidden(name: str, change: Callable[[float], float]) -> None:
+    @_kind(f"{name} by less than a last place of 1 less it", alone=LOOSE, run=LOOSE)
+    def _(case: Case) -> None:
+        """Premises are on boxes that end at the rounded phase, which stay what they were."""
+        found = parameters(case.table, 4)
+        value = float.fromhex(found[name])
+        found[name] = change(value).hex()
+        assert 1.0 - change(value) == 1.0 - value != 1.0 - 2.0 * value
 
 
-@_kind("crossing less than what the premises' boxes leave open", alone=LOOSE, run=LOOSE)
+_hidden("guard_strip", lambda x: math.nextafter(x, 0.0))
+_hidden("crossing", lambda x: math.nextafter(x, 0.0))
+
+
+@_kind("crossing by more than a last place of 1 less it")
 def _(case: Case) -> None:
-    """The guard is known to one last place of 1 - crossing; the constant claims to know more."""
     found = parameters(case.table, 4)
-    crossing = float.fromhex(found["crossing"])
-    found["crossing"] = (crossing - 2e-17).hex()
-    assert 1.0 - (crossing - 2e-17) == 1.0 - crossing
+    found["crossing"] = (float.fromhex(found["crossing"]) + 2.0**-52).hex()
 
 
 def _sigma(what: str, value: Callable[[str], str], answer: Answer = FALLS) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from safetensors.numpy import load_file, save_file
 
-from forgeries.base import LOOSE, NO, REJECTED, Answer, Case, Theme, true
+from forgeries.base import LOOSE, NO, REJECTED, Answer, Case, Theme, refused, true
 from forgeries.edits import NOBODY, constant, program_of, sha256, spec_file
 from forgeries.runs import FULL_ORDER, PROOF
 
@@ -37,10 +37,11 @@ def _(case: Case) -> None:
     constant(case.table, LAST_LAYER, lambda w: w * (1.0 + 1e-9))
 
 
-@THEME.forgery("another spec's proof with this run's hashes", cpp=LOOSE, alone=LOOSE)
+@THEME.forgery("another spec's proof with this run's hashes", cpp=LOOSE, alone=LOOSE, about="walk")
 def _(case: Case) -> None:
-    mine, other = case.table, case.base.proofs["walk"]
-    case.table = other | {name: mine[name] for name in ("robot", "spec", "weights_sha256")}
+    mine = case.base.proofs["small"]
+    case.table |= {name: mine[name] for name in ("robot", "spec", "weights_sha256")}
+    case.run = case.base.runs["small"]
 
 
 @THEME.forgery("another run's level 4 with this run's hashes", cpp=NO, alone=LOOSE, about="full")
@@ -162,7 +163,7 @@ def _(case: Case) -> None:
     file.write_text(json.dumps(config))
 
 
-@THEME.forgery("a level 4 whose hashes are another run's beside this proof", about="walk", **FILE, run=None, report=NO)
+@THEME.forgery("a level 4 whose hashes are another run's beside this proof", about="walk", **FILE, run=None, report=refused("none 1 2 3"))
 def _(case: Case) -> None:
     folder = case.folder()
     full = json.loads((folder / FULL_ORDER).read_text())
