@@ -16,7 +16,11 @@ from neuralgaits.interpreters.ball import BallAlgebra
 
 CENTRE = np.array([0.40625, 0.625])
 UNIT = ((0.0, 0.0), (1.0, 1.0))
-FILES = {"robot.xml": "<mujoco/>", "spec.py": "SPEC = None\n"}
+FILES = {
+    "robot.xml": "<mujoco/>",
+    "spec.py": "SPEC = None\n",
+    "config.json": '{"robot": "point", "spec": "bowl"}',
+}
 
 
 def program(centre: np.ndarray = CENTRE, floor: float = 0.125) -> Program:

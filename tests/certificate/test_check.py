@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from small_proof import CENTRE, all_hold, checked, program, with_program, write
 
-from neuralgaits.certificate.check import check
+from neuralgaits.certificate.check import NOT_TIED, check
 from neuralgaits.certificate.claims import read_claims
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
@@ -16,9 +16,9 @@ from neuralgaits.interpreters import Constant, Input, Operation, Output, Program
 from neuralgaits.workflows.check_proof import check_proof
 
 
-def test_true_statements_are_proved(tmp_path, proof):
+def test_true_statements_are_consistent_and_no_more(tmp_path, proof):
     report = checked(tmp_path, proof)
-    assert (report.verdict, report.reason, report.unclaimed) == ("proved", None, ())
+    assert (report.verdict, report.reason, report.unclaimed) == ("consistent", NOT_TIED, ())
     assert len(report.statements) == 4
     assert "bowl: the margin is at least 0.055 of its scale 2.0" in report.statements[0]
     assert "level in [1.0, 1.0] (region tube)" in report.statements[3]
@@ -29,13 +29,15 @@ def test_true_statements_are_proved(tmp_path, proof):
 def test_program_may_be_a_string_and_conditions_unclaimed(tmp_path, mutated):
     mutated["program"] = json.dumps(mutated["program"])
     mutated["statements"] = mutated["statements"][1:]
-    assert checked(tmp_path, mutated).unclaimed == ("wave",)
+    report = checked(tmp_path, mutated)
+    assert (report.verdict, report.unclaimed) == ("undecided", ("wave",))
+    assert "1 of 2 conditions are not claimed: wave" in str(report.reason)
 
 
 def test_coarse_leaves_are_split_further(tmp_path, mutated):
     mutated["statements"][0]["tree"] = "0"
     report = checked(tmp_path, mutated)
-    assert report.verdict == "proved"
+    assert report.verdict == "consistent"
     assert report.boxes > 5
 
 
@@ -97,8 +99,9 @@ def test_whatever_passes_after_damage_is_still_true(tmp_path, proof):
             continue
         verdict = check(claims).verdict
         verdicts.add(verdict)
-        assert verdict != "proved" or all_hold(claims)
-    assert {"refused", "rejected", "proved"} <= verdicts
+        assert verdict != "consistent" or all_hold(claims)
+    assert {"refused", "rejected", "consistent"} <= verdicts
+    assert "proved" not in verdicts
 
 
 def test_workflow_has_the_fields_of_the_interface(tmp_path, proof):
@@ -113,7 +116,9 @@ def test_workflow_has_the_fields_of_the_interface(tmp_path, proof):
 def test_exit_codes(tmp_path, capfd, proof):
     path = write(tmp_path, proof)
     assert main(["check-proof", str(path), "--json"]) == 0
-    assert json.loads(capfd.readouterr().out)["verdict"] == "proved"
+    assert json.loads(capfd.readouterr().out)["verdict"] == "consistent"
+    assert main(["check-proof", str(path)]) == 0
+    assert capfd.readouterr().out.startswith("consistent: not compared with a run")
     wrong = copy.deepcopy(proof)
     wrong["statements"][1]["bounds"]["bowl"] = 0.0627
     assert main(["check-proof", str(write(tmp_path, wrong))]) == 1

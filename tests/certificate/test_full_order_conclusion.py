@@ -95,7 +95,7 @@ def test_no_premise_can_be_left_out(premise):
         (replace(SHAPE, drift=1e7), "sqrt(V+) < radius"),
         (replace(SHAPE, landing=0.01), "lands in the tube"),
         (replace(SHAPE, landing_slope=9.0), "lands in the tube"),
-        (replace(SHAPE, crossing=0.01), "crossing < guard_strip"),
+        (replace(SHAPE, crossing=0.01), "1 - guard_strip < 1 - crossing"),
         (replace(SHAPE, pace=(0.0, 3.26)), "0 < its least rate"),
         (replace(SHAPE, pace=(0.9, 4.0)), "decays faster"),
         (replace(SHAPE, inertia=0.0), "denominator"),

@@ -25,10 +25,11 @@
 //   13  the file             consistency of what it says
 //   14  the command
 //
-// proofcheck FILE prints every statement in words and answers with its exit code: 0 proved,
-// 1 rejected (false, with a point; or the file contradicts itself, or claims what does not follow),
-// 2 not a proof file, 3 undecided (a user's own condition, the full-order theorem, or boxes that do
-// not reach their bounds), 70 the rounding does not work. Boxes are bounded with models of second
+// proofcheck FILE prints the robot and every statement in words, with all numbers that they depend
+// on, and answers with its exit code: 0 proved of what is printed, 1 rejected (false, with a point;
+// or the file contradicts itself, or claims what does not follow), 2 not a proof file, 3 undecided (a
+// user's own condition, the full-order theorem, boxes that do not reach their bounds, or a condition
+// that is not claimed on all of its region), 70 the rounding does not work. Boxes are bounded with models of second
 // degree whatever degree the finder used.
 //
 // Trusted: the C++ compiler, IEEE 754 + - * / sqrt in the rounding mode that is set and tested at
@@ -466,6 +467,29 @@ struct Json {
 
 [[noreturn]] void refuse(const string& why) { throw NotAProof{why}; }
 
+// A screen obeys some characters: no text of a proof file has them.
+void refuse_control_characters(const string& text) {
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    if (byte < 0x20 || byte == 0x7F || (byte == 0xC2 && next < 0xA0))
+      refuse("a text with a control character");
+  }
+}
+
+// A line on a screen: whatever is not plain ASCII is escaped, so that no text of a file, nor its path,
+// can write over what this program says.
+void say(const string& text, FILE* screen = stdout) {
+  string line;
+  char escape[8];
+  for (const char c : text) {
+    if (c >= 0x20 && c < 0x7F) { line += c; continue; }
+    snprintf(escape, sizeof escape, "\\x%02x", static_cast<unsigned char>(c));
+    line += escape;
+  }
+  fprintf(screen, "%s\n", line.c_str());
+}
+
 class JsonReader {
  public:
   explicit JsonReader(const string& text) : text_(text) {}
@@ -599,7 +623,10 @@ class JsonReader {
     while (true) {
       if (at_ >= text_.size()) refuse("a JSON text without an end");
       const char c = text_[at_++];
-      if (c == '"') return out;
+      if (c == '"') {
+        refuse_control_characters(out);
+        return out;
+      }
       if (static_cast<unsigned char>(c) < 0x20) refuse("a control character in a JSON text");
       if (c != '\\') { out += c; continue; }
       const char e = peek();
@@ -665,6 +692,14 @@ vector<string> names_of(const Json& value, const string& what) {
       refuse(names.back() + " twice among the " + what);
   }
   return names;
+}
+
+// A slash marks the premises of theorems: no condition and no region has one in its name.
+void only_a_name(const string& name, const string& what) {
+  if (name.empty() || name.front() == ' ' || name.back() == ' ')
+    refuse("the name '" + name + "' of " + what + ", which is empty or ends in a space");
+  if (name.find('/') != string::npos)
+    refuse("the name '" + name + "' of " + what + ", which has a slash like a premise's");
 }
 
 double number_of(const Json& value, const string& what) {
@@ -849,6 +884,12 @@ void canonical(const Json& value, string& out) {
   }
 }
 
+// The shortest decimal that is this double.
+string brief(double x) {
+  char text[40];
+  return string(text, std::to_chars(text, text + sizeof text, x).ptr);
+}
+
 // ------------------------------------------------------------------------------ 6 the model
 
 struct Array {
@@ -928,6 +969,8 @@ struct Robot {
   vector<I> armature, damping;   // Of the n coordinates; the first has none.
   vector<I> torque_limit;        // Of the n - 1 joints.
   vector<I> hip_gradient;        // c: z1 = c q.
+  string name;
+  vector<string> words;          // Every number of the file about it, a line each part.
 
   int joints() const { return links - 1; }
   // d theta_k / d q_j: angles add up the stance leg and over its hip, and subtract down the other.
@@ -935,6 +978,20 @@ struct Robot {
 };
 
 Complex times(I k, const Complex& c) { return {k * c.along, k * c.across}; }
+
+// A link in words, with the joint at its upper end if it has one.
+string link_words(const Json& link) {
+  const auto number = [&link](const char* name) {
+    return brief(hexadecimal(field(link, "a link", name), string(name) + " of a link"));
+  };
+  string words = number("mass") + " kg, centre of mass " + number("along") + " m along and " +
+                 number("across") + " m across, inertia " + number("inertia") + " kg m^2";
+  if (!link.find("length")) return words;
+  return number("length") + " m long, " + words + "; joint above it: rotor " + number("armature") +
+         " kg m^2, damping " + number("damping") + " N m s/rad, torque limit " +
+         number("torque_limit") + " N m, range " + number("lower") + " to " + number("upper") +
+         " rad";
+}
 
 Robot robot_of(const Json& table) {
   only(table, "the robot", {"name", "leg", "torso", "gravity", "friction", "foot_radius"});
@@ -955,7 +1012,12 @@ Robot robot_of(const Json& table) {
   r.leg = static_cast<int>(leg.size());
   r.torso = trunk.type != Json::null;
   r.links = 2 * r.leg + r.torso;
+  r.name = text_of(field(table, "the robot", "name"), "the robot's name");
   r.gravity = at_least(number(table, "gravity"), true, "a gravity that is not positive");
+  const I friction = at_least(number(table, "friction"), false, "a friction that is negative");
+  const I radius = at_least(number(table, "foot_radius"), false, "a foot of negative radius");
+  r.words.push_back("gravity " + brief(r.gravity.low()) + " m/s^2, friction of the feet " +
+                    brief(friction.low()) + ", radius of the feet " + brief(radius.low()) + " m");
   const auto n = static_cast<size_t>(r.links);
   r.mass.resize(n);
   r.inertia.resize(n);
@@ -975,12 +1037,17 @@ Robot robot_of(const Json& table) {
   };
   for (size_t k = 0; k < leg.size(); ++k) {
     fill(k, leg[k]);
+    if (!(number(leg[k], "lower").low() <= number(leg[k], "upper").low()))
+      refuse("a joint whose range ends before it begins");
+    r.words.push_back("link " + std::to_string(k + 1) + " of each leg, from the foot up: " +
+                      link_words(leg[k]));
     here[k].along = at_least(number(leg[k], "length"), true, "a link without length");
   }
   r.hip = here;
   if (r.torso) {
     only(trunk, "the torso", {"mass", "inertia", "along", "across"});
     fill(leg.size(), trunk);
+    r.words.push_back("torso: " + link_words(trunk));
   }
   for (size_t i = leg.size(); i-- > 0;) {
     const size_t k = n - 1 - i;
@@ -1990,12 +2057,6 @@ vector<S> value(const Quantity& q, Motion<S>& p) {
   throw Unknown{"the quantity " + n};
 }
 
-// The shortest decimal that is this double.
-string brief(double x) {
-  char text[40];
-  return string(text, std::to_chars(text, text + sizeof text, x).ptr);
-}
-
 // A decimal that is not smaller: printed in the upward mode that is set.
 string at_most(double x, int digits = 6) {
   char text[40];
@@ -2041,14 +2102,22 @@ string words_for(const Quantity& q) {
     return "slack of the impulse's cone, coefficient " + number("coefficient") + ", backward";
   if (q.name == "torque_reserve")
     return "what is left of " + number("share") + " of the torque limits, " + q.side + " side";
-  if (q.name == "knee_bend") return "bend of the knees beyond " + number("least") + " rad";
+  if (q.name == "knee_bend") {
+    string knees;
+    for (size_t i = 0; i < q.joints.size(); ++i)
+      knees += (i ? ", " : "") + std::to_string(q.joints[i]) + " times " + brief(q.sides[i]);
+    return "bend of the knees (joints " + knees + ") beyond " + number("least") + " rad";
+  }
   if (q.name == "foot_above_arc")
     return "swing foot above an arc of height " + number("clearance") + " m";
   if (q.name == "foot_on_circle")
-    return "swing foot outside a circle of radius " + number("radius") + " m";
+    return "swing foot outside a circle of radius " + number("radius") + " m about (" +
+           brief(q.centre[0]) + ", " + brief(q.centre[1]) + ") m";
   if (q.name == "parabolic_clearance")
-    return "swing foot above a parabola of height " + number("height") + " m";
-  return "orbital energy of a pendulum of " + number("height") + " m";
+    return "swing foot above a parabola of height " + number("height") + " m and half width " +
+           number("half_width") + " m, lowered by " + number("slack") + " m";
+  return "orbital energy of a pendulum of " + number("height") + " m, less " + number("tilt") +
+         " m/s^2 z1";
 }
 
 // Whether accelerations are needed.
@@ -2703,6 +2772,22 @@ I largest(const vector<double>& series, I phase) {
   return sum(sizes, chebyshev(phase, series.size()));
 }
 
+// Whether boxes together are all of the chart: each cell between their edges lies in one of them.
+bool covers(const vector<Box>& boxes) {
+  std::set<double> cuts[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    cuts[axis] = {0.0, 1.0};
+    for (const Box& box : boxes) cuts[axis].insert({box.low[axis], box.high[axis]});
+  }
+  for (auto x = cuts[0].begin(), x2 = std::next(x); x2 != cuts[0].end(); ++x, ++x2)
+    for (auto y = cuts[1].begin(), y2 = std::next(y); y2 != cuts[1].end(); ++y, ++y2)
+      if (std::none_of(boxes.begin(), boxes.end(), [&](const Box& box) {
+            return box.low[0] <= *x && *x2 <= box.high[0] && box.low[1] <= *y && *y2 <= box.high[1];
+          }))
+        return false;
+  return true;
+}
+
 class Conclusions {
  public:
   explicit Conclusions(const ProofFile& file) : file_(file) {}
@@ -2732,7 +2817,7 @@ class Conclusions {
     positive("set/reset-level", t.strip());
     if (!(bound("set/reset-phase", t.strip()) > -t.start_strip))
       throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
-    string start = "T is every state with phase in " + interval_words(t.first, t.last) +
+    string start = "T is every state with z2 > 0 and phase in " + interval_words(t.first, t.last) +
                    " between the fences";
     const vector<string> safe = barriers(t, start);
     carried(t);
@@ -2750,7 +2835,15 @@ class Conclusions {
             at_most(longest.high()) + " s, and is reset into T: it walks for ever"};
     const string meant =
         t.disturbed() ? ", with rates and forces of the undisturbed flow at each state" : "";
-    if (!t.carried.empty()) words.push_back("along it hold" + meant + ": " + listed(t.carried));
+    vector<string> whole, part;
+    for (const string& name : t.carried)
+      (covers(file_.regions.at(file_.conditions.at(name).region)) ? whole : part).push_back(name);
+    if (!whole.empty()) words.push_back("along it hold" + meant + ": " + listed(whole));
+    if (!part.empty())
+      words.push_back("and, while it is in their regions, which are not all of T: " + listed(part));
+    if (t.barriers.empty())
+      words.push_back("no barrier function is part of this level: nothing is said of one that stays "
+                      "non-negative");
     if (!safe.empty()) words.push_back("and h >= 0 along it, from the start, for: " + listed(safe));
     return words;
   }
@@ -2839,12 +2932,8 @@ class Conclusions {
       not_negative("set/after " + name, t.strip());
       if (t.disturbed()) not_negative("set/rate " + name, t.whole());
       const bool inside = stated("set/value " + name, t.whole());
-      const Box step = {{0.0, 0.0}, {1.0, 1.0}};
-      const vector<Box>& region = file_.regions.at(condition->second.region);
-      const bool everywhere =
-          std::count(t.carried.begin(), t.carried.end(), name) > 0 &&
-          std::any_of(region.begin(), region.end(),
-                      [&](const Box& box) { return same(box, step); });
+      const bool everywhere = std::count(t.carried.begin(), t.carried.end(), name) > 0 &&
+                              covers(file_.regions.at(condition->second.region));
       if (inside || everywhere || t.disturbed()) safe.push_back(name);
       if (!inside) asked += (asked.empty() ? "" : ", ") + name;
     }
@@ -3028,22 +3117,30 @@ Statement statement_of(const Json& table, const std::map<string, Output>& output
   return s;
 }
 
+// What a statement about a premise stands under, where one about a condition has its region.
+string label_of(const string& premise) {
+  if (premise.rfind("set/", 0) == 0) return "walking set";
+  return premise == "orbit/expansion" || premise == "orbit/gain" ? "return map" : "orbit";
+}
+
 // A statement about a condition is one about its region, in its scale; beyond the ends of a step a
-// theorem may need it under another name. Outputs of theorems have no scale.
+// theorem needs it on the strips. Outputs of theorems have no scale.
 void match(const Statement& s, const ProofFile& file) {
   for (const Claim& claim : s.claims) {
-    const auto found = file.conditions.find(claim.name);
+    const auto found = of_theorem(claim.name) ? file.conditions.end()
+                                              : file.conditions.find(claim.name);
     const double scale = found == file.conditions.end() ? 1.0 : found->second.scale;
     if (scale != claim.scale)
       throw Inconsistent{claim.name + " has the scale " + brief(scale) + ", " +
                          brief(claim.scale) + " in a statement"};
     const bool beyond = s.root_box.low[0] < 0.0 || s.root_box.high[0] > 1.0;
-    if (found == file.conditions.end() || beyond) continue;
-    const string& region = found->second.region;
+    const bool premise = found == file.conditions.end();
+    const string region = premise ? label_of(claim.name) : beyond ? "strips" : found->second.region;
     if (region != s.region)
-      throw Inconsistent{claim.name + " has the region " + region + " in the spec, " + s.region +
+      throw Inconsistent{claim.name + " has the region " + region + ", " + s.region +
                          " in a statement"};
-    const vector<Box>& boxes = file.regions.at(region);
+    if (premise || beyond) continue;
+    const vector<Box>& boxes = file.regions.at(found->second.region);
     if (std::none_of(boxes.begin(), boxes.end(),
                      [&](const Box& box) { return same(box, s.root_box); }))
       throw Inconsistent{"a statement about " + claim.name +
@@ -3165,14 +3262,20 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
   std::map<string, Output> found;
   for (const auto& [name, elements] : program.outputs) {
     Output& output = found[name];
-    const auto condition = file.conditions.find(name);
+    // Premises have a slash in their names and conditions have none, so neither hides the other.
+    if (!of_theorem(name)) {
+      const auto condition = file.conditions.find(name);
+      if (condition == file.conditions.end())
+        throw Inconsistent{"the Program's output " + name + " is no condition of the spec"};
+      output = output_of(condition->second);
+      output.elements = elements;
+      continue;
+    }
     const auto known = theorem_outputs().find(name);
     const bool of_set = name.rfind("set/", 0) == 0 && theorems.walking;
     const bool of_orbit = name.rfind("orbit/", 0) == 0 && theorems.orbit;
     const size_t space = name.find(' ');
-    if (condition != file.conditions.end()) {
-      output = output_of(condition->second);
-    } else if (known != theorem_outputs().end() && (of_set || of_orbit)) {
+    if (known != theorem_outputs().end() && (of_set || of_orbit)) {
       output = output_of(name, known->second);
     } else if (of_set && space != string::npos) {
       const string what = name.substr(0, space), barrier = name.substr(space + 1);
@@ -3183,7 +3286,7 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
         throw Inconsistent{"the Program's output " + name + " is about no condition of the spec"};
       output = output_of(what, about->second);
     } else {
-      throw Inconsistent{"the Program's output " + name + " is no condition of the spec"};
+      throw Inconsistent{"the Program's output " + name + " is no premise of the file's theorems"};
     }
     output.elements = elements;
   }
@@ -3192,15 +3295,22 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
 
 void read_regions(const Json& table, Regions& regions) {
   if (table.type != Json::object) refuse("regions that are no JSON object");
-  for (size_t i = 0; i < table.names.size(); ++i)
-    for (const Json& box : list_of(table.items[i], "a region"))
-      regions[table.names[i]].push_back(box_of(box, "a box of a region"));
+  for (size_t i = 0; i < table.names.size(); ++i) {
+    only_a_name(table.names[i], "a region");
+    for (const Json& row : list_of(table.items[i], "a region")) {
+      const Box box = box_of(row, "a box of a region");
+      if (box.low[0] < 0.0 || box.high[0] > 1.0) refuse("a region beyond the ends of a step");
+      regions[table.names[i]].push_back(box);
+    }
+    if (regions[table.names[i]].empty()) refuse("the region " + table.names[i] + " without boxes");
+  }
 }
 
 void read_conditions(const Json& table, const ProgramFacts& program, ProofFile& file) {
   if (table.type != Json::object) refuse("conditions that are no JSON object");
   for (size_t i = 0; i < table.names.size(); ++i) {
     const string& name = table.names[i];
+    only_a_name(name, "a condition");
     const Condition condition = condition_of(table.items[i], file.model.robot.joints());
     if (!program.outputs.count(name))
       throw Inconsistent{"the spec's condition " + name + " is no output of the Program"};
@@ -3240,6 +3350,9 @@ void read_proof(const Json& table, ProofFile& file) {
     throw Unknown{"a policy of the user's own, or one with learned residuals,"};
   only(model, "the model", {"robot", "policy", "tube", "regions", "conditions"});
   file.model.robot = robot_of(*model.find("robot"));
+  if (file.model.robot.name != file.robot)
+    throw Inconsistent{"the file is about " + file.robot + ", its model is that of " +
+                       file.model.robot.name};
   file.model.policy =
       policy_of(*model.find("policy"), file.model.robot.joints(), program.constants);
   file.model.tube = tube_of(*model.find("tube"), file.model.policy, program.constants);
@@ -3269,21 +3382,20 @@ string read_file(const string& path) {
   return text;
 }
 
-// Conditions without statements on all of their region.
+// Boxes of conditions without a statement.
 vector<string> unclaimed(const ProofFile& file) {
-  vector<string> names;
-  for (const auto& [name, condition] : file.conditions) {
-    const vector<Box>& region = file.regions.at(condition.region);
-    const bool all = std::all_of(region.begin(), region.end(), [&, &name = name](const Box& box) {
-      return std::any_of(file.statements.begin(), file.statements.end(), [&](const Statement& s) {
+  vector<string> found;
+  for (const auto& [name, condition] : file.conditions)
+    for (const Box& box : file.regions.at(condition.region)) {
+      const auto about = [&, &name = name](const Statement& s) {
         return same(s.root_box, box) &&
                std::any_of(s.claims.begin(), s.claims.end(),
                            [&](const Claim& claim) { return claim.name == name; });
-      });
-    });
-    if (!all) names.push_back(name);
-  }
-  return names;
+      };
+      if (std::none_of(file.statements.begin(), file.statements.end(), about))
+        found.push_back(name + words_for(box));
+    }
+  return found;
 }
 
 // What the claimed levels say, in words, if it follows from the statements.
@@ -3304,31 +3416,61 @@ std::map<int, vector<string>> concluded(const ProofFile& file) {
   return found;
 }
 
+// "12 boxes, 0.34 s"
+string effort(long boxes, std::chrono::steady_clock::time_point start) {
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  char text[40];
+  snprintf(text, sizeof text, "%ld boxes, %.2f s", boxes, taken.count());
+  return text;
+}
+
 // Checks one statement and prints it.
 Finding check(const ProofFile& file, const Statement& s) {
   const auto start = std::chrono::steady_clock::now();
   const Finding found = Checker(file.model, file.theorems, s).run();
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   static const char* const words[] = {"proved", "undecided", "rejected"};
-  printf("%s,%s; %ld boxes, %.2f s: %s\n", s.region.c_str(), words_for(s.root_box).c_str(),
-         found.boxes, taken.count(), words[found.verdict]);
+  say(s.region + "," + words_for(s.root_box) + "; " + effort(found.boxes, start) + ": " +
+      words[found.verdict]);
   for (const Claim& claim : s.claims) {
     const Output& output = *claim.output;
-    const string meaning = output.unknown.empty() ? output.words(claim.least().low())
-                                                  : "not known here: " + output.unknown;
-    printf("  %s: %s\n", claim.name.c_str(), meaning.c_str());
+    say("  " + claim.name + ": " +
+        (output.unknown.empty() ? output.words(claim.least().low())
+                                : "not known here: " + output.unknown));
   }
   fflush(stdout);
   return found;
 }
 
-int check(const ProofFile& file) {
+// Every number of robot, policy and tube that the statements depend on; weights by their hash.
+void say_model(const ProofFile& file) {
   const Robot& robot = file.model.robot;
-  printf("robot %s, %d links, %s kg; spec %s; policy 2", file.robot.c_str(), robot.links,
-         at_least(robot.weight_mass.low()).c_str(), file.spec.c_str());
-  for (const Layer& layer : file.model.policy.layers) printf("-%d", layer.rows);
-  printf(", weights sha256 %s\n", file.weights_sha256.c_str());
+  const Policy& policy = file.model.policy;
+  const Tube& tube = file.model.tube;
+  say("robot " + file.robot + ": " + std::to_string(robot.links) + " links, " +
+      at_least(robot.weight_mass.low()) + " kg");
+  for (const string& line : robot.words) say("  " + line);
+  string layers = "2";
+  for (const Layer& layer : policy.layers) layers += "-" + std::to_string(layer.rows);
+  say("policy " + layers + (policy.softplus ? ", softplus" : ", tanh") +
+      (policy.hybrid_invariant ? ", between postures before and after the impact" : "") +
+      (policy.z2_dependence ? "" : ", of z1 alone") + "; weights sha256 " + file.weights_sha256);
+  for (size_t j = 0; j < policy.lower.size(); ++j)
+    say("  joint " + std::to_string(j) + ": outputs between " + brief(policy.lower[j]) + " and " +
+        brief(policy.upper[j]) + " rad");
+  say("  z1 from " + brief(policy.start) + " m after the impact to " + brief(policy.guard) +
+      " m at the guard");
+  say("tube, z1 from " + brief(tube.start) + " m at phase 0 to " + brief(tube.guard) +
+      " m at phase 1");
+  for (const double phase : {0.0, 0.5, 1.0}) {
+    const Fences<I> f = fences(tube, I(phase));
+    say("  at phase " + brief(phase) + ": z2 between " + at_least(root(I(2.0) * f.lower).low()) +
+        " and " + at_most(root(I(2.0) * f.upper).high()) + " kg m^2/s");
+  }
+  say("spec " + file.spec + ": " + std::to_string(file.conditions.size()) + " conditions");
+}
 
+int check(const ProofFile& file) {
+  say_model(file);
   // What is quickly seen to be wrong comes first.
   for (const Statement& s : file.statements) leaves(s);
   const auto levels = concluded(file);
@@ -3344,20 +3486,21 @@ int check(const ProofFile& file) {
     if (worst.verdict == rejected) break;
   }
   const vector<string> missing = unclaimed(file);
-  if (!missing.empty()) printf("no statement about: %s\n", listed(missing).c_str());
-  string answer = "proved: " + std::to_string(claims) + " claims of " +
-                  std::to_string(file.conditions.size()) + " conditions";
-  if (worst.verdict == proved) {
+  for (const string& box : missing) say("no statement about " + box);
+  string answer = "proved of the robot, policy and spec above: " + std::to_string(claims) +
+                  " claims of " + std::to_string(file.conditions.size()) + " conditions";
+  if (worst.verdict == proved)
     for (const auto& [level, words] : levels) {
-      printf("level %d proved\n", level);
-      for (const string& line : words) printf("  %s\n", line.c_str());
+      say("level " + std::to_string(level) + " proved");
+      for (const string& line : words) say("  " + line);
       answer += ", level " + std::to_string(level);
     }
-  } else {
+  if (worst.verdict == proved && !missing.empty())
+    worst = {undecided, "every statement holds, but conditions have none on " +
+                            std::to_string(missing.size()) + " boxes of their regions", 0};
+  if (worst.verdict != proved)
     answer = (worst.verdict == rejected ? "rejected: " : "undecided: ") + worst.reason;
-  }
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-  printf("%s; %ld boxes, %.2f s\n", answer.c_str(), boxes, taken.count());
+  say(answer + "; " + effort(boxes, start));
   return worst.verdict == proved ? 0 : worst.verdict == rejected ? 1 : 3;
 }
 
@@ -3438,21 +3581,21 @@ int run(const vector<string>& arguments) {
     read_proof(table, file);
     return bounds ? answer_bounds(file, std::cin) : check(file);
   } catch (const NotAProof& problem) {
-    fprintf(stderr, "expected a proof file of format 2, found in %s: %s; write it again with "
-                    "`neuralgaits certify`\n", path.c_str(), problem.why.c_str());
+    say("expected a proof file of format 2, found in " + path + ": " + problem.why +
+            "; write it again with `neuralgaits certify`",
+        stderr);
     return 2;
   } catch (const Inconsistent& problem) {
-    printf("rejected: %s\n", problem.why.c_str());
+    say("rejected: " + problem.why);
     return 1;
   } catch (const Unknown& problem) {
-    printf("undecided: %s cannot be checked here\n", problem.what.c_str());
+    say("undecided: " + problem.what + " cannot be checked here");
     return 3;
   } catch (const NoBound&) {
     printf("undecided: a number of the model is too large or a denominator zero\n");
     return 3;
   } catch (const std::exception& problem) {  // Out of memory.
-    fprintf(stderr, "expected to read %s, found the machine at its end: %s\n", path.c_str(),
-            problem.what());
+    say("expected to read " + path + ", found the machine at its end: " + problem.what(), stderr);
     return 3;
   }
 }

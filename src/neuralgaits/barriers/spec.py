@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from jaxtyping import PRNGKeyArray
 
+from neuralgaits._names import why_no_name
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers.conditions import AbstractCondition
 from neuralgaits.barriers.description import describe_condition
@@ -75,8 +76,15 @@ class GaitSpec:
     weights: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self):
-        """Refuse duplicate names, unknown regions and regions without samples."""
+        """Refuse names that are none or not unique, unknown regions, regions without samples."""
         names = [condition.name for condition in self.conditions]
+        for what, given in (("condition", names), ("region", self.regions)):
+            for name in given:
+                if why := why_no_name(name):
+                    raise SpecError(
+                        f"spec {self.name!r}: expected a printable name without a slash for each "
+                        f"{what}, found {why}; rename it"
+                    )
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
             raise SpecError(f"spec {self.name!r}: condition names must differ, found {repeated}")

@@ -1,56 +1,47 @@
 """The independent check of a proof file, with the standard library, NumPy and Arb only.
 
-The search that wrote the file is not trusted. Every tree is walked from its root, every leaf is
-bounded again with Taylor models in balls, and a leaf that does not reach its bound is split
-further, a few times. A comparison with a ball is true only if it holds for all of the ball, so
-neither rounding nor NaN can pass.
+The search that wrote the file is not trusted. Every tree is walked from its root and every leaf is
+bounded again; what the file claims beyond that is concluded anew. Without a run to compare with,
+nothing says what the file's Program is about, and the best verdict is `consistent`.
 """
 
-import itertools
-import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
-import numpy as np
-from flint import arb
-
-from neuralgaits.certificate.claims import (
-    FIBRE,
-    Claims,
-    Corners,
-    InconsistentError,
-    Statement,
-    children,
-)
+from neuralgaits.certificate.claims import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.conclusions import (
     Conclusion,
     conclude,
     level_one_boxes,
     proved_bounds,
 )
+from neuralgaits.certificate.coverage import Asked, contradictions, unstated, why_incomplete
 from neuralgaits.certificate.full_order_conclusion import conclude_full_order
+from neuralgaits.certificate.statement_check import StatementCheck
 from neuralgaits.certificate.theorem_tables import series
-from neuralgaits.interpreters.ball import BallAlgebra
-from neuralgaits.interpreters.ball_fibre import FibreBallAlgebra
 from neuralgaits.interpreters.program import Program
-from neuralgaits.interpreters.prune import prune
-from neuralgaits.interpreters.walk import evaluate, fold
 
-Verdict = Literal["proved", "rejected", "undecided"]
+Verdict = Literal["proved", "consistent", "rejected", "undecided"]
 Progress = Callable[[int, int], None]
 
-BATCH = 64
-"""Boxes bounded at a time."""
+SHOWN = 3
+"""Contradictions or names that are named where there are more of them."""
 PARTS = {2: "walking", 3: "orbit", 4: "full"}
 """What the Program's constants that are parameters of a level are named after."""
-MORE_SPLITS = 6
-"""How often a leaf may be split before the check gives up on it."""
 
+NOT_TIED = (
+    "not compared with a run: every statement and conclusion follows from the Program in the file, "
+    "and nothing says that this Program is the robot, policy and spec that it names; --run RUN "
+    "compares them"
+)
 DERIVED_ELSEWHERE = (
     "the Program in the file is the spec's conditions for the robot and weights named: without a "
-    "run to compare with, it is not traced again"
+    "run to compare with, it is not traced again, and the verdict is about whatever it computes"
+)
+OWN_SPEC = (
+    "the spec is code of the run's own, spec.py, which was run in a process of its own to trace "
+    "it: read it, for it says what its conditions are and could say anything"
 )
 ASSUMPTIONS = (
     "the Program was traced rightly from the formulas of robot, policy and spec: derivatives by "
@@ -71,12 +62,13 @@ class Report:
     """What the check found.
 
     Attributes:
-        verdict: "proved", "rejected" or "undecided"; of all statements, the worst.
-        reason: why it is not proved; None if it is.
+        verdict: "consistent", "rejected" or "undecided"; once tied to a run, "proved".
+        reason: why it is no more than that; None if it is proved.
         statements: each statement of the file in words.
         levels: the conclusions of the levels above 1 that the file claims.
-        unclaimed: conditions of the Program that no statement of the file is about.
+        unclaimed: conditions that are not claimed on all of their region.
         boxes: how many boxes were bounded.
+        holds: whether every statement holds and every claimed level follows, complete or not.
     """
 
     verdict: Verdict
@@ -85,6 +77,7 @@ class Report:
     levels: tuple[Conclusion, ...]
     unclaimed: tuple[str, ...]
     boxes: int
+    holds: bool = False
 
 
 def check(claims: Claims, progress: Progress | None = None) -> Report:
@@ -94,38 +87,75 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
         claims: of `read_claims`.
         progress: called with (leaves done, leaves) now and then.
     """
-    claimed = {name for statement in claims.statements for name in statement.conditions}
     report = Report(
-        verdict="proved",
-        reason=None,
+        verdict="consistent",
+        reason=NOT_TIED,
         statements=tuple(line for s in claims.statements for line in in_words(s, claims.program)),
         levels=(),
-        unclaimed=tuple(o.name for o in claims.program.outputs if o.name not in claimed),
+        unclaimed=_unclaimed(claims),
         boxes=0,
     )
     if claims.program.hash != claims.program_hash:
         reason = f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"
         return replace(report, verdict="rejected", reason=reason)
-    wrong = _parameters_that_differ(claims)
-    if wrong is not None:
-        return replace(report, verdict="rejected", reason=wrong)
+    wrong = contradictions(claims.statements, claims.theorems, claims.asked)
+    if differs := _parameters_that_differ(claims):
+        wrong.append(differs)
+    if wrong:
+        return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]))
     try:
         trees = [statement.leaves() for statement in claims.statements]
     except InconsistentError as error:
         return replace(report, verdict="rejected", reason=str(error))
     total, before = sum(len(low) for low, _ in trees), 0
     for statement, leaves in zip(claims.statements, trees, strict=True):
-        checker = _Checker.of(claims.program, statement)
+        checker = StatementCheck.of(claims.program, statement)
         for done in checker.walk(leaves):
             if progress is not None:
                 progress(before + done, total)
         before += len(leaves[0])
         report = replace(report, boxes=report.boxes + checker.boxes)
-        if checker.verdict != "proved":
+        if checker.verdict != "holds":
             report = replace(report, verdict=checker.verdict, reason=checker.reason)
         if checker.verdict == "rejected":
             break
-    return _concluded(claims, report) if report.verdict == "proved" else report
+    return _concluded(claims, report) if report.verdict == "consistent" else report
+
+
+def tied(report: Report, claims: Claims, asked: Asked | None) -> Report:
+    """A consistent file once its Program is known to be a run's: proved, or what stands against it.
+
+    Args:
+        report: of `check`.
+        claims: of the file.
+        asked: conditions and regions of the run's spec; None if the file is about level 4 alone.
+    """
+    if not report.holds:
+        return report
+    if wrong := contradictions(claims.statements, claims.theorems, asked):
+        return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]), levels=())
+    if asked is not None:
+        report = replace(report, unclaimed=_not_on_all(claims, asked))
+        if missing := unstated(claims.statements, asked):
+            verdict: Verdict = "rejected" if claims.theorems.claimed else "undecided"
+            reason = why_incomplete(missing, len(asked.conditions))
+            return replace(report, verdict=verdict, reason=reason, levels=())
+    if report.verdict == "undecided":
+        return report
+    levels = tuple(replace(level, verdict="proved") for level in report.levels)
+    return replace(report, verdict="proved", reason=None, levels=levels)
+
+
+def _unclaimed(claims: Claims) -> tuple[str, ...]:
+    """Conditions that are not claimed, by box where the boxes are known."""
+    if claims.asked is not None:
+        return _not_on_all(claims, claims.asked)
+    claimed = {name for statement in claims.statements for name in statement.conditions}
+    return tuple(o.name for o in claims.program.outputs if o.name not in claimed)
+
+
+def _not_on_all(claims: Claims, asked: Asked) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for name, *_ in unstated(claims.statements, asked)))
 
 
 def _parameters_that_differ(claims: Claims) -> str | None:
@@ -143,18 +173,46 @@ def _parameters_that_differ(claims: Claims) -> str | None:
 
 
 def _concluded(claims: Claims, report: Report) -> Report:
-    """Draw the conclusions that the file claims from its statements, all proved by now."""
-    theorems = claims.theorems
-    boxes, bounds = level_one_boxes(claims.statements), proved_bounds(claims.statements)
-    found = conclude(theorems.walking, theorems.orbit, boxes, bounds)
-    if theorems.full is not None:
-        found.append(conclude_full_order(theorems.full, bounds))
-    levels = tuple(answer for answer in found if answer.level in theorems.claimed)
-    wrong = [answer for answer in levels if answer.verdict != "proved"]
+    """Draw the conclusions that the file claims from its statements, all of which hold by now."""
+    theorems, asked = claims.theorems, claims.asked
+    boxes = level_one_boxes(claims.statements) if asked is None else asked.boxes()
+    bounds = proved_bounds(claims.statements)
+    try:
+        found = conclude(theorems.walking, theorems.orbit, boxes, bounds)
+        if theorems.full is not None:
+            found.append(conclude_full_order(theorems.full, bounds))
+    except (OverflowError, ZeroDivisionError) as error:
+        reason = f"the parameters of its theorems leave the range of doubles: {error}"
+        return replace(report, verdict="rejected", reason=reason)
+    claimed = [answer for answer in found if answer.level in theorems.claimed]
+    wrong = [answer for answer in claimed if answer.verdict != "proved"]
     if wrong:
         reason = f"level {wrong[0].level} does not follow: {wrong[0].reason}"
         return replace(report, verdict="rejected", reason=reason)
-    return replace(report, levels=levels)
+    levels = tuple(replace(answer, verdict="consistent") for answer in claimed)
+    report = replace(report, levels=levels, holds=True)
+    if reason := _why_incomplete(claims):
+        return replace(report, verdict="undecided", reason=reason)
+    return report
+
+
+def _why_incomplete(claims: Claims) -> str | None:
+    """What a proof of the spec, or of level 4, would have to claim and this one does not."""
+    if claims.theorems.full is not None and not claims.theorems.claimed:
+        return "every statement of the file holds, but level 4 is not claimed"
+    if claims.asked is not None:
+        missing = unstated(claims.statements, claims.asked)
+        return why_incomplete(missing, len(claims.asked.conditions)) if missing else None
+    stated = {name for statement in claims.statements for name in statement.conditions}
+    names = [o.name for o in claims.program.outputs if "/" not in o.name]
+    left = [name for name in names if name not in stated]
+    if not left:
+        return None
+    named = ", ".join(left[:SHOWN]) + (f" and {len(left) - SHOWN} more" if left[SHOWN:] else "")
+    return (
+        f"every statement of the file holds, but {len(left)} of {len(names)} conditions are not "
+        f"claimed: {named}"
+    )
 
 
 def in_words(statement: Statement, program: Program) -> Iterator[str]:
@@ -170,102 +228,3 @@ def in_words(statement: Statement, program: Program) -> Iterator[str]:
 
 def _interval(statement: Statement, axis: int) -> str:
     return f"[{statement.low[axis]!r}, {statement.high[axis]!r}]"
-
-
-class _Checker:
-    """One statement under check: its operations, its thresholds and what has been found."""
-
-    def __init__(self, program: Program, statement: Statement):
-        self.program, self.statement = program, statement
-        kind: type = BallAlgebra if len(program.inputs) == 1 else FibreBallAlgebra
-        self.algebra = kind(statement.degree)
-        self.folded = fold(program, self.algebra)
-        self.least = {
-            name: arb(statement.bounds[name]) * arb(statement.scales[name])
-            for name in statement.conditions
-        }
-        self.boxes = 0
-        self.verdict: Verdict = "proved"
-        self.reason: str | None = None
-
-    @classmethod
-    def of(cls, program: Program, statement: Statement) -> "_Checker":
-        """Evaluate only what the statement's conditions need."""
-        return cls(prune(program, statement.conditions), statement)
-
-    def walk(self, leaves: Corners) -> Iterator[int]:
-        """Bound all leaves, until one is found that fails. Yields: how many leaves are done."""
-        low, high = leaves
-        for start in range(0, len(low), BATCH):
-            chosen = slice(start, start + BATCH)
-            self._bound(low[chosen], high[chosen])
-            if self.verdict != "proved":
-                return
-            yield min(start + BATCH, len(low))
-
-    def _bound(self, low: np.ndarray, high: np.ndarray) -> None:
-        """Bound boxes, splitting those that fail depth first, so that a failure shows early."""
-        stack = [(low, high, 0)]
-        while stack:
-            low, high, depth = stack.pop()
-            failing = ~self._reached(low, high)
-            if not failing.any():
-                continue
-            low, high = low[failing], high[failing]
-            wrong = self._counterexample(low, high)
-            if wrong is not None:
-                self.verdict, self.reason = "rejected", wrong
-                return
-            parts = [part for a, b in zip(low, high, strict=True) for part in _split(a, b)]
-            if depth == MORE_SPLITS or not parts:
-                box = f"from {low[0].tolist()} to {high[0].tolist()}"
-                names = ", ".join(self.statement.conditions)
-                self.verdict = "undecided"
-                self.reason = (
-                    f"the box {box} of region {self.statement.region} ({names}) does not reach "
-                    f"its bound after {depth} more splits, and no point of it breaks it"
-                )
-                return
-            for start in range(0, len(parts), BATCH):
-                some = parts[start : start + BATCH]
-                lows, highs = np.array([p[0] for p in some]), np.array([p[1] for p in some])
-                stack.append((lows, highs, depth + 1))
-
-    def _ranges(self, low: np.ndarray, high: np.ndarray) -> dict[str, np.ndarray]:
-        models = evaluate(self.program, {"u": (low, high)}, self.algebra, self.folded)
-        return {name: np.atleast_2d(model.range()) for name, model in models.items()}
-
-    def _reached(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """Boxes on which every condition certainly reaches its bound. [boxes]."""
-        self.boxes += len(low)
-        good = np.ones(len(low), dtype=bool)
-        for name, ranges in self._ranges(low, high).items():
-            # An output that depends on no input has one column for all boxes.
-            least = self.least[name]
-            good &= np.all(_where(partial(operator.le, least), ranges), axis=0)
-        return good
-
-    def _counterexample(self, low: np.ndarray, high: np.ndarray) -> str | None:
-        """A centre or corner of the boxes at which a condition certainly misses its bound."""
-        shares = [np.array([0.5, 0.5]), *map(np.array, itertools.product((0.0, 1.0), repeat=2))]
-        points = np.concatenate([low + (high - low) * share for share in shares])
-        points = np.clip(points, self.statement.low, self.statement.high)
-        for name, values in self._ranges(points, points).items():
-            least = self.least[name]
-            for row, column in np.argwhere(_where(partial(operator.gt, least), values)):
-                value: Any = values[row, column]
-                where = f"u = {points[column].tolist()} of region {self.statement.region}"
-                return (
-                    f"{name} is {value.str(6, radius=False)} at {where}, "
-                    f"less than {least.str(6, radius=False)}"
-                )
-        return None
-
-
-def _split(low: np.ndarray, high: np.ndarray) -> list:
-    return list(children(tuple(low.tolist()), tuple(high.tolist())))
-
-
-def _where(certain: Callable[[arb], bool], balls: np.ndarray) -> np.ndarray:
-    """Balls for which a comparison is certain. [elements, boxes] bool."""
-    return np.array([[bool(certain(ball)) for ball in row] for row in balls])

@@ -5,14 +5,16 @@ field by field; what it does not know may change the meaning of what it knows.
 """
 
 import json
-import math
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from neuralgaits._names import why_no_name
+from neuralgaits.certificate.coverage import Asked, premise_names
+from neuralgaits.certificate.json_fields import box_of, exactly, number_of, parse, text_of
 from neuralgaits.certificate.theorem_tables import Theorems
 from neuralgaits.errors import InputError
 from neuralgaits.interpreters.program import Program
@@ -97,6 +99,7 @@ class Claims:
         statements: in the order of the file.
         theorems: levels 2 and 3, or 4, whose premises are statements.
         model: as in the file: data for readers that derive the dynamics, or None.
+        asked: the spec's conditions and regions, as the model has them; None without one.
     """
 
     robot: tuple[str, str]
@@ -107,6 +110,7 @@ class Claims:
     statements: tuple[Statement, ...]
     theorems: Theorems
     model: dict[str, Any] | None
+    asked: Asked | None
 
 
 def children(
@@ -131,8 +135,7 @@ def read_claims(path: Path) -> Claims:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"expected a proof file at {path}, found none to read: {error}") from None
     try:
-        table = json.loads(text, object_pairs_hook=_unique, parse_constant=_no_number)
-        return _claims(table)
+        return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError) as error:
         raise InputError(
             f"expected a proof file of format {FORMAT}, found in {path}: {error}; write it again "
@@ -145,39 +148,51 @@ def _claims(table: Any) -> Claims:
         found = table["format"]
         if type(found) is not int or found != FORMAT:
             raise ValueError(f"format {found!r}")
-    fields = _fields(table, "the file", FIELDS)
+    fields = exactly(table, "the file", FIELDS)
     for name, known in (("kind", KIND), ("chart", CHART)):
         if fields[name] != known:
             raise ValueError(f"{name} {fields[name]!r} instead of {known!r}")
-    program = _program(fields["program"])
+    program, theorems = _program(fields["program"]), Theorems.read(fields["theorems"])
+    outputs = {output.name for output in program.outputs}
+    _refuse_names(outputs, premise_names(theorems))
     entries = fields["statements"]
     if not isinstance(entries, list) or not entries:
         raise ValueError("no statements")
-    outputs = {output.name for output in program.outputs}
+    model = fields["model"]
+    if model is not None and not isinstance(model, dict):
+        raise ValueError("a model that is neither a JSON object nor null")
     return Claims(
         robot=_named_hash(fields["robot"], "robot"),
         spec=_named_hash(fields["spec"], "spec"),
-        weights_sha256=_text(fields["weights_sha256"], "weights_sha256"),
+        weights_sha256=text_of(fields["weights_sha256"], "weights_sha256"),
         program=program,
-        program_hash=_text(fields["program_hash"], "program_hash"),
+        program_hash=text_of(fields["program_hash"], "program_hash"),
         statements=tuple(_statement(entry, outputs) for entry in entries),
-        theorems=Theorems.read(fields["theorems"]),
-        model=_model(fields["model"]),
+        theorems=theorems,
+        model=model,
+        asked=None if model is None else _asked(model, outputs),
     )
 
 
-def _model(entry: Any) -> dict[str, Any] | None:
-    if entry is not None and not isinstance(entry, dict):
-        raise ValueError("a model that is neither a JSON object nor null")
-    return entry
+def _refuse_names(outputs: set[str], premises: set[str]) -> None:
+    """An output is a premise of one of the file's theorems, or has a name that none can have."""
+    for name in sorted(outputs - premises):
+        if why := why_no_name(name):
+            raise ValueError(f"an output of the Program named {why}")
+
+
+def _asked(model: dict[str, Any], outputs: set[str]) -> Asked:
+    asked = Asked.read(model.get("regions"), model.get("conditions"))
+    own = {name for name in outputs if "/" not in name}
+    if odd := sorted(own ^ set(asked.conditions)):
+        raise ValueError(f"{odd[0]}, which only one of model and Program has")
+    return asked
 
 
 def _program(given: Any) -> Program:
     """A Program, written in its canonical form and no other."""
     text = given if isinstance(given, str) else json.dumps(given)
-    table = json.loads(
-        text, object_pairs_hook=_unique, parse_float=_no_number, parse_constant=_no_number
-    )
+    table = parse(text, fractions=False)
     canonical = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     try:
         program = Program.from_json(canonical)
@@ -194,7 +209,7 @@ def _program(given: Any) -> Program:
 
 
 def _statement(entry: Any, outputs: set[str]) -> Statement:
-    fields = _fields(entry, "a statement", STATEMENT_FIELDS)
+    fields = exactly(entry, "a statement", STATEMENT_FIELDS)
     names = fields["conditions"]
     if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
         raise ValueError(f"conditions {names!r}, which are not a list of names")
@@ -202,11 +217,10 @@ def _statement(entry: Any, outputs: set[str]) -> Statement:
         raise ValueError(f"conditions {names} that are no different outputs of the Program")
     if type(fields["degree"]) is not int or fields["degree"] not in (1, 2):
         raise ValueError(f"degree {fields['degree']!r} instead of 1 or 2")
-    tree = _text(fields["tree"], "tree")
+    tree = text_of(fields["tree"], "tree")
     if not tree or set(tree) - {"0", "1"}:
         raise ValueError("a tree that is no string of 0 and 1")
-    corners = _fields(fields["root"], "a root box", ("low", "high"))
-    low, high = _corner(corners["low"]), _corner(corners["high"])
+    low, high = box_of(fields["root"], "a root box")
     chart = (FIRST_PHASE, 0.0), (LAST_PHASE, 1.0)
     if not all(
         first <= a <= b <= last
@@ -215,7 +229,7 @@ def _statement(entry: Any, outputs: set[str]) -> Statement:
         raise ValueError(f"a root box from {low} to {high}, which is no box of the chart")
     return Statement(
         conditions=tuple(names),
-        region=_text(fields["region"], "region"),
+        region=text_of(fields["region"], "region"),
         scales=_scales(fields["scales"], names),
         bounds=_bounds(fields["bounds"], names),
         degree=fields["degree"],
@@ -225,26 +239,9 @@ def _statement(entry: Any, outputs: set[str]) -> Statement:
     )
 
 
-def _fields(table: Any, what: str, names: Collection[str]) -> dict[str, Any]:
-    """A JSON object with exactly these names. Raises: ValueError."""
-    if not isinstance(table, dict):
-        raise ValueError(f"{what} that is no JSON object")
-    wrong = sorted(set(table) ^ set(names))
-    if wrong:
-        what_is = "unknown" if wrong[0] in table else "no"
-        raise ValueError(f"{what_is} field {wrong[0]!r} in {what}")
-    return table
-
-
 def _named_hash(table: Any, what: str) -> tuple[str, str]:
-    fields = _fields(table, what, ("name", "sha256"))
-    return _text(fields["name"], f"{what} name"), _text(fields["sha256"], f"{what} sha256")
-
-
-def _text(value: Any, what: str) -> str:
-    if not isinstance(value, str):
-        raise ValueError(f"{what} that is no text")
-    return value
+    fields = exactly(table, what, ("name", "sha256"))
+    return text_of(fields["name"], f"{what} name"), text_of(fields["sha256"], f"{what} sha256")
 
 
 def _scales(table: Any, names: list[str]) -> dict[str, float]:
@@ -259,7 +256,7 @@ def _scales(table: Any, names: list[str]) -> dict[str, float]:
 def _bounds(table: Any, names: list[str]) -> dict[str, float]:
     """A number for each name; a condition of a spec holds where it is not negative.
 
-    The outputs of higher levels, `LEVEL/NAME`, may be constants enclosed from one side.
+    The premises of theorems, `LEVEL/NAME`, may be constants enclosed from one side.
     """
     bounds = _numbers(table, names, "bounds")
     for name, value in bounds.items():
@@ -270,27 +267,5 @@ def _bounds(table: Any, names: list[str]) -> dict[str, float]:
 
 def _numbers(table: Any, names: list[str], what: str) -> dict[str, float]:
     """A finite number for each name, exactly as it stands in the file."""
-    fields = _fields(table, what, names)
-    for name, value in fields.items():
-        known = isinstance(value, int | float) and not isinstance(value, bool)
-        if not known or not math.isfinite(value):
-            raise ValueError(f"{value!r} among the {what}, for {name}")
-    return {name: float(value) for name, value in fields.items()}
-
-
-def _corner(value: Any) -> tuple[float, float]:
-    """Two hexadecimal floats."""
-    if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"the corner {value!r} instead of two hexadecimal numbers")
-    return float.fromhex(_text(value[0], "a corner")), float.fromhex(_text(value[1], "a corner"))
-
-
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    names = [name for name, _ in pairs]
-    if len(set(names)) < len(names):
-        raise ValueError(f"a field that stands twice among {sorted(names)}")
-    return dict(pairs)
-
-
-def _no_number(text: str) -> float:
-    raise ValueError(f"the number {text[:40]}")
+    fields = exactly(table, what, names)
+    return {name: number_of(value, f"{what}, for {name}") for name, value in fields.items()}

@@ -22,6 +22,7 @@ from neuralgaits.certificate.theorems import (
     strips,
     walking_premises,
 )
+from neuralgaits.certificate.walking_words import walking_words
 
 Bounds = Mapping[tuple[str, Corner, Corner], float]
 """Proved bound times scale of an output on a root box, by (output, low, high)."""
@@ -43,7 +44,8 @@ class Conclusion:
 
     Attributes:
         level: 2, 3 or 4.
-        verdict: proved, or undecided with a reason.
+        verdict: proved, or undecided with a reason; "consistent" if it follows from statements of
+            which it is not known what they are about.
         reason: what is missing; None if proved.
         words: the statement, one sentence each; empty if it is not proved.
         figures: numbers that were proved on the way, by name.
@@ -51,7 +53,7 @@ class Conclusion:
     """
 
     level: int
-    verdict: Literal["proved", "undecided"]
+    verdict: Literal["proved", "consistent", "undecided"]
     reason: str | None
     words: tuple[str, ...]
     figures: Mapping[str, float]
@@ -134,7 +136,6 @@ def walking(
     needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
     missing = _missing([*walking_premises(shape), *needed], bounds)
     stated = {name for name, *_ in boxes}
-    uncarried = stated - set(shape.carried)
     for name in {*shape.carried, *shape.barriers} - stated:
         missing = missing or f"there is no statement about {name}"
     first, last = shape.ends
@@ -143,6 +144,8 @@ def walking(
         missing = "strips outside (0, 0.1)"
     if missing is None and not 0.0 < shape.risen <= shape.falling < 1.0 - shape.guard_strip:
         missing = "phases of rise and fall that are not in order"
+    if missing is None and not min(shape.disturbance) >= 0.0:
+        missing = "a disturbance with a negative bound"
     strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
     if missing is None and not bounds["set/reset-phase", *strip] > -shape.start_strip:
         missing = "a reset may land outside the strip around the start of a step"
@@ -157,24 +160,8 @@ def walking(
         "relative_width": bounds["set/width", (first, 0.0), (last, 0.0)],
         "foot_falls_at_least_m_s": bounds["set/foot-falls", (shape.falling, 0.0), whole[1]],
     }
-    pushed, safe, meant = "", "", ""
-    if any(shape.disturbance):
-        bound = "({!r} m/s, {!r} N m)".format(*shape.disturbance)
-        pushed = f", whatever d(t) with |d| <= {bound} is added to dz"
-        meant = ", with rates and forces of the undisturbed flow at each state"
     unsafe = [premise for premise in safe_premises(shape) if _missing([premise], bounds)]
-    if unsafe:
-        safe = " and the barrier functions not negative"
-    words = (
-        f"T is every state with phase from {first!r} to {last!r} between the fences{safe}, up to "
-        "where the swing foot meets the ground",
-        f"every trajectory of the projected hybrid zero dynamics that starts in T{pushed}, stays "
-        "between the fences, meets the ground once and transversally within "
-        f"{at_most(figures['step_time_at_most_s'], 4)} s, and is reset into T: it walks for ever",
-        f"along it hold{meant}: {', '.join(shape.carried)}",
-    )
-    if uncarried:
-        words += (f"holding on their regions only: {', '.join(sorted(uncarried))}",)
+    words = walking_words(shape, boxes, figures["step_time_at_most_s"], not unsafe)
     return Conclusion(2, "proved", None, words, figures)
 
 

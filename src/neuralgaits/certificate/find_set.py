@@ -55,10 +55,17 @@ def find_set(
         risen=float(risen),
         falling=float(fall),
         disturbance=disturbance,
-        barriers=tuple(c.name for c in spec.conditions if isinstance(c, Barrier)),
-        carried=tuple(
-            c.name for c in spec.conditions if isinstance(c, Pointwise | Barrier | DiscreteBarrier)
-        ),
+        barriers=names_of(spec)[0],
+        carried=names_of(spec)[1],
+    )
+
+
+def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The spec's barrier conditions, and those that are carried over to the strips."""
+    carried = Pointwise | Barrier | DiscreteBarrier
+    return (
+        tuple(c.name for c in spec.conditions if isinstance(c, Barrier)),
+        tuple(c.name for c in spec.conditions if isinstance(c, carried)),
     )
 
 

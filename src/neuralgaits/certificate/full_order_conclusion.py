@@ -64,10 +64,11 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
     """Everything that the constants must satisfy."""
     gamma, zero = _gamma(shape), arb(0)
     least, most = map(arb, shape.pace)
-    ends = 1 + arb(shape.guard_strip), 1 - arb(shape.guard_strip)
+    # The edges that the boxes have: 1 + g, 1 - g and 1 -+ e, each rounded to a double.
+    last, before = arb(shape.ends[1]), arb(shape.guard_from)
     shrink, radius = arb(shape.shrink), arb(shape.radius)
     kept = radius * (-shrink * arb(shape.start_strip) ** 2).exp()
-    at_guard = radius * (-shrink * ends[1] ** 2).exp()
+    at_guard = radius * (-shrink * before**2).exp()
     landing = arb(shape.landing) + _size(shape.landing_slope) * arb(shape.guard_radius)
     found = [
         Inequality("the phase moves on: 0 < its least rate", zero, least),
@@ -77,13 +78,14 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
         Inequality("start_strip < 0.05", arb(shape.start_strip), arb("0.05")),
         Inequality("guard_strip < 0.05", arb(shape.guard_strip), arb("0.05")),
         Inequality("0 < crossing", zero, arb(shape.crossing)),
-        Inequality("crossing < guard_strip", arb(shape.crossing), arb(shape.guard_strip)),
+        Inequality("1 - guard_strip < 1 - crossing", before, arb(shape.crossings[0])),
+        Inequality("1 + crossing < 1 + guard_strip", arb(shape.crossings[1]), last),
         Inequality("0 < risen", zero, arb(shape.risen)),
-        Inequality("risen < 1 - guard_strip", arb(shape.risen), ends[1]),
+        Inequality("risen < 1 - guard_strip", arb(shape.risen), before),
         Inequality("the bound on sqrt(V) is largest at phase 0: 0 < shrink", zero, shrink),
         Inequality(
             "V decays faster than its bound shrinks: 4 shrink (1 + guard_strip) most pace < gamma",
-            4 * shrink * ends[0] * most,
+            4 * shrink * last * most,
             gamma,
         ),
         Inequality("the bound at the guard < guard_radius", at_guard, arb(shape.guard_radius)),
@@ -190,7 +192,7 @@ def _constants_of(barrier: BarrierConstants, after: float) -> list[Constant]:
         Constant(f"{name}: h(z+)", barrier.reset, unit, "after an impact from eta = 0, at least"),
         Constant(f"{name}: L_h", barrier.reset_slope, f"{unit}/rad", "d h(z+)/d sqrt(V), at most"),
     ]
-    if barrier.sigma > 0.0:
+    if barrier.sigma > 0.0 and after > 0.0:
         room = (barrier.reset - _above(tightening(barrier))) / after**2
         found += [
             Constant(
@@ -215,7 +217,8 @@ def _after(shape: FullOrder) -> arb:
 
 def _mismatch(shape: FullOrder) -> arb:
     """sqrt(v_sym): bound on sqrt(V) after an impact from eta = 0."""
-    return _size(shape.mismatch) + _size(shape.drift) * arb(shape.crossing)
+    near, far = map(arb, shape.crossings)
+    return _size(shape.mismatch) + _size(shape.drift) * (1 - near).max(far - 1)
 
 
 def _size(bound: float) -> arb:
@@ -225,7 +228,7 @@ def _size(bound: float) -> arb:
 
 def _least_time(shape: FullOrder) -> arb:
     """Of a step: from the end of the start's strip to the beginning of the guard's [s]."""
-    return (1 - arb(shape.guard_strip) - arb(shape.start_strip)) / arb(shape.pace[1])
+    return (arb(shape.guard_from) - arb(shape.start_strip)) / arb(shape.pace[1])
 
 
 def _factor(shape: FullOrder) -> arb:

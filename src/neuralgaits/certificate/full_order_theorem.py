@@ -19,6 +19,9 @@ from neuralgaits.certificate.theorems import Premise
 FENCES = LOWER, UPPER = "level-lower", "level-upper"
 """Names of the two fences as barriers: they read z alone."""
 
+REGION = "full order"
+"""Label of the statements that level 4 rests on."""
+
 OF_BARRIER = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
 """A barrier's numbers that the margins have in them; sigma is in none."""
 
@@ -94,8 +97,18 @@ class FullOrder:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """First and last phase."""
+        """First and last phase, as doubles: the edges of boxes, which inequalities use as well."""
         return -self.start_strip, 1.0 + self.guard_strip
+
+    @property
+    def guard_from(self) -> float:
+        """Phase at which the guard's strip begins, likewise."""
+        return 1.0 - self.guard_strip
+
+    @property
+    def crossings(self) -> tuple[float, float]:
+        """Phases between which the foot meets the ground at eta = 0, likewise."""
+        return 1.0 - self.crossing, 1.0 + self.crossing
 
 
 def constants_of_set(shape: FullOrder) -> dict[str, float]:
@@ -125,6 +138,8 @@ def lyapunov_rate(bandwidth: float) -> Fraction:
 
 def decays(bandwidth: float) -> bool:
     """Whether A^T P + P A <= -gamma P with P > 0, in rationals; A of ddy = -w^2 y - 2 w dy."""
+    if not bandwidth > 0.0:
+        return False
     w, gamma = Fraction(bandwidth), lyapunov_rate(bandwidth)
     (p11, p12), (_, p22) = lyapunov(bandwidth)
     # A = [[0, 1], [-w^2, -2 w]]; entries of -(A^T P + P A + gamma P).
@@ -132,14 +147,13 @@ def decays(bandwidth: float) -> bool:
     q12 = -(p11 - 2 * w * p12 - w * w * p22 + gamma * p12)
     q22 = -(2 * p12 - 4 * w * p22 + gamma * p22)
     positive = p11 > 0 and p11 * p22 > p12 * p12
-    return w > 0 and positive and q11 >= 0 and q22 >= 0 and q11 * q22 >= q12 * q12
+    return positive and q11 >= 0 and q22 >= 0 and q11 * q22 >= q12 * q12
 
 
 def premises(shape: FullOrder) -> list[Premise]:
     """Everything the conclusion rests on."""
     first, last = shape.ends
-    before = 1.0 - shape.guard_strip
-    near, far = 1.0 - shape.crossing, 1.0 + shape.crossing
+    before, (near, far) = shape.guard_from, shape.crossings
     tube = (first, 0.0), (last, 1.0)
     strip = (before, 0.0), (last, 1.0)
     crossing = (near, 0.0), (far, 1.0)

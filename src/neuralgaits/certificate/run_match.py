@@ -1,4 +1,4 @@
-"""Whether a proof is about a run: its robot, weights and spec files, and the weights used.
+"""Whether a proof is about a run: its names, its robot, weights and spec files, the weights used.
 
 Reads the run's files as bytes and its weights as safetensors, with the standard library and
 NumPy only.
@@ -15,6 +15,7 @@ from neuralgaits.errors import RunError
 
 SETS = ("walking.", "orbit.", "full.")
 """Names of constants that are parameters of a theorem and not the gait's."""
+CONFIG = "config.json"
 ROBOT, WEIGHTS, SPEC = "robot.xml", "policy.safetensors", "spec.py"
 
 
@@ -23,13 +24,29 @@ def differences(claims: Claims, run: Path) -> list[str]:
 
     Raises: RunError if a file of the run is missing or its weights cannot be read.
     """
+    found = _names_that_differ(claims, run / CONFIG)
     expected = {ROBOT: claims.robot[1], WEIGHTS: claims.weights_sha256, SPEC: claims.spec[1]}
-    found = []
     for file, proved in expected.items():
         digest = hashlib.sha256(_bytes(run / file)).hexdigest()
         if digest != proved:
             found.append(f"{file}: the run has sha256 {digest}, the proof {proved}")
     return found + _weights_that_differ(claims, run / WEIGHTS)
+
+
+def _names_that_differ(claims: Claims, path: Path) -> list[str]:
+    try:
+        config = json.loads(_bytes(path))
+        names = {"robot": config["robot"], "spec": config["spec"]}
+    except (ValueError, KeyError, TypeError) as error:
+        raise RunError(
+            f"expected {CONFIG} of a run at {path}, found a damaged file ({error!r}): train again"
+        ) from None
+    given = {"robot": claims.robot[0], "spec": claims.spec[0]}
+    return [
+        f"{what}: the run has {names[what]!r}, the proof {given[what]!r}"
+        for what in names
+        if names[what] != given[what]
+    ]
 
 
 def _weights_that_differ(claims: Claims, path: Path) -> list[str]:

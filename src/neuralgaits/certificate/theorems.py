@@ -5,6 +5,7 @@ not be negative on a root box; the proof file has a statement for each. `conclus
 conclusion from the proved bounds. Needs no JAX.
 """
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -64,6 +65,12 @@ class Orbit:
     expansion: tuple[float, ...]
     slowest: tuple[float, ...]
     fastest: tuple[float, ...]
+
+
+STRIPS, SET, ORBIT, RETURN_MAP = "strips", "walking set", "orbit", "return map"
+"""Labels of the statements that levels 2 and 3 rest on, where a spec's have their region."""
+_OF_RETURN_MAP = ("orbit/expansion", "orbit/gain")
+"""Outputs of the walking set's chart apart from those of the thin tube's."""
 
 
 class Premise(NamedTuple):
@@ -163,3 +170,42 @@ def strips(
             yield name, (-shape.start_strip, low[1]), (behind, high[1])
         if high[0] == 1.0:
             yield name, (1.0, low[1]), (1.0 + shape.guard_strip, high[1])
+
+
+def labelled_premises(
+    shape: WalkingSet | None, orbit: Orbit | None, boxes: Sequence[tuple[str, Corner, Corner]]
+) -> Iterator[tuple[str, str, Corner, Corner]]:
+    """(label, output, low, high) of all that levels 2 and 3 rest on beside level 1.
+
+    Args:
+        shape: of level 2; nothing is asked without it.
+        orbit: of level 3, if it is asked for.
+        boxes: (condition, low, high) of level 1.
+    """
+    if shape is None:
+        return
+    for name, low, high in strips(shape, boxes):
+        yield STRIPS, name, low, high
+    for output, low, high, _ in (*walking_premises(shape), *safe_premises(shape)):
+        yield SET, output, low, high
+    for output, low, high, _ in [] if orbit is None else orbit_premises(shape, orbit):
+        yield RETURN_MAP if output in _OF_RETURN_MAP else ORBIT, output, low, high
+
+
+def cover_the_tube(boxes: Sequence[tuple[Corner, Corner]]) -> bool:
+    """Whether boxes together are all of the chart, phases and levels from 0 to 1."""
+    cuts = [
+        sorted({0.0, 1.0, *(corner[axis] for box in boxes for corner in box)}) for axis in (0, 1)
+    ]
+    cells = [list(itertools.pairwise(line)) for line in cuts]
+    return all(
+        any(
+            low[0] <= phases[0]
+            and phases[1] <= high[0]
+            and low[1] <= levels[0]
+            and levels[1] <= high[1]
+            for low, high in boxes
+        )
+        for phases in cells[0]
+        for levels in cells[1]
+    )

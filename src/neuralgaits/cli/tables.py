@@ -9,7 +9,14 @@ from rich.table import Table
 from rich.text import Text
 
 Words = str | Text
-COLOURS = {"proved": "green", "refuted": "red", "rejected": "red", "undecided": "yellow"}
+COLOURS = {
+    "proved": "green",
+    # Not green: what is consistent with itself may be about nothing.
+    "consistent": "cyan",
+    "refuted": "red",
+    "rejected": "red",
+    "undecided": "yellow",
+}
 """Of verdicts."""
 ROWS = 12
 """Rows of a table before the rest becomes a sentence."""

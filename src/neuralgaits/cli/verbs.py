@@ -162,7 +162,8 @@ def _check_proof(verb: CheckProof) -> Outcome:
     with CheckProgress(quiet=verb.output.json) as progress:
         result = check_proof(verb.file, run=verb.run, progress=progress)
     verdict = result["verdict"]
-    return Outcome(result, verdict == "proved", proof_screen.show_check, verdict == "undecided")
+    good = verdict in ("proved", "consistent")
+    return Outcome(result, good, proof_screen.show_check, verdict == "undecided")
 
 
 def _export(verb: Export) -> Outcome:

@@ -1,13 +1,19 @@
 """Run folders: configuration, weights, metrics and results of a run on disk.
 
-Dicts and arrays go in and come out; what they mean is the business of the stages.
+Dicts and arrays go in and come out; what they mean is the business of the stages. JAX is imported
+when a tree of arrays is read or written, and not before: a check of a proof does without.
 """
 
+from typing import TYPE_CHECKING, Any
+
+from neuralgaits.runs.arrays import read_arrays, write_arrays
 from neuralgaits.runs.atomic import write_bytes, write_text
 from neuralgaits.runs.folder import FORMAT, RunFolder
 from neuralgaits.runs.latest import RUNS_ROOT, finish, resolve, resolve_unfinished
 from neuralgaits.runs.plain import plain, to_json
-from neuralgaits.runs.tree import read_arrays, read_tree, write_arrays, write_tree
+
+if TYPE_CHECKING:
+    from neuralgaits.runs.tree import read_tree, write_tree
 
 __all__ = [
     "FORMAT",
@@ -25,3 +31,12 @@ __all__ = [
     "write_text",
     "write_tree",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what needs JAX. Raises: AttributeError for any other name."""
+    if name not in ("read_tree", "write_tree"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from neuralgaits.runs import tree
+
+    return getattr(tree, name)

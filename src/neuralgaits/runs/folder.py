@@ -20,7 +20,6 @@ from neuralgaits.runs.atomic import write_bytes, write_text
 from neuralgaits.runs.claim import claim
 from neuralgaits.runs.metrics import Row, from_csv, to_csv
 from neuralgaits.runs.plain import to_json
-from neuralgaits.runs.tree import read_tree, write_tree
 
 FORMAT = 1
 """Version of the layout and meaning of a run folder; other versions are refused."""
@@ -142,10 +141,15 @@ class RunFolder:
 
     def write_tree(self, file: str, tree: Any) -> None:
         """Save a pytree's arrays, whole or not at all. See `runs.tree`."""
+        # Imports JAX, which most readers of a run do without.
+        from neuralgaits.runs.tree import write_tree
+
         write_tree(self.path / file, tree)
 
     def read_tree(self, file: str, like: Tree) -> Tree:
         """Read arrays into the structure of `like`. Raises: RunError if they do not fit."""
+        from neuralgaits.runs.tree import read_tree
+
         return read_tree(self.path / file, like)
 
     def write_json(self, file: str, value: Any) -> None:

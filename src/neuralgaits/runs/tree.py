@@ -4,17 +4,16 @@ The format holds bytes, shapes and dtypes and can run no code. A file is read *i
 of the same structure: what does not fit is refused, never reshaped or cast.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-import safetensors
 from safetensors.numpy import save
 
 from neuralgaits.errors import RunError
+from neuralgaits.runs.arrays import read_arrays
 from neuralgaits.runs.atomic import write_bytes
 
 Tree = TypeVar("Tree")
@@ -37,7 +36,7 @@ def read_tree(path: Path, like: Tree) -> Tree:
 
     Raises: RunError if the file is missing, damaged, or holds other names, shapes or dtypes.
     """
-    stored, _ = _open(path)
+    stored, _ = read_arrays(path)
     named = _named_leaves(like)
     wanted = {name for name, leaf in named if _is_stored(leaf)}
     for name in sorted(wanted ^ set(stored)):
@@ -47,17 +46,6 @@ def read_tree(path: Path, like: Tree) -> Tree:
         _like(path, name, stored[name], leaf) if name in wanted else leaf for name, leaf in named
     ]
     return jax.tree_util.tree_unflatten(jax.tree_util.tree_structure(like), leaves)
-
-
-def write_arrays(path: Path, arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> None:
-    """Save arrays under plain names, with text entries beside them."""
-    kept = {name: np.array(array, order="C") for name, array in arrays.items()}
-    write_bytes(path, save(kept, metadata=dict(metadata)))
-
-
-def read_arrays(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Arrays and text entries of a file, whatever it holds. Raises: RunError if it is damaged."""
-    return _open(path)
 
 
 def _named_leaves(tree: Any) -> list[tuple[str, Any]]:
@@ -101,18 +89,3 @@ def _misfit(path: Path, what: str) -> RunError:
     return RunError(
         f"{path} does not fit, {what}: use the robot, spec and sizes in the run's config.json"
     )
-
-
-def _open(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Arrays and metadata of a file."""
-    if not path.is_file():
-        raise RunError(f"expected a weights file at {path}, found none: the run is incomplete")
-    try:
-        with safetensors.safe_open(path, framework="numpy") as file:
-            arrays = {name: file.get_tensor(name) for name in file.keys()}
-            return arrays, dict(file.metadata() or {})
-    except safetensors.SafetensorError as error:
-        reason = " ".join(str(error).split())
-        raise RunError(
-            f"expected safetensors in {path}, found a damaged file ({reason}): train again"
-        ) from error

@@ -152,8 +152,9 @@ def _margins_region(source: Source) -> Made:
 
 def _certificate_map(source: Source) -> Made:
     path = source.run.path / "certificate" / MAP
-    if source.certificate.reason is not None or not path.is_file():
-        reason = source.certificate.reason or f"{path.name} is missing in the certificate"
+    if source.certificate.reason is not None or not source.certificate.map_fits:
+        missing = f"{path.name} is missing in the certificate, or another one's"
+        reason = source.certificate.reason or missing
         raise Absent(reason, f"neuralgaits certify {source.path}")
     return certificate_map.CAPTION, certificate_map.draw_saved(path)
 

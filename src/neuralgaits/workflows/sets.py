@@ -1,6 +1,6 @@
 """The sets of levels 2 and 3 for a run: found at points, traced, and laid out for the search."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import jax.numpy as jnp
@@ -15,13 +15,11 @@ from neuralgaits.certificate.find_set import find_set
 from neuralgaits.certificate.problem import Problem
 from neuralgaits.certificate.theorem_tables import series
 from neuralgaits.certificate.theorems import (
+    SET,
     Corner,
     Orbit,
     WalkingSet,
-    orbit_premises,
-    safe_premises,
-    strips,
-    walking_premises,
+    labelled_premises,
 )
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.interpreters import POINT, Program, evaluate, fold
@@ -32,7 +30,6 @@ from neuralgaits.workflows.run import Run
 
 CLAIMED = 0.4
 """Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
-SET = "walking set"
 NO_RESIDUALS = Residuals()
 
 
@@ -163,7 +160,8 @@ def premise_problems(spec: GaitSpec, sets: Sets, program: Program) -> list[Probl
     """Root boxes of levels 2 and 3 with what must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}
     roots: dict[tuple[str, Corner, Corner], list[str]] = {}
-    for region, name, low, high in _premises(spec, sets):
+    found = labelled_premises(sets.walking, sets.orbit, condition_boxes(spec))
+    for region, name, low, high in found:
         names = roots.setdefault((region, low, high), [])
         if name not in names:
             names.append(name)
@@ -181,21 +179,3 @@ def premise_problems(spec: GaitSpec, sets: Sets, program: Program) -> list[Probl
         )
         for (region, low, high), names in roots.items()
     ]
-
-
-def _premises(spec: GaitSpec, sets: Sets) -> Iterator[tuple[str, str, Corner, Corner]]:
-    """(label, output, low, high); outputs of one label and box are bounded together."""
-    if sets.walking is None:
-        return
-    for name, low, high in strips(sets.walking, condition_boxes(spec)):
-        yield "strips", name, low, high
-    found = [*walking_premises(sets.walking), *safe_premises(sets.walking)]
-    for output, low, high, _ in found:
-        yield SET, output, low, high
-    if sets.orbit is not None:
-        for output, low, high, _ in orbit_premises(sets.walking, sets.orbit):
-            yield _ORBIT_LABELS.get(output, "orbit"), output, low, high
-
-
-_ORBIT_LABELS = {"orbit/expansion": "return map", "orbit/gain": "return map"}
-"""Outputs of the walking set's chart apart from those of the thin tube's."""

@@ -136,7 +136,8 @@ def _how_sure(saved: Saved) -> str:
         f"Proved, to level {level} of {words.LAST_LEVEL}: {words.PROVED[level]} Every one of the "
         f"{len(certificate['conditions'])} conditions was shown at every state of its region, "
         f"rounding errors included, with at least {_least(certificate)} of its typical size to "
-        f"spare.{_borne(saved)} Other programs can check the proof again."
+        f"spare.{_borne(saved)} So its proof file states; this page has not checked it again, "
+        "other programs can."
     )
 
 

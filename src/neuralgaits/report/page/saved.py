@@ -1,5 +1,6 @@
 """What a run folder holds, read as plain data; a part that is not there is None."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,6 @@ from neuralgaits.report.certificate import (
     PROOF,
     SUMMARY,
     proved_level,
-    sha256,
-    why_not_of_run,
 )
 from neuralgaits.report.figure import Drawn, Missing
 from neuralgaits.runs import RunFolder
@@ -38,7 +37,8 @@ class Saved:
         config: what was asked.
         summary: what `train` or `refine` found; None if training has not ended.
         metrics: rows of the training's course.
-        certificate, simulation: what `certify` and `simulate` found.
+        certificate: what `certify` found, as the run's proof files bear it out.
+        simulation: what `simulate` found.
         disturbance: what may be added to dz at level 2 of the proof (m/s, N m).
         residual: what `fit` learned from the logs of this run.
         walks: of this run as a round of episodes.
@@ -97,8 +97,20 @@ class Contents:
     assumptions: tuple[str, ...]
 
 
-def read(folder: RunFolder) -> Saved:
-    """Read a run. A damaged part is left out and named; only a damaged config is an error."""
+def read(
+    folder: RunFolder,
+    certificate: Json | None,
+    no_certificate: str | None = None,
+    disturbance: tuple[float, ...] = (),
+) -> Saved:
+    """Read a run. A damaged part is left out and named; only a damaged config is an error.
+
+    Args:
+        folder: of the run.
+        certificate: what `certify` found, as the run's proof files bear it out.
+        no_certificate: why a certificate that is there says nothing of the run.
+        disturbance: of level 2.
+    """
     damaged: dict[str, str] = {}
 
     def part(file: str, base: Path = folder.path) -> Json | None:
@@ -116,19 +128,18 @@ def read(folder: RunFolder) -> Saved:
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
     rounds = part("summary.json", above) if (above / "episodes.json").is_file() else None
-    certificate = part(SUMMARY)
-    found = {file: sha256(folder.path / file) for file in _HASHED}
+    found = {file: _sha256(folder.path / file) for file in _HASHED}
     hashes = {file: digest for file, digest in found.items() if digest is not None}
-    if certificate is not None and (why := why_not_of_run(certificate, folder.path)):
+    if no_certificate is not None:
         again = f"prove it again with `neuralgaits certify {folder.path}`"
-        certificate, damaged[SUMMARY] = None, f"{why}: {again}"
+        damaged[SUMMARY] = f"{no_certificate}: {again}"
     return Saved(
         folder=folder,
         config=folder.config,
         summary=part("summary.json"),
         metrics=metrics,
         certificate=certificate,
-        disturbance=() if certificate is None else _disturbance(part(PROOF)),
+        disturbance=disturbance,
         simulation=part("simulation/summary.json"),
         residual=part("residual/summary.json"),
         walks=part("walks/summary.json"),
@@ -138,17 +149,6 @@ def read(folder: RunFolder) -> Saved:
     )
 
 
-def _disturbance(proof: Json | None) -> tuple[float, ...]:
-    """Bounds in the parameters of level 2; none if there is no such level, or if they are 0."""
-    for theorem in (proof or {}).get("theorems") or ():
-        bounds = (theorem.get("parameters") or {}).get("disturbance") or ()
-        if theorem.get("level") == 2 and len(bounds) == 2:
-            try:
-                values = tuple(float.fromhex(str(bound)) for bound in bounds)
-            except ValueError:
-                raise RunError(
-                    f"expected bounds as hexadecimal numbers in {PROOF}, found {bounds}: the file "
-                    "is damaged; certify the run again"
-                ) from None
-            return values if any(values) else ()
-    return ()
+def _sha256(path: Path) -> str | None:
+    """Of a file's bytes; None if there is no such file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None

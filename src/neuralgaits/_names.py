@@ -1,0 +1,17 @@
+"""What a name may look like, so that none passes for another and none moves a cursor.
+
+A slash marks the premises of a theorem, as in set/inertia; a condition or region has none.
+"""
+
+
+def why_no_name(name: object) -> str | None:
+    """What is wrong with the name of a condition or a region; None if nothing is."""
+    if not isinstance(name, str):
+        return f"{name!r}, which is no text"
+    if not name or name != name.strip():
+        return f"{name!r}, which is empty or begins or ends with a space"
+    if not name.isprintable():
+        return f"{name!r}, which has characters that cannot be printed"
+    if "/" in name:
+        return f"{name!r}, which has a slash: names with one are premises of the theorems"
+    return None
