@@ -106,9 +106,7 @@ def easily_bounded(base: Base) -> Base:
     return Base(table, base.run)
 
 
-def altered(
-    base: Base, count: int, groups: Groups, reader: Reader = "model"
-) -> Iterator[Mutation]:
+def altered(base: Base, count: int, groups: Groups, reader: Reader = "model") -> Iterator[Mutation]:
     """Mutations of some kinds, from another seed than those of the tests."""
     return mutations(base, reader, count, seed=SEED, groups=groups)
 
@@ -120,7 +118,9 @@ def mixed(one: Base, two: Base, count: int, reader: Reader = "model") -> Iterato
 
 def cpp(file: Path) -> int:
     """Exit code of the C++ checker."""
-    return subprocess.run([REPOSITORY / "build" / "proofcheck", file], capture_output=True).returncode
+    return subprocess.run(
+        [REPOSITORY / "build" / "proofcheck", file], capture_output=True
+    ).returncode
 
 
 def balls(file: Path) -> int:

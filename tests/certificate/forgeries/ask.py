@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from forgeries.base import Forgery, Forged
+from forgeries.base import Forged, Forgery
 from neuralgaits.errors import NeuralGaitsError
-from neuralgaits.report.page import saved
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.proved import certificate_of
+from neuralgaits.workflows.report import saved_of
 from neuralgaits.workflows.run import open_run
 
 CODES = {0: "proved", 1: "rejected", 2: "unreadable", 3: "undecided"}
@@ -34,7 +34,7 @@ class Heard:
 
     @property
     def controls(self) -> str:
-        """Characters in the output that are not for reading."""
+        """Characters in the output that a screen obeys and a reader does not see."""
         found = {c for c in self.text if unicodedata.category(c) in ("Cc", "Cf", "Zl", "Zp", "Cs")}
         return "".join(sorted(found - {"\n"}))
 
@@ -74,7 +74,7 @@ def ask_report(run: Path) -> Heard:
     """The highest level that figures or page show as proved, or `none`; or what is boasted."""
     opened = open_run(run)
     certificate = certificate_of(opened)
-    page = saved.read(RunFolder.open(run))
+    page = saved_of(RunFolder.open(run))
     level = max(certificate.level, page.proved_level, 4 if certificate.full is not None else 0)
     margins = max(certificate.margins.values(), default=0.0)
     multiplier = certificate.orbit.multiplier if certificate.orbit is not None else None

@@ -192,8 +192,7 @@ class Theme:
 
         def register(maker: Maker) -> Maker:
             chosen = about or self.about
-            kinds = Forgery(kind, chosen, maker, answers, bounded or chosen == "small", process)
-            self.kinds.append(kinds)
+            self.kinds.append(Forgery(kind, chosen, maker, answers, bounded, process))
             return maker
 
         return register

@@ -1,6 +1,6 @@
 """Names that would write more than themselves on a screen."""
 
-from forgeries.base import UNREADABLE, Case, Table, Theme
+from forgeries.base import UNREADABLE, Case, Table, Theme, true
 from forgeries.edits import rename, rename_region
 
 THEME = Theme("small")
@@ -90,11 +90,13 @@ PLACES = {
 
 
 def _kind_of(place: str, character: str) -> None:
-    what = f"{character} in {place}"
+    what, code = f"{character} in {place}", CHARACTERS[character]
+    # The C++ checker writes what is not ASCII as numbers.
+    escaped = true(r"\\xe2\\x80") if code[0] > "\xff" else UNREADABLE
 
-    @THEME.forgery(what, cpp=UNREADABLE, alone=UNREADABLE)
+    @THEME.forgery(what, cpp=escaped, alone=UNREADABLE)
     def _(case: Case) -> None:
-        PLACES[place](case.table, CHARACTERS[character])
+        PLACES[place](case.table, code)
 
 
 for _place in PLACES:

@@ -8,7 +8,7 @@ from forgeries.runs import SPEC, describe
 
 THEME = Theme("small")
 FALSE = refused("rejected")
-CODE = r"spec\.py"
+CODE = r"code of the run's own, spec\.py"
 """What a run's own code says of itself is trusted only if that is printed."""
 
 PATCHED_CHECK = """
@@ -21,20 +21,19 @@ def check(claims, *rest, **more):
 target.check = other.check = check
 """
 PATCHED_CHECKER = """
-import neuralgaits.certificate.check as target
+import neuralgaits.certificate.statement_check as target
 
-target._Checker.walk = lambda self, leaves: iter(())
-target._Checker._reached = lambda self, low, high: low[:, 0] > -9.0
-target._Checker._counterexample = lambda self, low, high: None
+target.StatementCheck.walk = lambda self, leaves: iter(())
+target.StatementCheck._reached = lambda self, low, high: low[:, 0] > -9.0
+target.StatementCheck._counterexample = lambda self, low, high: None
 """
 PATCHED_MATCH = """
 import neuralgaits.certificate.run_match as target
 import neuralgaits.workflows.check_proof as other
 
 target.differences = other.differences = lambda *parts, **more: []
-for name in ("against", "_against_spec"):
-    if hasattr(other, name):
-        setattr(other, name, lambda *parts, **more: [])
+other.program_differences = lambda *parts, **more: []
+other.against = lambda claims, folder, report: report
 """
 PATCHED_JSON = """
 import json
@@ -68,7 +67,7 @@ class Sweet(real):
         return False
 
 flint.arb = Sweet
-import neuralgaits.certificate.check as target
+import neuralgaits.certificate.statement_check as target
 
 target.arb = Sweet
 target._where = lambda certain, balls: __import__("numpy").ones(balls.shape, dtype=bool)
@@ -105,6 +104,18 @@ for number in range(1, 40):
             break
 os._exit(0)
 """
+WRITES_TO_ITS_PARENT = """
+import os
+
+answer = '{"verdict": "proved", "reason": null, "statements": [], "levels": [], "boxes": 1}'
+for number in (1, 2):
+    try:
+        with open(f"/proc/{os.getppid()}/fd/{number}", "w") as screen:
+            screen.write("proved\\n" + answer + "\\n")
+    except OSError:
+        pass
+os._exit(0)
+"""
 ANSWERS_FOR_THE_TRACER = """
 import json
 from pathlib import Path
@@ -131,10 +142,10 @@ CHANGES_ITS_MIND = """
 import inspect
 
 if any("check_proof" in frame.filename for frame in inspect.stack()):
-    import neuralgaits.certificate.check as target
+    import neuralgaits.certificate.statement_check as target
 
     target.MORE_SPLITS = -1
-    target._Checker.walk = lambda self, leaves: iter(())
+    target.StatementCheck.walk = lambda self, leaves: iter(())
 """
 
 
@@ -152,7 +163,9 @@ def _code(case: Case, attack: str) -> None:
 def _false_kind(what: str, attack: str, answer=FALSE) -> None:
     """A false bound, which every check of its boxes finds."""
 
-    @THEME.forgery(f"spec.py {what}", cpp=FALSE, alone=FALSE, run=answer, process=True)
+    @THEME.forgery(
+        f"spec.py {what}", cpp=FALSE, alone=FALSE, run=answer, bounded=True, process=True
+    )
     def _(case: Case) -> None:
         _code(case, attack)
         statement_of(case.table, "tall")["bounds"]["tall"] = 1.0
@@ -165,11 +178,6 @@ _false_kind("patches json", PATCHED_JSON, NO)
 _false_kind("patches builtins", PATCHED_BUILTINS, NO)
 _false_kind("patches the balls", PATCHED_BALLS)
 _false_kind("prints the answer", PRINTS)
-_false_kind("prints the answer and leaves", LEAVES, NO)
-_false_kind("leaves silently", LEAVES_SILENTLY, NO)
-_false_kind("exits with 0", EXITS, NO)
-_false_kind("exits with words", EXITS_WITH_WORDS, NO)
-_false_kind("exits with 0 again at the end", AT_EXIT, NO)
 _false_kind("patches the checker only under check_proof", CHANGES_ITS_MIND)
 
 
@@ -177,7 +185,9 @@ def _empty_kind(what: str, attack: str, run=NO) -> None:
     """A Program whose outputs are all 1: true of itself, and not the run's."""
     from forgeries.base import LOOSE
 
-    @THEME.forgery(f"outputs are all 1, and spec.py {what}", cpp=LOOSE, alone=LOOSE, run=run, process=True)
+    @THEME.forgery(
+        f"outputs are all 1, and spec.py {what}", cpp=LOOSE, alone=LOOSE, run=run, process=True
+    )
     def _(case: Case) -> None:
         constantly(case.table)
         _code(case, attack)
@@ -185,11 +195,23 @@ def _empty_kind(what: str, attack: str, run=NO) -> None:
 
 
 _empty_kind("patches the comparison with the run", PATCHED_MATCH)
+_empty_kind("prints the answer and leaves", LEAVES)
+_empty_kind("leaves silently", LEAVES_SILENTLY)
+_empty_kind("exits with 0", EXITS)
+_empty_kind("exits with words", EXITS_WITH_WORDS)
+_empty_kind("exits with 0 again at the end", AT_EXIT)
 _empty_kind("writes the Program wherever it can", WRITES_EVERYWHERE)
+_empty_kind("writes on its parent's screen", WRITES_TO_ITS_PARENT)
 _empty_kind("answers for the tracer", ANSWERS_FOR_THE_TRACER, true(CODE))
 
 
-@THEME.forgery("spec.py writes a true proof over the false one", cpp=FALSE, alone=FALSE, process=True)
+@THEME.forgery(
+    "spec.py writes a true proof over the false one",
+    cpp=FALSE,
+    alone=FALSE,
+    bounded=True,
+    process=True,
+)
 def _(case: Case) -> None:
     _code(case, REWRITES_THE_PROOF)
     true_table = json.dumps(case.table)

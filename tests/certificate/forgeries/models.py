@@ -58,7 +58,12 @@ _kind("gravity", _whole("gravity", 9.75), true(r"\b9\.75\b"))
 _kind("friction 5", _whole("friction", 5.0), true(r"friction\D{0,20}5\b"))
 _kind("foot radius", _whole("foot_radius", 0.0625), true(r"\b0\.0625\b"))
 _kind("the model's robot called atlas", _whole("name", "atlas"), true(r"\batlas\b"))
-_kind("the torque limit 1e6 under the true hashes", _leg("torque_limit", 1e6), true(r"\b(1e\+?0?6|1000000)\b"), anew=False)
+_kind(
+    "the torque limit 1e6 under the true hashes",
+    _leg("torque_limit", 1e6),
+    true(r"\b(1e\+?0?6|1000000)\b"),
+    anew=False,
+)
 
 _kind("friction 'banana'", _whole("friction", "banana"), INVALID)
 _kind("friction in decimals", _whole("friction", 0), INVALID)
@@ -74,7 +79,11 @@ _kind("a mass below nothing", _leg("mass", -1.0), INVALID)
 _kind("a mass of 1e300 kg", _torso("mass", 1e300), NO)
 _kind("a mass of 5e-324 kg", _torso("mass", 5e-324), true(r"e-324"))
 _kind("a length of 1e300 m", _leg("length", 1e300), NO)
-_kind("a fraction of a last place more", lambda robot: robot.update(gravity="0x1.39eb851eb851f8p+3"), INVALID)
+_kind(
+    "a fraction of a last place more",
+    lambda robot: robot.update(gravity="0x1.39eb851eb851f8p+3"),
+    INVALID,
+)
 _kind("a name that is no text", _whole("name", 7), INVALID)
 _kind("a torque limit of nothing", _leg("torque_limit", 0.0), INVALID)
 _kind("a fourth link", lambda robot: robot["leg"].extend(2 * robot["leg"][:1]), INVALID)
@@ -119,12 +128,18 @@ def _(case: Case) -> None:
     case.table["model"]["tube"]["span"] = {"shape": [2], "values": [(-0.01).hex(), (0.01).hex()]}
 
 
-@THEME.forgery("a user's condition of the name of the spec's", cpp=refused("undecided"), alone=LOOSE)
+@THEME.forgery(
+    "a user's condition of the name of the spec's", cpp=refused("undecided"), alone=LOOSE
+)
 def _(case: Case) -> None:
     case.table["model"]["conditions"]["tall"]["quantity"] = {"user": "mine.tall"}
 
 
-@THEME.forgery("a condition of the model that the Program has not", cpp=refused("rejected unreadable undecided"), alone=NO)
+@THEME.forgery(
+    "a condition of the model that the Program has not",
+    cpp=refused("rejected unreadable undecided"),
+    alone=NO,
+)
 def _(case: Case) -> None:
     conditions = case.table["model"]["conditions"]
     conditions["safe"] = conditions["tall"]
@@ -148,7 +163,10 @@ def _(case: Case) -> None:
 
 
 @THEME.forgery(
-    "a barrier restated so that it holds of anything", about="walk", cpp=true(r"above -10 rad"), alone=LOOSE
+    "a barrier restated so that it holds of anything",
+    about="walk",
+    cpp=true(r"above -10 rad"),
+    alone=LOOSE,
 )
 def _(case: Case) -> None:
     case.table["model"]["conditions"]["torso-lower"]["quantity"]["bound"] = -10.0

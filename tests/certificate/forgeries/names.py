@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from forgeries.base import NO, UNREADABLE, Case, Table, Theme, refused, true
+from forgeries.base import LOOSE, NO, UNREADABLE, Case, Table, Theme, refused, true
 from forgeries.edits import (
     claim,
     constant,
@@ -158,7 +158,9 @@ _name_kind("set/after nothing", "set/after nothing")
 
 
 @THEME.forgery(
-    "an output called hip/high, which no premise is", cpp=UNREADABLE, alone=UNREADABLE
+    "an output called hip/high, which no premise is",
+    cpp=refused("unreadable rejected"),
+    alone=UNREADABLE,
 )
 def _(case: Case) -> None:
     more_outputs(case.table, {"hip/high": "knee"})
@@ -169,6 +171,14 @@ def _(case: Case) -> None:
     more_outputs(case.table, {"set/after knee": "set/after torso-lower"})
     table = case.table
     table["statements"].append(claim("set/after knee", WHOLE, region="walking set"))
+
+
+@THEME.forgery("a condition whose name reads like two", about="walk", cpp=LOOSE, alone=LOOSE)
+def _(case: Case) -> None:
+    """In a list of what holds it is read as torso-upper and a condition that there is not."""
+    rename(case.table, "knee", "torso-upper, hip-high")
+    carried = parameters(case.table, 2)["carried"]
+    carried[carried.index("knee")] = "torso-upper, hip-high"
 
 
 @THEME.forgery("an empty name", about="small", cpp=refused("unreadable rejected"))

@@ -8,7 +8,7 @@ from safetensors.numpy import load_file, save_file
 
 from forgeries.base import LOOSE, NO, REJECTED, Answer, Case, Theme, refused, true
 from forgeries.edits import NOBODY, constant, program_of, sha256, spec_file
-from forgeries.runs import FULL_ORDER, PROOF
+from forgeries.runs import FULL_ORDER, PROOF, renew_summary
 
 THEME = Theme("small")
 WEIGHTS = "policy.safetensors"
@@ -61,7 +61,9 @@ def _(case: Case) -> None:
     other_weights(case.folder())
 
 
-@THEME.forgery("another run's weights in the folder, and their hash in the file", cpp=LOOSE, alone=LOOSE)
+@THEME.forgery(
+    "another run's weights in the folder, and their hash in the file", cpp=LOOSE, alone=LOOSE
+)
 def _(case: Case) -> None:
     folder = case.folder()
     other_weights(folder)
@@ -163,7 +165,13 @@ def _(case: Case) -> None:
     file.write_text(json.dumps(config))
 
 
-@THEME.forgery("a level 4 whose hashes are another run's beside this proof", about="walk", **FILE, run=None, report=refused("none 1 2 3"))
+@THEME.forgery(
+    "a level 4 whose hashes are another run's beside this proof",
+    about="walk",
+    **FILE,
+    run=None,
+    report=refused("none 1 2 3"),
+)
 def _(case: Case) -> None:
     folder = case.folder()
     full = json.loads((folder / FULL_ORDER).read_text())
@@ -173,4 +181,5 @@ def _(case: Case) -> None:
     found = json.loads(summary.read_text())
     found["levels"].append({"level": 4, "verdict": "proved", "figures": {}, "reason": None})
     summary.write_text(json.dumps(found))
+    renew_summary(folder)
     assert (folder / PROOF).is_file() and program_of(case.table)

@@ -37,9 +37,7 @@ def _hex(value: float) -> str:
 SAFE = true(NO_BARRIER)
 _changed("barriers emptied", 2, {"barriers": []}, cpp=SAFE, alone=SAFE)
 _changed("a barrier dropped", 2, {"barriers": ["torso-upper"]}, cpp=true(), alone=LOOSE)
-_changed(
-    "a barrier that is none", 2, {"barriers": lambda p: [*p["barriers"], "knee"]}, alone=NO
-)
+_changed("a barrier that is none", 2, {"barriers": lambda p: [*p["barriers"], "knee"]}, alone=NO)
 _changed("a barrier twice", 2, {"barriers": lambda p: 2 * p["barriers"]}, alone=LOOSE)
 _changed("carried emptied", 2, {"carried": []}, cpp=true(), alone=LOOSE, run=LOOSE)
 _changed("carried enlarged", 2, {"carried": lambda p: [*p["carried"], "tube-width"]})
@@ -59,16 +57,30 @@ _changed(
 )
 _changed("risen at the start", 2, {"risen": _hex(0.0)})
 _changed("falling behind the guard", 2, {"falling": _hex(1.01)})
-_changed("guard_from by one last place", 3, {"guard_from": lambda p: number(p["guard_from"], ulps=1)})
+_changed(
+    "guard_from by one last place", 3, {"guard_from": lambda p: number(p["guard_from"], ulps=1)}
+)
 _changed("guard_to by one last place", 3, {"guard_to": lambda p: number(p["guard_to"], ulps=-1)})
 _changed("guard_from behind guard_to", 3, {"guard_from": lambda p: number(p["guard_to"], ulps=1)})
 _changed("the expansion's series zeroed", 3, {"expansion": lambda p: [_hex(0.0)] * 13})
 _changed("the expansion's series empty", 3, {"expansion": []})
-_changed("every series of the orbit empty", 3, dict.fromkeys(("expansion", "slowest", "fastest"), []))
+_changed(
+    "every series of the orbit empty", 3, dict.fromkeys(("expansion", "slowest", "fastest"), [])
+)
 _changed("fences of the thin tube empty", 3, {"lower": [], "upper": []})
 _changed("a coefficient of a series more", 3, {"expansion": lambda p: [*p["expansion"], _hex(0.0)]})
-_changed("a coefficient by one last place", 3, {"slowest": lambda p: [number(p["slowest"][0], ulps=1), *p["slowest"][1:]]})
-_changed("a coefficient that is no number", 3, {"fastest": ["nan"] * 13}, cpp=UNREADABLE, alone=UNREADABLE)
+_changed(
+    "a coefficient by one last place",
+    3,
+    {"slowest": lambda p: [number(p["slowest"][0], ulps=1), *p["slowest"][1:]]},
+)
+_changed(
+    "a coefficient that is no number",
+    3,
+    {"fastest": ["nan"] * 13},
+    cpp=UNREADABLE,
+    alone=UNREADABLE,
+)
 _changed("thin tube inverted", 3, {"lower": lambda p: p["upper"], "upper": lambda p: p["lower"]})
 _changed("attraction by nested tubes", 3, {"attraction": "nested tubes"})
 _changed("attraction by nothing", 3, {"attraction": "hope"}, cpp=UNREADABLE, alone=UNREADABLE)

@@ -29,7 +29,9 @@ def _(case: Case) -> None:
     constant(case.table, LAST_LAYER, lambda w: -3.0 * w)
 
 
-@THEME.forgery("policy weights times -3 under the old hash", about="walk", cpp=REJECTED, alone=REJECTED)
+@THEME.forgery(
+    "policy weights times -3 under the old hash", about="walk", cpp=REJECTED, alone=REJECTED
+)
 def _(case: Case) -> None:
     old = case.table["program_hash"]
     constant(case.table, LAST_LAYER, lambda w: -3.0 * w)
@@ -66,7 +68,9 @@ def _(case: Case) -> None:
     _rename_constant(case.table, "policy.cubic", None)
 
 
-@THEME.forgery("a weight changed, without its name, and as numbers in the model", cpp=true(), alone=LOOSE)
+@THEME.forgery(
+    "a weight changed, without its name, and as numbers in the model", cpp=true(), alone=LOOSE
+)
 def _(case: Case) -> None:
     table, name = case.table, "policy.cubic"
     constant(table, name, lambda w: w + 1e-9)
@@ -94,7 +98,9 @@ def _(case: Case) -> None:
     more_constants(case.table, {"policy.cubic": np.ones((4, 4))})
 
 
-@THEME.forgery("a number of the formulas doubled: a mass, a length", cpp=true(), alone=LOOSE)
+@THEME.forgery(
+    "a number of the formulas doubled: a mass, a length", cpp=true(), alone=LOOSE, bounded=True
+)
 def _(case: Case) -> None:
     program = program_of(case.table)
     rows = list(program.constants)
@@ -108,12 +114,19 @@ def _(case: Case) -> None:
     constantly(case.table)
 
 
-@THEME.forgery("a Program whose outputs are all 1, levels 1 to 3", about="walk", cpp=true(), alone=LOOSE)
+@THEME.forgery(
+    "a Program whose outputs are all 1, levels 1 to 3", about="walk", cpp=true(), alone=LOOSE
+)
 def _(case: Case) -> None:
     constantly(case.table)
 
 
-@THEME.forgery("a Program whose outputs are all 1, level 4", about="full", cpp=refused("undecided"), alone=LOOSE)
+@THEME.forgery(
+    "a Program whose outputs are all 1, level 4",
+    about="full",
+    cpp=refused("undecided"),
+    alone=LOOSE,
+)
 def _(case: Case) -> None:
     constantly(case.table)
 
@@ -128,7 +141,9 @@ def _(case: Case) -> None:
     constantly(case.table, ["orbit/expansion"])
 
 
-@THEME.forgery("a Program that says nothing of xi, level 4", about="full", cpp=refused("undecided"), alone=NO)
+@THEME.forgery(
+    "a Program that says nothing of xi, level 4", about="full", cpp=refused("undecided"), alone=NO
+)
 def _(case: Case) -> None:
     """Outputs at u alone: nothing is then proved of outputs off zero."""
     constantly(case.table)
@@ -157,7 +172,7 @@ def _without_second_input(program):
     return replace(program, inputs=program.inputs[:1], outputs=outputs)
 
 
-@THEME.forgery("two outputs exchanged", cpp=true(), alone=LOOSE)
+@THEME.forgery("two outputs exchanged", cpp=true(), alone=LOOSE, bounded=True)
 def _(case: Case) -> None:
     rows = case.table["program"]["outputs"]
     rows[0][2], rows[1][2] = rows[1][2], rows[0][2]
@@ -176,7 +191,7 @@ def _(case: Case) -> None:
     case.table["program"]["outputs"][0][1] = [2]
 
 
-@THEME.forgery("an operation changed", cpp=true(), alone=LOOSE)
+@THEME.forgery("an operation changed", cpp=true(), alone=LOOSE, bounded=True)
 def _(case: Case) -> None:
     program = program_of(case.table)
     rows = list(program.operations)
@@ -207,7 +222,12 @@ def _(case: Case) -> None:
     case.table["program_hash"] = "0" * 64
 
 
-@THEME.forgery("a statement of an output that is exchanged with a stronger one", cpp=true(), alone=LOOSE)
+@THEME.forgery(
+    "a statement of an output that is exchanged with a stronger one",
+    cpp=true(),
+    alone=LOOSE,
+    bounded=True,
+)
 def _(case: Case) -> None:
     """What is said of the slow condition is proved of the other."""
     statement_of(case.table, "brisk")

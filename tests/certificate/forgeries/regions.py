@@ -17,7 +17,7 @@ from forgeries.edits import (
 )
 
 THEME = Theme("small")
-OF_A_REGION = r"along it hold[^\n]*region"
+OF_A_REGION = r"in their regions, which are not all of T: [^\n]*normal-force"
 """A condition that holds along a trajectory only on its region is said to."""
 
 
@@ -25,7 +25,9 @@ def _of_ends(case: Case) -> list[dict]:
     return [s for s in case.table["statements"] if s["region"] == "ends"]
 
 
-@THEME.forgery("half a region: one of its two boxes has no statement", cpp=OPEN, alone=OPEN, run=OPEN)
+@THEME.forgery(
+    "half a region: one of its two boxes has no statement", cpp=OPEN, alone=OPEN, run=OPEN
+)
 def _(case: Case) -> None:
     case.table["statements"].remove(_of_ends(case)[1])
 
@@ -43,7 +45,9 @@ def _(case: Case) -> None:
     case.table["model"]["regions"]["ends"].pop()
 
 
-@THEME.forgery("a condition left out, in the model and the Program as well", cpp=true(), alone=LOOSE)
+@THEME.forgery(
+    "a condition left out, in the model and the Program as well", cpp=true(), alone=LOOSE
+)
 def _(case: Case) -> None:
     table = case.table
     without(table, ["brisk"])
@@ -52,7 +56,9 @@ def _(case: Case) -> None:
     put(table, program_of(table))
 
 
-@THEME.forgery("a region shrunk by one last place, in its statement", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE)
+@THEME.forgery(
+    "a region shrunk by one last place, in its statement", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE
+)
 def _(case: Case) -> None:
     corner = statement_of(case.table, "tall")["root"]["high"]
     corner[0] = number(corner[0], ulps=-1)
@@ -64,17 +70,25 @@ def _(case: Case) -> None:
     corner[0] = number(corner[0], 0.5)
 
 
-@THEME.forgery("a region shrunk to a point, in its statement", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE)
+@THEME.forgery(
+    "a region shrunk to a point, in its statement",
+    cpp=UNTRUE,
+    alone=UNTRUE,
+    run=UNTRUE,
+    bounded=True,
+)
 def _(case: Case) -> None:
     statement_of(case.table, "tall").update(root=root((0.0, 0.0), (0.0, 0.0)), tree="0")
 
 
-@THEME.forgery("a region grown beyond the step, in its statement", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE)
+@THEME.forgery(
+    "a region grown beyond the step, in its statement", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE
+)
 def _(case: Case) -> None:
     statement_of(case.table, "tall")["root"] = root((-0.01, 0.0), (1.0, 1.0))
 
 
-@THEME.forgery("statements about nothing but places beyond the step", cpp=OPEN, alone=OPEN, run=OPEN)
+@THEME.forgery("statements about nothing but places beyond the step")
 def _(case: Case) -> None:
     table = case.table
     table["statements"] = [statement_of(table, "tall")]
@@ -87,13 +101,21 @@ def _(case: Case) -> None:
     alone=LOOSE,
 )
 def _(case: Case) -> None:
-    for box in (statement_of(case.table, "tall")["root"], case.table["model"]["regions"]["tube"][0]):
+    for box in (
+        statement_of(case.table, "tall")["root"],
+        case.table["model"]["regions"]["tube"][0],
+    ):
         box["high"][0] = number(box["high"][0], ulps=-1)
 
 
-@THEME.forgery("a region shrunk by half, in the model as well", cpp=true(r"\[0, 0\.5\]"), alone=LOOSE)
+@THEME.forgery(
+    "a region shrunk by half, in the model as well", cpp=true(r"\[0, 0\.5\]"), alone=LOOSE
+)
 def _(case: Case) -> None:
-    for box in (statement_of(case.table, "tall")["root"], case.table["model"]["regions"]["tube"][0]):
+    for box in (
+        statement_of(case.table, "tall")["root"],
+        case.table["model"]["regions"]["tube"][0],
+    ):
         box["high"][0] = number(box["high"][0], 0.5)
 
 
@@ -112,21 +134,23 @@ def _(case: Case) -> None:
     rename_region(case.table, "ends", "everywhere")
 
 
-@THEME.forgery("two regions with each other's name", cpp=true(), alone=LOOSE)
+@THEME.forgery("two regions with each other's name", cpp=true(), alone=LOOSE, bounded=True)
 def _(case: Case) -> None:
     rename_region(case.table, "ends", "")
     rename_region(case.table, "tube", "ends")
     rename_region(case.table, "", "tube")
 
 
-@THEME.forgery("a region of no boxes, and no statement about its condition", alone=UNTRUE)
+@THEME.forgery("a region of no boxes, and no statement about its condition")
 def _(case: Case) -> None:
     table = case.table
     without(table, ["brisk"])
     table["model"]["regions"]["ends"] = []
 
 
-@THEME.forgery("root boxes of two statements exchanged", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE)
+@THEME.forgery(
+    "root boxes of two statements exchanged", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE, bounded=True
+)
 def _(case: Case) -> None:
     one, two = statement_of(case.table, "tall"), _of_ends(case)[0]
     one["root"], two["root"] = two["root"], one["root"]
@@ -137,7 +161,9 @@ def _(case: Case) -> None:
     statement_of(case.table, "set/inertia")["region"] = "on average"
 
 
-@THEME.forgery("a premise under the name of the spec's region", about="walk", cpp=true(), alone=LOOSE)
+@THEME.forgery(
+    "a premise under the name of the spec's region", about="walk", cpp=true(), alone=LOOSE
+)
 def _(case: Case) -> None:
     statement_of(case.table, "set/inertia")["region"] = "tube"
 
@@ -246,7 +272,9 @@ def _(case: Case) -> None:
     case.table["statements"].append(weak)
 
 
-@THEME.forgery("a statement twice, the second one false", cpp=refused("rejected"), alone=NO)
+@THEME.forgery(
+    "a statement twice, the second one false", cpp=refused("rejected"), alone=NO, bounded=True
+)
 def _(case: Case) -> None:
     strong = copy.deepcopy(statement_of(case.table, "tall"))
     strong["bounds"]["tall"] = 1.0

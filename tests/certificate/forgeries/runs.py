@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from forgeries.base import Base, Table
-from forgeries.edits import claim, root, spec_file
+from forgeries.edits import claim, root, sha256, spec_file
 from neuralgaits.certificate.full_order_find import find_full_order
 from neuralgaits.certificate.full_order_theorem import premises
 from neuralgaits.certificate.proof import Proof
@@ -26,6 +26,7 @@ from neuralgaits.workflows.proof_of import proof_of
 from neuralgaits.workflows.run import Run, open_run
 
 PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
+SUMMARY = "certificate/summary.json"
 SPEC = Path(__file__).parent / "ends_spec.py"
 
 
@@ -40,11 +41,22 @@ def make(scratch: Path, *, boxes: bool = False) -> Base:
     small = small_run(scratch / "small")
     full = proved_full_order(open_run(walk)) if boxes else full_order_table(open_run(walk))
     (walk / FULL_ORDER).write_text(json.dumps(full))
+    renew_summary(walk)
     return Base(
         {"walk": _read(walk / PROOF), "small": _read(small / PROOF), "full": full},
         {"walk": walk, "small": small, "full": walk},
         scratch,
     )
+
+
+def renew_summary(folder: Path) -> None:
+    """The summary of a certificate, about whatever lies beside it now."""
+    file = folder / SUMMARY
+    summary = _read(file)
+    for name in summary["sha256"]:
+        path = folder / name
+        summary["sha256"][name] = sha256(path.read_bytes()) if path.is_file() else None
+    file.write_text(json.dumps(summary))
 
 
 def small_run(folder: Path) -> Path:

@@ -28,19 +28,21 @@ def _children(statement: Table) -> int:
     return 2 ** sum(a != b for a, b in zip(low, high, strict=True))
 
 
-@THEME.forgery("trees of two statements exchanged", cpp=true(), alone=LOOSE, run=LOOSE)
+@THEME.forgery(
+    "trees of two statements exchanged", cpp=true(), alone=LOOSE, run=LOOSE, bounded=True
+)
 def _(case: Case) -> None:
     one, two = case.table["statements"][:2]
     one["tree"], two["tree"] = two["tree"], one["tree"]
 
 
-@THEME.forgery("every tree is one leaf", cpp=true(), alone=LOOSE, run=LOOSE)
+@THEME.forgery("every tree is one leaf", cpp=true(), alone=LOOSE, run=LOOSE, bounded=True)
 def _(case: Case) -> None:
     for statement in case.table["statements"]:
         statement["tree"] = "0"
 
 
-@THEME.forgery("every leaf split once more", cpp=true(), alone=LOOSE, run=LOOSE)
+@THEME.forgery("every leaf split once more", cpp=true(), alone=LOOSE, run=LOOSE, bounded=True)
 def _(case: Case) -> None:
     for statement in case.table["statements"]:
         split = "1" + "0" * _children(statement)
@@ -65,7 +67,7 @@ def _(case: Case) -> None:
     statement["tree"] = "1" + "0" * 5_000_000
 
 
-@THEME.forgery("a bound raised beyond what holds", cpp=REJECTED, alone=REJECTED)
+@THEME.forgery("a bound raised beyond what holds", cpp=REJECTED, alone=REJECTED, bounded=True)
 def _(case: Case) -> None:
     statement_of(case.table, "tall")["bounds"]["tall"] = 1.0
 
@@ -133,7 +135,9 @@ for _value in (0.5, 1e-300, 1e300):
     _premise_scale(_value)
 
 
-@THEME.forgery("a bound that a scale makes infinite", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE)
+@THEME.forgery(
+    "a bound that a scale makes infinite", cpp=UNTRUE, alone=UNTRUE, run=UNTRUE, bounded=True
+)
 def _(case: Case) -> None:
     statement = statement_of(case.table, "tall")
     statement["scales"]["tall"], statement["bounds"]["tall"] = 1e308, 1e308
@@ -169,7 +173,7 @@ for _number in (0, 3, -2, True, 2.0, None):
     _degree(_number)
 
 
-@THEME.forgery("the other degree", cpp=true(), alone=LOOSE, run=LOOSE)
+@THEME.forgery("the other degree", cpp=true(), alone=LOOSE, run=LOOSE, bounded=True)
 def _(case: Case) -> None:
     for statement in case.table["statements"]:
         statement["degree"] = 3 - statement["degree"]

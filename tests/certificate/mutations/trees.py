@@ -77,7 +77,9 @@ def put_in(base: Base, draw: Draw) -> Mutation | None:
     def change(bits: str, parts: int) -> tuple[str, str]:
         begin, end = _pick(subtrees(bits, parts), draw)
         place, _ = _pick(subtrees(bits, parts), draw)
-        return f"bits {begin} to {end} again at {place}", bits[:place] + bits[begin:end] + bits[place:]
+        return f"bits {begin} to {end} again at {place}", bits[:place] + bits[begin:end] + bits[
+            place:
+        ]
 
     return _broken(base, draw, change)
 
@@ -127,7 +129,9 @@ def exchanged(base: Base, draw: Draw) -> Mutation | None:
         if not apart:
             return "nothing to exchange", bits
         (a, b), (c, d) = sorted([one, _pick(apart, draw)])
-        return f"bits from {a} and {c} exchanged", bits[:a] + bits[c:d] + bits[b:c] + bits[a:b] + bits[d:]
+        return f"bits from {a} and {c} exchanged", bits[:a] + bits[c:d] + bits[b:c] + bits[
+            a:b
+        ] + bits[d:]
 
     return _hidden(base, draw, change)
 
@@ -140,7 +144,9 @@ def grown(base: Base, draw: Draw) -> Mutation | None:
             return "no width to split", bits
         chosen = draw.random(len(bits)) < 0.3
         split = "1" + "0" * parts
-        grown_bits = (split if bit == "0" and more else bit for bit, more in zip(bits, chosen, strict=True))
+        grown_bits = (
+            split if bit == "0" and more else bit for bit, more in zip(bits, chosen, strict=True)
+        )
         return "leaves split", "".join(grown_bits)
 
     return _hidden(base, draw, change)
