@@ -23,15 +23,16 @@ from pathlib import Path
 
 from common import show
 
-REPOSITORY = Path(__file__).parents[1]
-sys.path.insert(0, str(REPOSITORY / "tests" / "certificate"))
+# What is forged is the tests'.
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificate"))
 
-from forgeries import runs
 from forgeries.ask import Heard, answers, complaints
 from forgeries.base import EXIT, YES, Base, Forgery
 from forgeries.quick import statements_taken_as_checked, traced_once
+from forgeries.runs import make
 from forgeries.table import THEMES
 
+REPOSITORY = Path(__file__).parents[1]
 PROGRAM = REPOSITORY / "build" / "proofcheck"
 CHECKERS = ("cpp", "alone", "run", "report")
 WIDTH = 66
@@ -42,7 +43,7 @@ def main(themes: list[str], *, boxes: bool) -> None:
     subprocess.run(["make", "--silent", "proofcheck"], cwd=REPOSITORY, check=True)
     began, counts = time.perf_counter(), Counter[str]()
     with tempfile.TemporaryDirectory() as folder, traced_once({}):
-        base = runs.make(Path(folder), boxes=boxes)
+        base = make(Path(folder), boxes=boxes)
         head = ("C++", "Python", "with run", "report")
         print(f"{'kind':{WIDTH}} " + " ".join(f"{name:12}" for name in head))
         for theme, kinds in THEMES.items():

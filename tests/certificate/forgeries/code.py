@@ -11,6 +11,16 @@ FALSE = refused("rejected")
 CODE = r"code of the run's own, spec\.py"
 """What a run's own code says of itself is trusted only if that is printed."""
 
+QUICK = (
+    "check()",
+    "prints the answer and leaves",
+    "exits with 0",
+    "wherever it can",
+    "the tracer",
+    "screen",
+)
+"""Parts of the kinds that the tests ask with a run, which takes seconds; benchmarks ask all."""
+
 PATCHED_CHECK = """
 import neuralgaits.certificate.check as target
 import neuralgaits.workflows.check_proof as other

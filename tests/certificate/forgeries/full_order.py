@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from forgeries.base import LOOSE, Answer, Case, Table, Theme, refused
-from forgeries.edits import constant, constantly, number, parameters, put, program_of, renew
+from forgeries.edits import constant, constantly, number, parameters, program_of, put, renew
 
 THEME = Theme("full")
 OPEN = refused("undecided unreadable")

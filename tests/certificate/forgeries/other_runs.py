@@ -6,15 +6,20 @@ from pathlib import Path
 import numpy as np
 from safetensors.numpy import load_file, save_file
 
-from forgeries.base import LOOSE, NO, REJECTED, Answer, Case, Theme, refused, true
+from forgeries.base import LOOSE, NO, REJECTED, About, Answer, Case, Theme, refused, true
 from forgeries.edits import NOBODY, constant, program_of, sha256, spec_file
 from forgeries.runs import FULL_ORDER, PROOF, renew_summary
 
 THEME = Theme("small")
 WEIGHTS = "policy.safetensors"
 LAST_LAYER = "policy.network.weights[2]"
-FILE = dict(cpp=None, alone=None)
-"""The proof is the true one: only what is asked about the run has another answer."""
+
+
+def of_run(
+    what: str, run: Answer | None = NO, report: Answer | None = None, about: About = "small"
+):
+    """A run that is spoilt; its proof is the true one."""
+    return THEME.forgery(what, cpp=None, alone=None, run=run, report=report, about=about)
 
 
 def other_weights(folder: Path) -> None:
@@ -56,7 +61,7 @@ def _(case: Case) -> None:
     case.run = case.base.runs["small"]
 
 
-@THEME.forgery("another run's weights in the folder", **FILE, run=REJECTED)
+@of_run("another run's weights in the folder", run=REJECTED)
 def _(case: Case) -> None:
     other_weights(case.folder())
 
@@ -70,7 +75,7 @@ def _(case: Case) -> None:
     case.table["weights_sha256"] = sha256((folder / WEIGHTS).read_bytes())
 
 
-@THEME.forgery("another spec in the folder", **FILE)
+@of_run("another spec in the folder")
 def _(case: Case) -> None:
     (case.folder() / "spec.py").write_text("ends = None\n")
 
@@ -96,13 +101,13 @@ def _(case: Case) -> None:
     file.write_text(json.dumps(config))
 
 
-@THEME.forgery("another robot in the folder", **FILE)
+@of_run("another robot in the folder")
 def _(case: Case) -> None:
     folder = case.folder()
     (folder / "robot.xml").write_text(_heavier(folder))
 
 
-@THEME.forgery("another robot in the folder, its hash in config", **FILE)
+@of_run("another robot in the folder, its hash in config")
 def _(case: Case) -> None:
     folder = case.folder()
     recopied(folder, "robot.xml", _heavier(folder))
@@ -121,7 +126,7 @@ def _heavier(folder: Path) -> str:
     return text.replace('mass="13', 'mass="14')
 
 
-@THEME.forgery("another built-in spec in the config", **FILE)
+@of_run("another built-in spec in the config")
 def _(case: Case) -> None:
     file = case.folder() / "config.json"
     config = json.loads(file.read_text())
@@ -129,7 +134,7 @@ def _(case: Case) -> None:
     file.write_text(json.dumps(config))
 
 
-@THEME.forgery("the walking spec's run, and this proof beside it", **FILE)
+@of_run("the walking spec's run, and this proof beside it")
 def _(case: Case) -> None:
     case.run = case.base.runs["walk"]
 
@@ -157,7 +162,7 @@ def _(case: Case) -> None:
     case.table["robot"]["name"] = case.table["model"]["robot"]["name"] = "atlas"
 
 
-@THEME.forgery("the robot's name in the run's config", **FILE)
+@of_run("the robot's name in the run's config")
 def _(case: Case) -> None:
     file = case.folder() / "config.json"
     config = json.loads(file.read_text())
@@ -165,10 +170,9 @@ def _(case: Case) -> None:
     file.write_text(json.dumps(config))
 
 
-@THEME.forgery(
+@of_run(
     "a level 4 whose hashes are another run's beside this proof",
     about="walk",
-    **FILE,
     run=None,
     report=refused("none 1 2 3"),
 )

@@ -64,9 +64,7 @@ _changed("guard_to by one last place", 3, {"guard_to": lambda p: number(p["guard
 _changed("guard_from behind guard_to", 3, {"guard_from": lambda p: number(p["guard_to"], ulps=1)})
 _changed("the expansion's series zeroed", 3, {"expansion": lambda p: [_hex(0.0)] * 13})
 _changed("the expansion's series empty", 3, {"expansion": []})
-_changed(
-    "every series of the orbit empty", 3, dict.fromkeys(("expansion", "slowest", "fastest"), [])
-)
+_changed("every series of the orbit empty", 3, {"expansion": [], "slowest": [], "fastest": []})
 _changed("fences of the thin tube empty", 3, {"lower": [], "upper": []})
 _changed("a coefficient of a series more", 3, {"expansion": lambda p: [*p["expansion"], _hex(0.0)]})
 _changed(

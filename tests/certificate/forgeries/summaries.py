@@ -52,6 +52,13 @@ def _written(file: str, text: str) -> Edit:
     return edit
 
 
+def _copied(file: str, to: str) -> Edit:
+    def edit(folder: Path) -> None:
+        (folder / to).write_text((folder / file).read_text())
+
+    return edit
+
+
 def _level_4(table: Table) -> None:
     table["levels"].append(
         {
@@ -143,7 +150,7 @@ _report(
 _report(
     "a summary of level 4 whose proof is this run's level 3",
     _then(
-        lambda folder: (folder / FULL_ORDER).write_text((folder / PROOF).read_text()),
+        _copied(PROOF, FULL_ORDER),
         _json(SUMMARY, _level_4),
     ),
     LEVEL_3,

@@ -12,7 +12,6 @@ from forgeries.base import (
     Content,
     Table,
     Theme,
-    refused,
     true,
 )
 from forgeries.edits import first, number, statement_of
