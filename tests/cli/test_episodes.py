@@ -103,3 +103,10 @@ def test_bad_input_is_one_line_and_2(capfd, tmp_path, monkeypatch, words, says):
     assert err.count("\n") == 1
     assert says in err
     assert not list(tmp_path.iterdir())
+
+
+def test_without_a_robot_there_must_be_something_to_go_on_with(capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["episodes", "--plant", "amber3m-tail"]) == 2
+    assert "expected ROBOT, found none" in capfd.readouterr().err
+    assert not list(tmp_path.iterdir())
