@@ -1,10 +1,11 @@
 """How far a run's certificate goes, and whether it is about the files that lie in the run."""
 
 import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+from neuralgaits.runs import from_json
 
 SUMMARY = "certificate/summary.json"
 PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
@@ -42,7 +43,7 @@ def why_not_of_run(certificate: Mapping[str, Any], run: Path) -> str | None:
         if not (run / file).is_file():
             continue
         try:
-            proof = json.loads((run / file).read_bytes())
+            proof = from_json((run / file).read_bytes())
             expected = {
                 "policy.safetensors": proof["weights_sha256"],
                 "robot.xml": proof["robot"]["sha256"],

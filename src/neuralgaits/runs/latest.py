@@ -78,7 +78,8 @@ def _latest(root: Path) -> Path:
             f"expected {pointer} to name a finished run, found no such file: train one first, "
             "as in `neuralgaits train amber3m`"
         )
-    name = pointer.read_text().strip()
+    # A damaged pointer names nothing that is there.
+    name = pointer.read_text(encoding="utf-8", errors="replace").strip()
     if not name or not (root / name).is_dir():
         raise RunError(
             f"expected {pointer} to name a run folder, found {name!r} which is not there: "

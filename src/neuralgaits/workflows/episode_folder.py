@@ -6,7 +6,6 @@ round-K/        the run of the round's policy, with its residual
 round-K/walks/  summary.json and logs/*.csv of its walks
 """
 
-import json
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,16 +15,41 @@ from typing import Any
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.runs import plain, write_text
+from neuralgaits.runs import from_json, plain, write_text
 from neuralgaits.runs.claim import claim
+from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.plain import to_json
+from neuralgaits.runs.shape import (
+    NUMBER,
+    TEXT,
+    Shape,
+    complaint,
+    may,
+    one_of,
+    table_of,
+    whole,
+)
+from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.run import Run
 
 ASKED, SUMMARY = "episodes.json", "summary.json"
 ROBOT, PLANT = "robot.xml", "plant.xml"
 FORMAT = 1
 """Version of this layout; others are refused."""
+MOST_ROUNDS = 100
+CONFIG: Shape = {
+    "robot": TEXT,
+    "plant": may(TEXT),
+    "disturb": may(table_of(may(NUMBER))),
+    "controller": one_of(*LAWS),
+    "logs": may(TEXT),
+    "rounds": whole(1, MOST_ROUNDS),
+    "seed": whole(0, 2**31 - 1),
+    "steps": may(whole(1, 2**31 - 1)),
+    "start": may(TEXT),
+}
+"""`episodes.json`."""
 HOME = "episodes"
 """Folder below the root of the runs."""
 
@@ -94,16 +118,17 @@ class EpisodeFolder:
         path = Path(place)
         if not (path / ASKED).is_file():
             return None
-        config = read(path / ASKED)
+        config = read(path / ASKED, {})
         if config.get("format") != FORMAT:
             raise RunError(
                 f"expected episodes of format {FORMAT} in {path}, found {config.get('format')!r}: "
                 "begin new ones"
             )
-        robot = robot_from_text((path / ROBOT).read_text(), config["robot"])
+        refuse_misshapen(config, CONFIG, path / ASKED)
+        robot = load_robot_of(path / ROBOT, config["robot"])
         plant = None
         if config["plant"] is not None:
-            plant = robot_from_text((path / PLANT).read_text(), config["plant"])
+            plant = load_robot_of(path / PLANT, config["plant"])
         return cls(path, config, robot, plant)
 
     def gone_on_with(self, asked: Mapping[str, Any], out: str | Path | None) -> "EpisodeFolder":
@@ -156,10 +181,23 @@ def write(path: Path, value: Any) -> None:
     write_text(path, to_json(value))
 
 
-def read(path: Path) -> dict[str, Any]:
+def load_robot_of(path: Path, name: str) -> PlanarBiped:
+    """A robot of the episodes. Raises: RunError or RobotError if its file is gone or damaged."""
+    try:
+        return robot_from_text(path.read_bytes().decode(), name)
+    except (OSError, UnicodeDecodeError) as error:
+        raise RunError(
+            f"expected the robot file {path}, found none to read ({error}): restore it"
+        ) from None
+
+
+def read(path: Path, shape: Shape) -> dict[str, Any]:
     """Read JSON of `write`. Raises: RunError if it is damaged."""
     try:
-        return json.loads(path.read_bytes())
+        found = from_json(path.read_bytes())
+        if wrong := complaint(found, shape):
+            raise ValueError(wrong)
+        return found
     except (OSError, ValueError) as error:
         raise RunError(
             f"expected JSON in {path}, found a damaged file ({error}): delete its round and resume"

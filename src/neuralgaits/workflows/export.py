@@ -1,7 +1,6 @@
 """Write a trained gait for a robot, in C or ONNX, and compare it with Python."""
 
 import hashlib
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,9 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
+from neuralgaits.report.shapes import CERTIFIED
 from neuralgaits.runs import plain
+from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
@@ -97,8 +98,9 @@ def controller_files(design: Design, reference: Reference) -> dict[str, str]:
 def _origin(trained: Run) -> Origin:
     weights = _sha256(trained.path / WEIGHTS)
     proof, verdict = trained.path / PROOF, None
-    if proof.is_file() and json.loads(proof.read_bytes()).get("weights_sha256") == weights:
+    if proof.is_file() and trained.folder.read_json(PROOF).get("weights_sha256") == weights:
         about = trained.folder.read_json(CERTIFICATE)
+        refuse_misshapen(about, CERTIFIED, trained.path / CERTIFICATE)
         verdict = f"{about['verdict']} at level {about['level']}"
     return Origin(
         robot_sha256=_sha256(trained.path / ROBOT),

@@ -1,6 +1,5 @@
 """What a run's certificate says, as far as figures show it."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +18,7 @@ from neuralgaits.report.certificate import (
 )
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.return_map import Proved
+from neuralgaits.runs import from_json
 from neuralgaits.workflows.run import Run
 
 
@@ -80,7 +80,7 @@ def _read(
 def _json(path: Path) -> dict[str, Any] | None:
     """A JSON object; None if there is none that can be read."""
     try:
-        found = json.loads(path.read_bytes())
+        found = from_json(path.read_bytes())
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None

@@ -15,9 +15,16 @@ from neuralgaits.report.certificate import (
     why_not_of_run,
 )
 from neuralgaits.report.figure import Drawn, Missing
+from neuralgaits.report.shapes import CERTIFIED, LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
 from neuralgaits.runs import RunFolder
+from neuralgaits.runs.folder import refuse_misshapen
+from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
 
 Json = Mapping[str, Any]
+_PROOF: Shape = {
+    "theorems": list_of({"level": COUNT, "parameters": {"disturbance?": list_of(TEXT)}})
+}
+"""Of a proof file: what is told of it here."""
 _HASHED = (
     "policy.safetensors",
     "robot.xml",
@@ -98,14 +105,19 @@ class Contents:
 
 
 def read(folder: RunFolder) -> Saved:
-    """Read a run. A damaged part is left out and named; only a damaged config is an error."""
+    """Read a run. A damaged part is left out and named.
+
+    Raises: RunError if what was asked or found in training is damaged: pages are about these.
+    """
     damaged: dict[str, str] = {}
 
-    def part(file: str, base: Path = folder.path) -> Json | None:
+    def part(file: str, shape: Shape, base: Path = folder.path) -> Json | None:
         if not (base / file).is_file():
             return None
         try:
-            return RunFolder(base, {}).read_json(file)
+            found = RunFolder(base, {}).read_json(file)
+            refuse_misshapen(found, shape, base / file)
+            return found
         except RunError as error:
             damaged[file] = str(error)
             return None
@@ -115,8 +127,8 @@ def read(folder: RunFolder) -> Saved:
     except RunError as error:
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
-    rounds = part("summary.json", above) if (above / "episodes.json").is_file() else None
-    certificate = part(SUMMARY)
+    rounds = part("summary.json", ROUNDS, above) if (above / "episodes.json").is_file() else None
+    certificate = part(SUMMARY, CERTIFIED)
     found = {file: sha256(folder.path / file) for file in _HASHED}
     hashes = {file: digest for file, digest in found.items() if digest is not None}
     if certificate is not None and (why := why_not_of_run(certificate, folder.path)):
@@ -125,27 +137,41 @@ def read(folder: RunFolder) -> Saved:
     return Saved(
         folder=folder,
         config=folder.config,
-        summary=part("summary.json"),
+        summary=trained(folder) if folder.finished else None,
         metrics=metrics,
         certificate=certificate,
-        disturbance=() if certificate is None else _disturbance(part(PROOF)),
-        simulation=part("simulation/summary.json"),
-        residual=part("residual/summary.json"),
-        walks=part("walks/summary.json"),
+        disturbance=() if certificate is None else _disturbance(part(PROOF, _PROOF)),
+        simulation=part("simulation/summary.json", SIMULATED),
+        residual=part("residual/summary.json", LEARNED),
+        walks=part("walks/summary.json", WALKED),
         episodes=rounds,
         hashes=hashes,
         damaged=damaged,
     )
 
 
+def trained(folder: RunFolder) -> dict[str, Any]:
+    """The summary of a finished training.
+
+    Raises: RunError if it is damaged; the last checkpoint can be finished again.
+    """
+    try:
+        found = folder.summary
+        refuse_misshapen(found, TRAINED, folder.path / "summary.json")
+    except RunError as error:
+        again = f"neuralgaits train {folder.config.get('robot', 'ROBOT')} --resume {folder.path}"
+        raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
+    return found
+
+
 def _disturbance(proof: Json | None) -> tuple[float, ...]:
     """Bounds in the parameters of level 2; none if there is no such level, or if they are 0."""
     for theorem in (proof or {}).get("theorems") or ():
-        bounds = (theorem.get("parameters") or {}).get("disturbance") or ()
-        if theorem.get("level") == 2 and len(bounds) == 2:
+        bounds = theorem["parameters"].get("disturbance") or ()
+        if theorem["level"] == 2 and len(bounds) == 2:
             try:
-                values = tuple(float.fromhex(str(bound)) for bound in bounds)
-            except ValueError:
+                values = tuple(float.fromhex(bound) for bound in bounds)
+            except (ValueError, OverflowError):
                 raise RunError(
                     f"expected bounds as hexadecimal numbers in {PROOF}, found {bounds}: the file "
                     "is damaged; certify the run again"
