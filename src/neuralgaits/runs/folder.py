@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes, write_text
-from neuralgaits.runs.claim import claim
+from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.metrics import Row, from_csv, to_csv
 from neuralgaits.runs.plain import from_json, to_json
 from neuralgaits.runs.shape import TEXT, Shape, complaint, may, table_of
@@ -67,7 +67,7 @@ class RunFolder:
 
         Raises: RunError if `out` is a file or a folder that is not empty.
         """
-        path = claim(out, root, name, seed, what="the run")
+        path = claim(out, root, name, seed, what="the run", config=CONFIG)
         contents = {
             file: content.encode() if isinstance(content, str) else content
             for file, content in copies.items()
@@ -80,6 +80,7 @@ class RunFolder:
         if clash := sorted(set(known) & set(config)):
             raise ValueError(f"expected a config without the names {clash}: runs writes them")
         write_text(path / CONFIG, to_json(known | dict(config)))
+        filled(path)
         return RunFolder.open(path)
 
     @staticmethod

@@ -16,7 +16,7 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import from_json, plain, write_text
-from neuralgaits.runs.claim import claim
+from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.plain import to_json
@@ -91,7 +91,8 @@ class EpisodeFolder:
         """
         robot, plant = asked["robot"], asked["plant"]
         place = None if out is None else Path(out)
-        path = claim(place, root / HOME, robot.name, asked["seed"], what="the episodes")
+        what = "the episodes"
+        path = claim(place, root / HOME, robot.name, asked["seed"], what=what, config=ASKED)
         write_text(path / ROBOT, robot.layout.xml)
         if plant is not None:
             write_text(path / PLANT, plant.layout.xml)
@@ -100,6 +101,7 @@ class EpisodeFolder:
         names = {"robot": robot.name, "plant": plant and plant.name}
         config = plain({"format": FORMAT, **asked, **names, "start": start and str(start.path)})
         write(path / ASKED, config)
+        filled(path)
         return cls(path, config, robot, plant)
 
     @classmethod
@@ -210,4 +212,5 @@ def _copy_run(source: Path, place: Path) -> None:
     def folders(folder: str, names: list[str]) -> list[str]:
         return [name for name in names if (Path(folder) / name).is_dir()]
 
-    shutil.copytree(source, place, ignore=folders)
+    # What a killed command copied is copied again.
+    shutil.copytree(source, place, ignore=folders, dirs_exist_ok=True)

@@ -15,7 +15,7 @@ from neuralgaits.errors import NeuralGaitsError
 
 WORDS = "names and settings"
 PROOFS, SMALL_PROOF = "proof files", f"{FILES}/small.json"
-SMALL = 0.7
+SMALL = 0.9
 """Share of proof files that are small, so that their boxes are bounded too."""
 ALL = (*KINDS, WORDS)
 

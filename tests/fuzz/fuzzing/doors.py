@@ -1,5 +1,6 @@
 """The doors of the program: what each verb does with the files that are given to it."""
 
+import contextlib
 import fnmatch
 import json
 import zlib
@@ -8,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib import pyplot
 
 from fuzzing.place import EPISODES, FILES, RUN, Place
@@ -22,18 +24,20 @@ from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents, read
 from neuralgaits.report.rounds import draw as draw_rounds
+from neuralgaits.report.shapes import RECORDED
 from neuralgaits.residual import stored
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.runs import plain, read_arrays, resolve, to_json
+from neuralgaits.runs import from_json, plain, read_arrays, resolve, to_json
+from neuralgaits.runs.shape import complaint
 from neuralgaits.workflows import episodes as rounds
-from neuralgaits.workflows import figures, fit, shown_walk, train
+from neuralgaits.workflows import figures, fit, gait_data, shown_walk, train
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.export import _origin
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.run import ROBOT, open_run, untrained
+from neuralgaits.workflows.run import ROBOT, asked_of, open_run, untrained
 from neuralgaits.workflows.training_session import STATE
 
 RARELY = 20
@@ -88,6 +92,7 @@ def page_of(name: str) -> Reader:
 
     def write(place: Place, path: Path) -> None:
         folder = resolve(place.root / name, finished=False)
+        asked_of(folder)
         saved = read(folder)
         robot = plain(inspect(robot_from_text(folder.copy(ROBOT), folder.config["robot"])))
         walk, why = _kept_walk(place.root / name) if folder.finished else (None, "none")
@@ -106,13 +111,12 @@ def _kept_walk(path: Path) -> tuple[Any, str | None]:
     run = open_run(path)
     key = shown_walk._key(run, shown_walk.asked_of(run))
     try:
-        kept = json.loads((path / shown_walk.FILE).read_bytes())["key"] == key
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        kept = False
-    try:
-        return (shown_walk.shown_walk(run), None) if kept else (None, "walked anew")
-    except InputError as error:
-        return None, str(error)
+        kept = from_json((path / shown_walk.FILE).read_bytes())
+    except (OSError, ValueError):
+        kept = None
+    if complaint(kept, RECORDED) is not None or kept["key"] != key:
+        return None, "walked anew"
+    return shown_walk.shown_walk(run), None
 
 
 def pictures(*names: str, rare: bool = False) -> Reader:
@@ -125,15 +129,31 @@ def pictures(*names: str, rare: bool = False) -> Reader:
             _ = source.certificate, source.walk
         if rare and zlib.crc32(path.read_bytes()) % RARELY:
             return
-        for make in chosen:
-            try:
-                make(source)
-            except figures.Absent:
-                continue
-            finally:
-                pyplot.close("all")
+        with _instead(gait_data, compute=lambda run: _computed(place)):
+            for make in chosen:
+                with contextlib.suppress(figures.Absent):
+                    make(source)
+        pyplot.close("all")
 
     return draw
+
+
+def _computed(place: Place) -> dict[str, np.ndarray]:
+    """What would take seconds to compute again, and depends on no altered file's form."""
+    return read_arrays(place.kept / RUN / gait_data.FILE)[0]
+
+
+@contextlib.contextmanager
+def _instead(module: Any, **functions: Callable[..., Any]) -> Iterator[None]:
+    """Put functions in the places of others for a while."""
+    kept = {name: getattr(module, name) for name in functions}
+    try:
+        for name, function in functions.items():
+            setattr(module, name, function)
+        yield
+    finally:
+        for name, function in kept.items():
+            setattr(module, name, function)
 
 
 def resume_training(place: Place, path: Path) -> None:
@@ -149,9 +169,8 @@ def resume_training(place: Place, path: Path) -> None:
 
 
 def read_state(place: Place, path: Path) -> None:
-    """A checkpoint, read into one like it."""
-    kept, _ = read_arrays(place.kept / RUN / STATE)
-    resolve(place.root / RUN).read_tree(STATE, kept)
+    """The checkpoint that `train --resume` goes on from."""
+    resolve(place.root / RUN).read_tree(STATE, place.state)
 
 
 def resume_proof(place: Place, path: Path) -> None:
@@ -188,19 +207,16 @@ def go_on_with_episodes(place: Place, path: Path) -> None:
     def stop(*_: Any, **__: Any) -> Any:
         raise InputError("done anew")
 
-    names = ("train", "refine", "fit", "walk_round", "nominal_momentum", "draw_file")
-    kept = {name: getattr(rounds, name) for name in names}
-    try:
-        for name in names[:4]:
-            setattr(rounds, name, stop)
-        rounds.nominal_momentum = lambda run: 18.0  # Takes half a second, and reads no file.
-        if zlib.crc32(path.read_bytes()) % RARELY:
-            rounds.draw_file = lambda summary, figure: draw_rounds(json.loads(summary.read_text()))
+    anew: dict[str, Callable[..., Any]] = dict.fromkeys(
+        ("train", "refine", "fit", "walk_round"), stop
+    )
+    # These take half a second each, and read no file but the summary.
+    anew["nominal_momentum"] = lambda run: 18.0
+    if zlib.crc32(path.read_bytes()) % RARELY:
+        anew["draw_file"] = lambda summary, figure: draw_rounds(json.loads(summary.read_text()))
+    with _instead(rounds, **anew):
         done = rounds.episodes(place.robot, resume=place.root / EPISODES, root=place.root)
-        to_json(done.summary).encode()
-    finally:
-        for name, function in kept.items():
-            setattr(rounds, name, function)
+    to_json(done.summary).encode()
 
 
 def find_episodes(place: Place, path: Path) -> None:

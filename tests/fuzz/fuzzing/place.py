@@ -11,6 +11,7 @@ from pathlib import Path
 
 from neuralgaits.certificate.problem import Problem
 from neuralgaits.robots import PlanarBiped, load_robot, registry
+from neuralgaits.training import Trainer, TrainState
 from neuralgaits.workflows.certify import _problems
 from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.sets import find_sets, premise_problems, trace_certificate
@@ -60,6 +61,16 @@ class Place:
     def run(self) -> Run:
         """The run as it was."""
         return open_run(self.kept / RUN)
+
+    @cached_property
+    def state(self) -> TrainState:
+        """What a checkpoint of the run must be like."""
+        run = self.run
+        config = run.folder.config
+        trainer = Trainer.build(
+            run.robot, run.spec, run.gait, steps=config["steps"], seed=config["seed"]
+        )
+        return trainer.init(run.gait)
 
     @cached_property
     def problems(self) -> list[Problem]:
