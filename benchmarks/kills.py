@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import ROOT, show, trained
+from common import ROOT, show
 
 from neuralgaits.errors import RunError
 from neuralgaits.runs import from_json, read_arrays
@@ -45,6 +45,8 @@ TIMES = ("wall_s", "compile_s", "train_s", "latency_us", "sim_steps_per_s", "rea
 """Of JSON files: what two runs of one command differ in."""
 DATES = ("created_utc",)
 LONGEST_S = 600.0
+SPEC = f"{Path(__file__).parents[1] / 'tests' / 'workflows' / 'brief_spec.py'}:brief"
+"""Few conditions: less to trace."""
 RUN, LOG = "run", "run/simulation/walk.csv"
 Words = tuple[str, ...]
 
@@ -65,11 +67,12 @@ class Verb:
 
 
 def _verbs() -> dict[str, Verb]:
-    train = ("train", "amber3m", "--steps", "100", "--out", "new")
-    certify = ("certify", RUN, "--level", "2")
+    train = ("train", "amber3m", "--spec", SPEC, "--steps", "60", "--out", "new")
+    certify = ("certify", RUN, "--level", "1")
     fit = ("fit", RUN, LOG)
-    refine = ("refine", RUN, "--steps", "50", "--out", "new")
-    episodes = ("episodes", "amber3m", "--plant", "amber3m-tail", "--rounds", "1", "--out", "new")
+    refine = ("refine", RUN, "--steps", "40", "--out", "new")
+    episodes = ("episodes", "amber3m", "--plant", "amber3m-tail", "--rounds", "1", "--resume")
+    anew = (*episodes, RUN, "--out", "new")
     export = ("export", RUN, "--out", "c")
     report = ("report", RUN, "--out", "page.html")
     on = ("train", "amber3m", "--resume", "new")
@@ -78,7 +81,7 @@ def _verbs() -> dict[str, Verb]:
         "certify": Verb(certify, ((*certify, "--resume"), certify), ("run/certificate",)),
         "fit": Verb(fit, (fit,), ("run/residual",)),
         "refine": Verb(refine, (on, refine), ("new",)),
-        "episodes": Verb(episodes, ((*episodes[:-2], "--resume", "new"), episodes), ("new",)),
+        "episodes": Verb(anew, ((*episodes, "new"), anew), ("new",)),
         "export": Verb(export, (export, (*export, "--force")), ("c",)),
         "report": Verb(report, (report,), ("page.html",)),
     }
@@ -248,11 +251,13 @@ def base() -> Path:
     """A trained run with a log of its walk, made once."""
     folder = ROOT / "kills-base"
     if not (folder / "simulation" / "summary.json").is_file():
+        from neuralgaits.robots import load_robot
         from neuralgaits.workflows.fit import fit
         from neuralgaits.workflows.simulate import simulate
+        from neuralgaits.workflows.train import train
 
         shutil.rmtree(folder, ignore_errors=True)
-        shutil.copytree(trained("amber3m", 0).path, folder)
+        train(load_robot("amber3m"), SPEC, steps=60, out=folder, root=ROOT)
         log = folder / "simulation" / "walk.csv"
         simulate(folder, steps=8, log=log)
         fit(folder, [log])

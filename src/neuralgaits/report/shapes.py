@@ -91,6 +91,7 @@ SIMULATED: Shape = {
 """`simulation/summary.json`."""
 
 LEARNED: Shape = {
+    "residual_sha256?": TEXT,
     "logs": _TEXTS,
     "walked_s": NUMBER,
     "strides": {"train": COUNT, "heldout": COUNT},

@@ -67,7 +67,7 @@ def _read(
     """Raises: what Python raises if something is not as `certify` writes it."""
     levels = {entry["level"]: entry for entry in summary.get("levels") or ()}
     margins = {
-        name: row["margin"]
+        name: float(row["margin"])
         for name, row in summary["conditions"].items()
         if row["verdict"] == "proved" and row["margin"] is not None
     }

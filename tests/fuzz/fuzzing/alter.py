@@ -12,6 +12,7 @@ BYTES = (0x00, 0x0A, 0x1B, 0x22, 0x2C, 0x2D, 0x30, 0x3C, 0x5B, 0x7B, 0x7F, 0x80,
 PIECES = (b"\x00" * 64, b"\xef\xbb\xbf", b"\xff\xfe", b"\n\n", b"\r\n", b"nan", b"-1e999", b"{}")
 DEEP = 100_000
 """Brackets in one another, more than any reader recurses."""
+LARGE = 1e300
 ODD: tuple[Any, ...] = (
     None,
     True,
@@ -172,7 +173,7 @@ def _other(value: Any, draw: Draw) -> Any:
     """Another value: of the same kind but off, or of any kind."""
     if isinstance(value, bool) or draw.random() < 0.6:
         return ODD[int(draw.integers(len(ODD)))]
-    if isinstance(value, int | float):
+    if isinstance(value, int | float) and abs(value) < LARGE:
         changes = (-value, value + 1, value * 1e9, value / 3, str(value), [value])
         return changes[int(draw.integers(len(changes)))]
     if isinstance(value, str):

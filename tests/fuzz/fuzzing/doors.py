@@ -43,6 +43,7 @@ from neuralgaits.workflows.training_session import STATE
 RARELY = 20
 """One input in so many is drawn where drawing takes long."""
 Reader = Callable[[Place, Path], Any]
+_COMPUTE = gait_data.compute
 LEAVES = 200
 """Proofs of more boxes are read and compared, and their boxes not bounded again: that takes s."""
 
@@ -140,7 +141,8 @@ def pictures(*names: str, rare: bool = False) -> Reader:
 
 def _computed(place: Place) -> dict[str, np.ndarray]:
     """What would take seconds to compute again, and depends on no altered file's form."""
-    return read_arrays(place.kept / RUN / gait_data.FILE)[0]
+    kept = place.kept / RUN / gait_data.FILE
+    return read_arrays(kept)[0] if kept.is_file() else _COMPUTE(place.run)
 
 
 @contextlib.contextmanager

@@ -21,6 +21,7 @@ from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
 
 Json = Mapping[str, Any]
+LEARNING = "residual/summary.json"
 _PROOF: Shape = {
     "theorems": list_of({"level": COUNT, "parameters": {"disturbance?": list_of(TEXT)}})
 }
@@ -129,11 +130,21 @@ def read(folder: RunFolder) -> Saved:
     above = folder.path.resolve().parent
     rounds = part("summary.json", ROUNDS, above) if (above / "episodes.json").is_file() else None
     certificate = part(SUMMARY, CERTIFIED)
+    residual = folder.path / "residual" / "residual.safetensors"
     found = {file: sha256(folder.path / file) for file in _HASHED}
     hashes = {file: digest for file, digest in found.items() if digest is not None}
     if certificate is not None and (why := why_not_of_run(certificate, folder.path)):
         again = f"prove it again with `neuralgaits certify {folder.path}`"
         certificate, damaged[SUMMARY] = None, f"{why}: {again}"
+    learned = part(LEARNING, LEARNED)
+    if learned is not None and learned.get("residual_sha256") not in (None, sha256(residual)):
+        learned, damaged[LEARNING] = (
+            None,
+            (
+                f"{LEARNING} is about another {residual.name} than the run's: learn it again with "
+                f"`neuralgaits fit {folder.path} LOG.csv`"
+            ),
+        )
     return Saved(
         folder=folder,
         config=folder.config,
@@ -142,7 +153,7 @@ def read(folder: RunFolder) -> Saved:
         certificate=certificate,
         disturbance=() if certificate is None else _disturbance(part(PROOF, _PROOF)),
         simulation=part("simulation/summary.json", SIMULATED),
-        residual=part("residual/summary.json", LEARNED),
+        residual=learned,
         walks=part("walks/summary.json", WALKED),
         episodes=rounds,
         hashes=hashes,
