@@ -1,7 +1,9 @@
 """Kill -9 at 200 random moments: no checkpoint is lost, and what goes on ends as if never killed.
 
 Each command runs as a process of its own through the command line, with small settings, and is
-killed with its process group at a moment drawn uniformly from its uninterrupted duration. Then
+killed with its process group at a moment drawn uniformly from its uninterrupted duration. (The
+processes are forked from one that has imported the package: imports write nothing, and would be
+half of all moments.) Then
 every file in its folder must be whole, and those that were there before must be as they were
 before or as they are afterwards; the command that the program names goes on, and the results must
 be those of a command that nobody killed, bit for bit.
@@ -10,18 +12,20 @@ Asked: 0 lost, 0 half, 0 unequal, 0 stuck. `KILLS=20` kills so often; `kills.py 
 does one of them again.
 """
 
+import contextlib
 import hashlib
 import json
+import multiprocessing
 import os
 import shutil
 import signal
-import subprocess
 import sys
 import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +49,11 @@ TIMES = ("wall_s", "compile_s", "train_s", "latency_us", "sim_steps_per_s", "rea
 """Of JSON files: what two runs of one command differ in."""
 DATES = ("created_utc",)
 LONGEST_S = 600.0
+SERVER = multiprocessing.get_context("forkserver")
+SERVER.set_forkserver_preload(
+    ["neuralgaits.cli.verbs", "neuralgaits.cli.progress"]
+    + [f"neuralgaits.workflows.{name}" for name in ("certify", "episodes", "export", "report")]
+)
 SPEC = f"{Path(__file__).parents[1] / 'tests' / 'workflows' / 'brief_spec.py'}:brief"
 """Few conditions: less to trace."""
 RUN, LOG = "run", "run/simulation/walk.csv"
@@ -102,6 +111,7 @@ class Bench:
     def __init__(self, name: str, base: Path):
         self.name, self.verb, self.base = name, _verbs()[name], base
         self.folder = (ROOT / "kills" / name).absolute()
+        self.said = self.folder.with_suffix(".stderr")
         self.reset()
         # The first compiles; the second is the one that all others are compared with.
         self.finish(self.verb.words)
@@ -118,22 +128,20 @@ class Bench:
         shutil.copytree(self.base, self.folder / RUN)
         self.before = self.bytes()
 
-    def start(self, words: Words) -> subprocess.Popen[str]:
+    def start(self, words: Words) -> ForkServerProcess:
         """Start a command in a process group of its own."""
-        return subprocess.Popen(
-            [sys.executable, __file__, "small", *words],
-            cwd=self.folder,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            start_new_session=True,
-        )
+        process = SERVER.Process(target=small, args=(words, self.folder, self.said))
+        process.start()
+        return process
 
     def finish(self, words: Words) -> tuple[int, str]:
         """Carry out a command. Returns: its exit code, and what it said on stderr."""
         process = self.start(words)
-        _, said = process.communicate(timeout=LONGEST_S)
-        return process.returncode, said
+        process.join(LONGEST_S)
+        if process.exitcode is None:
+            _end(process)
+            return -1, f"it did not end within {LONGEST_S} s"
+        return process.exitcode, self.said.read_text()
 
     def bytes(self) -> dict[str, str]:
         """Hash of every file in the folder that is whole by its name, by that name."""
@@ -159,11 +167,8 @@ class Bench:
         self.reset()
         draw = np.random.default_rng([list(SHARES).index(self.name), number])
         process = self.start(self.verb.words)
-        try:
-            process.wait(draw.uniform(0.0, self.duration))
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
+        process.join(draw.uniform(0.0, self.duration))
+        _end(process)
         return [*self._damaged(), *self._went_on()]
 
     def _damaged(self) -> list[str]:
@@ -225,8 +230,23 @@ def _half(path: Path) -> str | None:
     return None
 
 
-def small(words: list[str]) -> None:
+def _end(process: ForkServerProcess) -> None:
+    """Kill a process and its group, unless it has ended."""
+    if process.exitcode is not None or process.pid is None:
+        return
+    # Before it leads a group it has no children.
+    for kill in (os.killpg, os.kill):
+        with contextlib.suppress(ProcessLookupError):
+            kill(process.pid, signal.SIGKILL)
+    process.join()
+
+
+def small(words: Words, folder: Path, said: Path) -> None:
     """The command line, with less to do: shorter fits, fewer and shorter walks of a round."""
+    os.setsid()
+    os.chdir(folder)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
     from neuralgaits.cli import environment, main
     from neuralgaits.workflows import episode_walks, episodes, fit
 
@@ -238,7 +258,7 @@ def small(words: list[str]) -> None:
         episode_walks.LOGGED_S = 20.0
         for verb in ("train", "refine"):
             setattr(episodes, verb, partial(_few_steps, getattr(episodes, verb)))
-    sys.exit(main.main(words))
+    sys.exit(main.main([*words]))
 
 
 def _few_steps(function: Callable[..., Any], *arguments: Any, **settings: Any) -> Any:
@@ -287,8 +307,6 @@ def main() -> None:
 
 if __name__ == "__main__":
     match sys.argv[1:]:
-        case ["small", *words]:
-            small(words)
         case ["replay", verb, number]:
             print(Bench(verb, base()).kill(int(number)))
         case _:

@@ -90,6 +90,14 @@ SIMULATED: Shape = {
 }
 """`simulation/summary.json`."""
 
+ERRORS: Shape = {
+    "heldout_error?": may(NUMBER),
+    "nominal_heldout_error?": may(NUMBER),
+    "binned_floor?": may(NUMBER),
+    "wall_s?": may(NUMBER),
+}
+"""`residual/summary.json`, as far as a table of rounds tells of it."""
+
 LEARNED: Shape = {
     "residual_sha256?": TEXT,
     "logs": _TEXTS,

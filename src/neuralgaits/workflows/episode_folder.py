@@ -32,12 +32,12 @@ from neuralgaits.runs.shape import (
 )
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.run import Run
+from neuralgaits.workflows.settings import MOST_ROUNDS
 
 ASKED, SUMMARY = "episodes.json", "summary.json"
 ROBOT, PLANT = "robot.xml", "plant.xml"
 FORMAT = 1
 """Version of this layout; others are refused."""
-MOST_ROUNDS = 100
 CONFIG: Shape = {
     "robot": TEXT,
     "plant": may(TEXT),

@@ -14,26 +14,20 @@ from typing import Any
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.report.rounds import draw_file
-from neuralgaits.report.shapes import LEARNED, WALKED
+from neuralgaits.report.shapes import ERRORS, WALKED
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
 from neuralgaits.workflows import fit as fitting
-from neuralgaits.workflows.episode_folder import (
-    MOST_ROUNDS,
-    SUMMARY,
-    EpisodeFolder,
-    read,
-    write,
-)
+from neuralgaits.workflows.episode_folder import SUMMARY, EpisodeFolder, read, write
 from neuralgaits.workflows.episode_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import check_seed
+from neuralgaits.workflows.settings import check_rounds, check_seed
 from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
@@ -104,8 +98,7 @@ def episodes(
     Raises: InputError or RunError with one line.
     """
     began = time.perf_counter()
-    if rounds is not None and not 1 <= rounds <= MOST_ROUNDS:
-        raise InputError(f"expected 1 to {MOST_ROUNDS} rounds, found {rounds}")
+    check_rounds(rounds)
     asked = {
         "robot": robot,
         "plant": load_robot(plant) if isinstance(plant, str | Path) else plant,
@@ -269,7 +262,7 @@ class _Session:
     def _learn(self, number: int, run: Run, walked: dict[str, Any]) -> dict[str, Any]:
         summary = run.path / fitting.SUMMARY
         if summary.is_file():
-            return read(summary, LEARNED)
+            return read(summary, ERRORS)
         self.tell(number, "learning")
         last = number == self.folder.config["rounds"]
         files = [Path(file) for file in walked["logs"]]
