@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs import RunFolder, finish, resolve, resolve_unfinished
+from neuralgaits.runs import RunFolder, finish, resolve, resolve_unfinished, write_bytes
 from neuralgaits.runs.folder import NAN_STATE
 from neuralgaits.runs.latest import about_latest
 
@@ -200,3 +200,83 @@ def test_results_are_strict_json(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="object"):
         folder.write_json("x.json", {"value": object()})
     assert "x.json" not in os.listdir(folder.path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b'{"loss": NaN}',
+        b'{"loss": 1e999}',
+        b'{"steps": ' + b"9" * 400 + b"}",
+        b'{"name": "\\ud800"}',
+        b'{"deep": ' + b"[" * 100_000 + b"]" * 100_000 + b"}",
+        b'{"name": "\xff"}',
+        b"[1]",
+    ],
+)
+def test_json_that_nobody_could_write_again_is_damaged(tmp_path: Path, content: bytes) -> None:
+    folder = _create(tmp_path)
+    (folder.path / "summary.json").write_bytes(content)
+    with pytest.raises(RunError) as refused:
+        folder.read_json("summary.json")
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("changes", [{"copies": 3}, {"copies": {"a": 1}}, {"written_by": ["x"]}])
+def test_a_config_of_another_shape_is_refused(tmp_path: Path, changes: dict[str, Any]) -> None:
+    folder = _create(tmp_path)
+    _edit_config(folder, **changes)
+    with pytest.raises(RunError, match=f"in {next(iter(changes))}"):
+        RunFolder.open(folder.path)
+    _edit_config(folder, format=2, **changes)
+    with pytest.raises(RunError, match="expected run format 1, found 2"):
+        RunFolder.open(folder.path)
+
+
+@pytest.mark.parametrize(
+    "content", [b"step,loss\n0,\xff\n", b"loss\n0.5\n", b"step,loss\nnan,1\n", b"step\n\x00\n"]
+)
+def test_metrics_of_something_else_are_refused(tmp_path: Path, content: bytes) -> None:
+    folder = _create(tmp_path)
+    (folder.path / "metrics.csv").write_bytes(content)
+    with pytest.raises(RunError, match=r"metrics\.csv"):
+        folder.read_metrics()
+
+
+def test_latest_of_other_bytes_names_nothing(tmp_path: Path) -> None:
+    (tmp_path / "latest").write_bytes(b"amber\xff3m\n")
+    with pytest.raises(RunError, match="which is not there"):
+        resolve("latest", tmp_path)
+
+
+def test_a_copy_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    folder = RunFolder.create({}, {"robot.xml": b"\xff\xfe"}, name="a", seed=0, root=tmp_path)
+    assert folder.copied("robot.xml").is_file()
+    with pytest.raises(RunError, match=r"expected text in .*robot\.xml"):
+        folder.copy("robot.xml")
+
+
+def test_a_start_that_was_killed_is_as_good_as_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "run"
+    written = []
+
+    def killed(path: Path, data: bytes) -> None:
+        if path.name == "config.json":
+            raise SystemExit
+        written.append(path.name)
+        write_bytes(path, data)
+
+    with monkeypatch.context() as patched:
+        patched.setattr("neuralgaits.runs.atomic.write_bytes", killed)
+        patched.setattr("neuralgaits.runs.folder.write_bytes", killed)
+        with pytest.raises(SystemExit):
+            _create(tmp_path, out=out)
+    assert written == ["robot.xml"]
+    with pytest.raises(RunError, match="killed while starting; train again"):
+        RunFolder.open(out)
+    folder = _create(tmp_path, out=out)
+    assert sorted(path.name for path in out.iterdir()) == ["config.json", "robot.xml"]
+    with pytest.raises(RunError, match="a folder with files in it"):
+        _create(tmp_path, out=folder.path)

@@ -31,7 +31,7 @@ def _read(path: Path) -> str:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise RobotError(f"no robot file at {path}: check the path") from None
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise RobotError(f"cannot read {path} ({error}): give an MJCF text file") from None
 
 

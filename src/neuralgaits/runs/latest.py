@@ -110,7 +110,8 @@ def _latest(root: Path) -> Path:
             f"expected {pointer} to name a finished run, found no such file: train one first, "
             f"as in `{command('train', 'amber3m')}`"
         )
-    name = pointer.read_text().strip()
+    # A damaged pointer names nothing that is there.
+    name = pointer.read_text(encoding="utf-8", errors="replace").strip()
     if not name or not (root / name).is_dir():
         raise RunError(
             f"expected {pointer} to name a run folder, found {name!r} which is not there: "

@@ -7,7 +7,6 @@ the levels are concluded again from them. The boxes are not bounded again here: 
 """
 
 import hashlib
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -20,7 +19,9 @@ from neuralgaits.certificate.full_order_conclusion import conclude_full_order
 from neuralgaits.certificate.run_match import ROBOT, SPEC, WEIGHTS, differences
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import FULL_ORDER, PROOF, SUMMARY
-from neuralgaits.runs import RunFolder, plain
+from neuralgaits.report.shapes import CERTIFIED
+from neuralgaits.runs import RunFolder, from_json, plain
+from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, PROOF, FULL_ORDER)
 """What a certificate is about, and what it rests on."""
@@ -66,11 +67,13 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
     if not path.is_file():
         return CertificateReading()
     try:
-        summary = json.loads(path.read_bytes())
+        summary = from_json(path.read_bytes())
+        if complaint(summary, CERTIFIED) is not None:
+            return CertificateReading(reason=DAMAGED)
         return _read(folder, summary)
     except _Unfit as error:
         return CertificateReading(reason=str(error))
-    except (OSError, ValueError, AttributeError, KeyError, TypeError, RecursionError):
+    except (OSError, ValueError, AttributeError, KeyError, TypeError):
         return CertificateReading(reason=DAMAGED)
 
 

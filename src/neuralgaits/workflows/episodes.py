@@ -14,6 +14,7 @@ from typing import Any
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.report.rounds import draw_file
+from neuralgaits.report.shapes import ERRORS, WALKED
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.commands import command, named
@@ -27,7 +28,7 @@ from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import check_seed
+from neuralgaits.workflows.settings import check_rounds, check_seed
 from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
@@ -98,8 +99,7 @@ def episodes(
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     began = time.perf_counter()
-    if rounds is not None and not 1 <= rounds <= 100:
-        raise InputError(f"expected 1 to 100 rounds, found {rounds}")
+    check_rounds(rounds)
     asked = {
         "robot": robot,
         "plant": load_robot(plant) if isinstance(plant, str | Path) else plant,
@@ -256,7 +256,7 @@ class _Session:
     def _walk(self, number: int, run: Run, momentum: float | None) -> dict[str, Any]:
         file = self.folder.walks(number)
         if file.is_file():
-            return read(file)
+            return read(file, WALKED)
         config, plant = self.folder.config, self.folder.plant
         self.tell(number, "walking" if plant is not None else "reading logs")
         if plant is None or momentum is None:
@@ -272,7 +272,7 @@ class _Session:
     def _learn(self, number: int, run: Run, walked: dict[str, Any]) -> dict[str, Any]:
         summary = run.path / fitting.SUMMARY
         if summary.is_file():
-            return read(summary)
+            return read(summary, ERRORS)
         self.tell(number, "learning")
         last = number == self.folder.config["rounds"]
         files = [Path(file) for file in walked["logs"]]

@@ -8,7 +8,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, RunError
 from neuralgaits.report import (
     again,
     barrier_sketches,
@@ -26,7 +26,9 @@ from neuralgaits.report import (
 )
 from neuralgaits.report.data import GaitData, MeasuredWalk
 from neuralgaits.report.figure import Drawn, Missing, write
+from neuralgaits.report.shapes import ROUNDS
 from neuralgaits.runs.commands import command, learning, named
+from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.workflows.certificate_figure import DATA as MAP
 from neuralgaits.workflows.gait_data import gait_data
 from neuralgaits.workflows.proved import Certificate, certificate_of
@@ -171,6 +173,11 @@ def _loss(source: Source) -> Made:
     rows = source.run.folder.read_metrics()
     if not rows:
         raise Absent("the run took no training step", again.longer(source.run.folder))
+    if absent := [name for name in loss_curves.WHOLE if name not in rows[0]]:
+        raise RunError(
+            f"expected a column {absent[0]} in the metrics.csv of {source.run.path}, found none: "
+            "restore the file, or train again"
+        )
     return loss_curves.CAPTION, loss_curves.draw(rows)
 
 
@@ -187,7 +194,9 @@ def _rounds(source: Source) -> Made:
         heavier = ("--plant", again.robot_word(source.run.folder), "--disturb", "mass_scale=1.05")
         line = command("episodes", *heavier, "--resume", source.path)
         raise Absent("the run is no round of episodes, as with a robot 5 % heavier", line)
-    return rounds.CAPTION, rounds.draw(source.run.folder.read_json(f"../{SUMMARY}"))
+    found = source.run.folder.read_json(f"../{SUMMARY}")
+    refuse_misshapen(found, ROUNDS, folder / SUMMARY)
+    return rounds.CAPTION, rounds.draw(found)
 
 
 def _periodic(source: Source) -> GaitData:

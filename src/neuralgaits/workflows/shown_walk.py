@@ -15,8 +15,10 @@ import numpy as np
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word
+from neuralgaits.report.shapes import RECORDED
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.runs import plain
+from neuralgaits.runs import from_json, plain
+from neuralgaits.runs.shape import complaint
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.starts import full_states, momentum_range
@@ -73,10 +75,10 @@ def shown_walk(run: Run) -> dict[str, Any]:
     file = run.path / FILE
     if file.is_file():
         try:
-            kept = json.loads(file.read_bytes())
+            kept = from_json(file.read_bytes())
         except ValueError:
             kept = {}
-        if isinstance(kept, dict) and kept.get("key") == key:
+        if complaint(kept, RECORDED) is None and kept.get("key") == key:
             return kept
     shown = plain({"key": key} | _shown(run, asked, _walked(run, asked)))
     run.folder.write_json(FILE, shown)

@@ -14,7 +14,7 @@ from neuralgaits.runs.commands import command, resuming
 from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
-from neuralgaits.workflows.run import ROBOT, SPEC, Run, open_parts, untrained
+from neuralgaits.workflows.run import ROBOT, SPEC, Run, asked_of, open_parts, untrained
 from neuralgaits.workflows.settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.workflows.training_session import TrainingSession
 
@@ -106,6 +106,7 @@ def _resumed(
 ) -> tuple[RunFolder, PlanarBiped, GaitSpec]:
     """An unfinished run with the robot and spec it started with."""
     folder = resolve_unfinished(run, root)
+    asked_of(folder)
     if robot is not None:
         _same_robot(folder, robot)
     return folder, *open_parts(folder)

@@ -14,11 +14,16 @@ from neuralgaits.report.certificate import (
     proved_level,
 )
 from neuralgaits.report.figure import Drawn, Missing
+from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.commands import command, named
-from neuralgaits.runs.folder import NAN
+from neuralgaits.runs.commands import command, learning, named, resuming
+from neuralgaits.runs.folder import NAN, refuse_misshapen
+from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
 
 Json = Mapping[str, Any]
+LEARNING = "residual/summary.json"
+_NAN: Shape = {"step": COUNT, "conditions": list_of(TEXT)}
+"""Of `nan.json`: where a training ended."""
 _HASHED = (
     "policy.safetensors",
     "robot.xml",
@@ -107,21 +112,25 @@ def read(
     no_certificate: str | None = None,
     disturbance: tuple[float, ...] = (),
 ) -> Saved:
-    """Read a run. A damaged part is left out and named; only a damaged config is an error.
+    """Read a run. A damaged part is left out and named.
 
     Args:
         folder: of the run.
         certificate: what `certify` found, as the run's proof files bear it out.
         no_certificate: why a certificate that is there says nothing of the run.
         disturbance: of level 2.
+
+    Raises: RunError if what was asked or found in training is damaged: pages are about these.
     """
     damaged: dict[str, str] = {}
 
-    def part(file: str, base: Path = folder.path) -> Json | None:
+    def part(file: str, shape: Shape, base: Path = folder.path) -> Json | None:
         if not (base / file).is_file():
             return None
         try:
-            return RunFolder(base, {}).read_json(file)
+            found = RunFolder(base, {}).read_json(file)
+            refuse_misshapen(found, shape, base / file)
+            return found
         except RunError as error:
             damaged[file] = str(error)
             return None
@@ -131,25 +140,35 @@ def read(
     except RunError as error:
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
-    rounds = part("summary.json", above) if (above / "episodes.json").is_file() else None
+    rounds = part("summary.json", ROUNDS, above) if (above / "episodes.json").is_file() else None
     found = {file: _sha256(folder.path / file) for file in _HASHED}
     hashes = {file: digest for file, digest in found.items() if digest is not None}
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
+    residual = folder.path / "residual" / "residual.safetensors"
+    learned = part(LEARNING, LEARNED)
+    if learned is not None and learned.get("residual_sha256") not in (None, _sha256(residual)):
+        learned, damaged[LEARNING] = (
+            None,
+            (
+                f"{LEARNING} is about another {residual.name} than the run's: learn it again with "
+                f"`{learning(folder)}`"
+            ),
+        )
     return Saved(
         folder=folder,
         config=folder.config,
-        summary=part("summary.json"),
+        summary=trained(folder) if folder.finished else None,
         metrics=metrics,
         certificate=certificate,
         disturbance=disturbance,
-        simulation=part("simulation/summary.json"),
-        residual=part("residual/summary.json"),
-        walks=part("walks/summary.json"),
+        simulation=part("simulation/summary.json", SIMULATED),
+        residual=learned,
+        walks=part("walks/summary.json", WALKED),
         episodes=rounds,
         hashes=hashes,
-        nan=_nan(part(NAN)) if folder.ended_in_nan else None,
+        nan=_nan(part(NAN, _NAN)) if folder.ended_in_nan else None,
         damaged=damaged,
     )
 
@@ -168,3 +187,17 @@ def _nan(found: Json | None) -> str:
         f"The training ended in NaN at step {found['step']}: its loss or its weights were no "
         f"longer finite (conditions: {names})."
     )
+
+
+def trained(folder: RunFolder) -> dict[str, Any]:
+    """The summary of a finished training.
+
+    Raises: RunError if it is damaged; the last checkpoint can be finished again.
+    """
+    try:
+        found = folder.summary
+        refuse_misshapen(found, TRAINED, folder.path / "summary.json")
+    except RunError as error:
+        again = resuming(folder.path)
+        raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
+    return found
