@@ -12,6 +12,8 @@ from forgeries.runs import FULL_ORDER, PROOF, renew_summary
 
 THEME = Theme("small")
 WEIGHTS = "policy.safetensors"
+ONLY_ITS_WORD = r"(?im)^.*sha256.*\b(says|said|claims|claimed|not checked|not compared)\b"
+"""The hash of weights files is the file's word: without them no checker can compute it."""
 LAST_LAYER = "policy.network.weights[2]"
 
 
@@ -37,7 +39,7 @@ def recopied(folder: Path, file: str, text: str) -> None:
     (folder / "config.json").write_text(json.dumps(config))
 
 
-@THEME.forgery("another run's proof with this run's hashes", cpp=true(), alone=LOOSE)
+@THEME.forgery("another run's proof with this run's hashes", cpp=true(ONLY_ITS_WORD), alone=LOOSE)
 def _(case: Case) -> None:
     constant(case.table, LAST_LAYER, lambda w: w * (1.0 + 1e-9))
 
@@ -152,7 +154,9 @@ _header("the spec's hash in the header", {"sha256": NOBODY}, LOOSE, "spec")
 _header("the robot's hash in capitals", {"sha256": NOBODY.upper()}, LOOSE, "robot")
 
 
-@THEME.forgery("the hash of other weights in the header", cpp=true(NOBODY[:12]), alone=LOOSE)
+@THEME.forgery(
+    "the hash of other weights in the header", cpp=true(NOBODY[:12], ONLY_ITS_WORD), alone=LOOSE
+)
 def _(case: Case) -> None:
     case.table["weights_sha256"] = NOBODY
 

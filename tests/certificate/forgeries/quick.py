@@ -18,10 +18,19 @@ from neuralgaits.workflows import full_order, retrace, sets
 Traced = dict[Any, Any]
 
 
+class _Taken:
+    """A statement that is not looked at."""
+
+    verdict, reason, boxes = "holds", None, 0
+
+    def walk(self, leaves: object) -> Iterator[int]:
+        return iter(())
+
+
 @contextmanager
 def statements_taken_as_checked() -> Iterator[None]:
     """No box is bounded: what is judged is the file, and what is concluded from it."""
-    with mock.patch.object(StatementCheck, "walk", lambda self, leaves: iter(())):
+    with mock.patch.object(StatementCheck, "of", lambda program, statement: _Taken()):
         yield
 
 
