@@ -229,6 +229,17 @@ def test_falls_stand_in_the_answer_and_with_their_reasons(contents, shipped, wal
     assert "hip too low" in simulations(page.saved)
 
 
+def test_a_walk_of_other_weights_is_not_shown(contents, shipped):
+    own = {file: hashes(shipped)[file] for file in ("robot.xml", "policy.safetensors")}
+    _simulated(shipped, sha256=own)
+    assert "1 of 3 walks stayed up" in answer(contents(shipped))
+    shutil.rmtree(shipped / "simulation")
+    _simulated(shipped, sha256=own | {"policy.safetensors": "0" * 64})
+    page = contents(shipped)
+    assert page.saved.simulation is None and "1 of 3 walks" not in answer(page)
+    assert "is about another policy.safetensors than the run" in failures(page)
+
+
 def test_every_command_on_the_page_is_one_that_the_command_line_takes(contents, shipped):
     _simulated(shipped)
     page = contents(shipped)

@@ -73,6 +73,7 @@ SIMULATED: Shape = {
     "fall_reasons": list_of(may(TEXT)),
     "logs?": may(_TEXTS),
     "link?": may({"law": TEXT}),
+    "sha256?": table_of(TEXT),
     "poincare?": may({"multiplier": may(NUMBER), "step_length_m": may(NUMBER)}),
     **{
         f"{name}?": may(NUMBER)

@@ -7,7 +7,7 @@ on it is a run), checkpoints, and last `summary.json` (from here on it is finish
 import hashlib
 import platform
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
@@ -191,6 +191,15 @@ class RunFolder:
         """Rows of `metrics.csv`; none if the run has not written any."""
         path = self.path / METRICS
         return from_csv(path.read_bytes(), str(path)) if path.is_file() else []
+
+
+def file_hashes(path: Path, files: Iterable[str]) -> dict[str, str | None]:
+    """The sha256 of files of a folder, by name; None where there is no such file."""
+    found = {file: path / file for file in files}
+    return {
+        file: _sha256(place.read_bytes()) if place.is_file() else None
+        for file, place in found.items()
+    }
 
 
 def _versions() -> dict[str, str]:

@@ -6,7 +6,6 @@ the run state as well: their statements have to be about the run's own files and
 the levels are concluded again from them. The boxes are not bounded again here: `check-proof` does.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -21,6 +20,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import FULL_ORDER, PROOF, SUMMARY
 from neuralgaits.report.shapes import CERTIFIED
 from neuralgaits.runs import RunFolder, from_json, plain
+from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, PROOF, FULL_ORDER)
@@ -54,11 +54,7 @@ class _Unfit(Exception):
 
 def hashes(run: Path) -> dict[str, str | None]:
     """The sha256 of what a certificate is about, by file; None where there is no such file."""
-    found = {}
-    for name in (*FILES, MAP):
-        path = run / name
-        found[name] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
-    return found
+    return file_hashes(run, (*FILES, MAP))
 
 
 def read_certificate(folder: RunFolder) -> CertificateReading:

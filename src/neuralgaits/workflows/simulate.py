@@ -16,6 +16,7 @@ from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot, registry
 from neuralgaits.runs import plain, write_text
+from neuralgaits.runs.folder import file_hashes
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
@@ -25,7 +26,7 @@ from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, walk
 from neuralgaits.workflows.connect import connected
-from neuralgaits.workflows.run import Run, open_run
+from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
 
 SUMMARY, PLANT = "simulation/summary.json", "simulation/plant.xml"
 REMOTE = "c"
@@ -110,6 +111,7 @@ def simulate(
         )
     settings = _settings(trained, walked, controller, start, push, seed)
     settings |= {"steps": steps, "logs": [str(file) for file in files]}
+    settings["sha256"] = file_hashes(trained.path, (ROBOT, WEIGHTS))
     settings["plant_given"] = _kept_plant(trained, plant, walked)
     if remote is not None:
         settings["link"] = remote.summary()

@@ -1,7 +1,6 @@
 """What a run folder holds, read as plain data; a part that is not there is None."""
 
-import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,11 +16,11 @@ from neuralgaits.report.figure import Drawn, Missing
 from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, learning, named, resuming
-from neuralgaits.runs.folder import NAN, refuse_misshapen
+from neuralgaits.runs.folder import NAN, file_hashes, refuse_misshapen
 from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
 
 Json = Mapping[str, Any]
-LEARNING = "residual/summary.json"
+LEARNING, WALK = "residual/summary.json", "simulation/summary.json"
 _NAN: Shape = {"step": COUNT, "conditions": list_of(TEXT)}
 """Of `nan.json`: where a training ended."""
 _HASHED = (
@@ -141,21 +140,24 @@ def read(
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
     rounds = part("summary.json", ROUNDS, above) if (above / "episodes.json").is_file() else None
-    found = {file: _sha256(folder.path / file) for file in _HASHED}
+    found = file_hashes(folder.path, _HASHED)
     hashes = {file: digest for file, digest in found.items() if digest is not None}
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
-    residual = folder.path / "residual" / "residual.safetensors"
-    learned = part(LEARNING, LEARNED)
-    if learned is not None and learned.get("residual_sha256") not in (None, _sha256(residual)):
-        learned, damaged[LEARNING] = (
-            None,
-            (
-                f"{LEARNING} is about another {residual.name} than the run's: learn it again with "
-                f"`{learning(folder)}`"
-            ),
+    learned, walked = part(LEARNING, LEARNED), part(WALK, SIMULATED)
+    if learned is not None and learned.get("residual_sha256") not in (None, *_learned(folder)):
+        learned = None
+        damaged[LEARNING] = (
+            f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "
+            f"`{learning(folder)}`"
         )
+    for file, digest in ((walked or {}).get("sha256") or {}).items():
+        if digest != hashes.get(file):
+            again = command("simulate", named(folder.path))
+            walked = None
+            damaged[WALK] = f"{WALK} is about another {file} than the run's: walk with `{again}`"
+            break
     return Saved(
         folder=folder,
         config=folder.config,
@@ -163,7 +165,7 @@ def read(
         metrics=metrics,
         certificate=certificate,
         disturbance=disturbance,
-        simulation=part("simulation/summary.json", SIMULATED),
+        simulation=walked,
         residual=learned,
         walks=part("walks/summary.json", WALKED),
         episodes=rounds,
@@ -173,9 +175,9 @@ def read(
     )
 
 
-def _sha256(path: Path) -> str | None:
-    """Of a file's bytes; None if there is no such file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+def _learned(folder: RunFolder) -> Iterable[str | None]:
+    """The sha256 of what `fit` learned."""
+    return file_hashes(folder.path, ("residual/residual.safetensors",)).values()
 
 
 def _nan(found: Json | None) -> str:
