@@ -1,10 +1,11 @@
-"""A thousand altered proof files through the C++ checker, and policies with planted violations.
+"""Two thousand altered proof files through the C++ checker, a hundred through the one in balls.
 
 The default policy's proof is altered: made unreadable, made to contradict itself, made false (with
-other weights, bounds, regions, robots) or barely so; of level 3, its premises are made false and
-its conclusions are claimed without what they need. Evidence that a statement is false comes from
-values at points, never from a checker. Planted policies break one condition by a little; their
-forged proofs go through both checkers.
+other weights, bounds, regions, robots) or barely so, its trees flipped, cut, exchanged and grown;
+of level 3, its premises are made false and its conclusions are claimed without what they need; of
+level 4, which the C++ checker does not know, likewise. Evidence that a statement is false comes
+from values at points, that a tree is none from taking its splits back; never from a checker.
+Planted policies break one condition by a little; their forged proofs go through both checkers.
 
 Asked: no altered file is accepted. A false one must be rejected; one that is barely false may be
 left undecided. 20 planted policies: every forged proof is rejected, or left undecided by a checker
@@ -22,25 +23,41 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from common import show, trained
 
+from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import PROOF, certify
+from neuralgaits.workflows.certify_full_order import FILE as FULL_ORDER_PROOF
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.run import open_run
 
 # What alters the files is that of the tests.
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificate"))
 
-from mutations.base import Base, Mutation
-from mutations.generate import CONCLUSIONS, PREMISES, mutations
+from mutations.base import Base, Mutation, Reader
+from mutations.generate import (
+    CONCLUSIONS,
+    FULL_ORDER,
+    FULL_ORDER_PREMISES,
+    ONLY_TREES,
+    PREMISES,
+    Groups,
+    mutations,
+)
 from mutations.planted import planted
 
 REPOSITORY = Path(__file__).parents[1]
-LEVEL_1, FALSE_PREMISES, NOT_FOLLOWING, POLICIES = 600, 150, 250, 20
-CODES = {"proved": 0, "rejected": 1, "undecided": 3}
+LEVEL_1, FALSE_PREMISES, NOT_FOLLOWING, TREES, POLICIES = 900, 300, 400, 400, 20
+SEED = 10**6
+"""Of the first mutation: others than in the tests."""
+BALLS_1, BALLS_3, BALLS_4, BALLS_4_CONSTANTS, BALLS_TREES = 40, 15, 15, 10, 20
+"""Files for the checker in balls: levels 1, 3 and 4, constants of level 4, trees of all."""
+HARD = ("full/reset-slope", "full/coupling", "full/gain", "full/landing-slope", "full/drift")
+"""Derivatives along the guard: of these a box takes the checker in balls half a second."""
+CODES = {"proved": 0, "consistent": 0, "rejected": 1, "undecided": 3}
 EVERYTHING = 10**9
 """Bits of the largest tree kept: all statements stay in the file."""
 
@@ -49,15 +66,27 @@ def main() -> None:
     """Print how many files of each kind got which answer, and how long the checker took."""
     subprocess.run(["make", "--silent", "proofcheck"], cwd=REPOSITORY, check=True)
     with tempfile.TemporaryDirectory() as folder:
-        first, third = (certified(level, Path(folder) / str(level)) for level in (1, 3))
-    whole = Base(third.table, third.run, most=EVERYTHING)
+        first = certified(1, Path(folder) / "1")
+        third = certified(4, Path(folder) / "4")
+        fourth = Base(json.loads((third.run.path / FULL_ORDER_PROOF).read_text()), third.run)
+    whole, easy = Base(third.table, third.run, most=EVERYTHING), easily_bounded(fourth)
     suites = {
         "level 1": mutations(first, "model", LEVEL_1),
-        "level 3, premises": mutations(third.premises(), "model", FALSE_PREMISES, groups=PREMISES),
-        "level 3, conclusions": mutations(whole, "model", NOT_FOLLOWING, groups=CONCLUSIONS),
+        "level 3, premises": altered(third.premises(), FALSE_PREMISES, PREMISES),
+        "level 3, conclusions": altered(whole, NOT_FOLLOWING, CONCLUSIONS),
+        "levels 1 to 3, trees": mixed(first, third.premises(), TREES),
     }
     for name, suite in suites.items():
-        report(name, suite)
+        report(name, suite, cpp)
+    in_balls = {
+        "balls, level 1": mutations(first, "program", BALLS_1, seed=SEED),
+        "balls, level 3, premises": altered(third.premises(), BALLS_3, PREMISES, "program"),
+        "balls, level 4, premises": altered(easy, BALLS_4, FULL_ORDER_PREMISES, "program"),
+        "balls, level 4, constants": altered(fourth, BALLS_4_CONSTANTS, FULL_ORDER, "program"),
+        "balls, trees": mixed(third.premises(), easy, BALLS_TREES, "program"),
+    }
+    for name, suite in in_balls.items():
+        report(name, suite, balls)
     report_planted(first)
 
 
@@ -68,24 +97,52 @@ def certified(level: int, folder: Path) -> Base:
     return Base(json.loads((run.path / PROOF).read_text()), run)
 
 
-def answer(content: bytes, folder: Path) -> tuple[int, float]:
-    """Exit code of the C++ checker, and seconds."""
-    file = folder / "proof.json"
-    file.write_bytes(content)
-    start = time.perf_counter()
-    found = subprocess.run([REPOSITORY / "build" / "proofcheck", file], capture_output=True)
-    return found.returncode, time.perf_counter() - start
+def easily_bounded(base: Base) -> Base:
+    """The statements of level 4 that take no minutes, none of them concluded from."""
+    table = base.premises().table
+    table["statements"] = [
+        s for s in table["statements"] if not s["conditions"][0].startswith(HARD)
+    ]
+    return Base(table, base.run)
 
 
-def report(name: str, suite: Iterable[Mutation]) -> None:
+def altered(base: Base, count: int, groups: Groups, reader: Reader = "model") -> Iterator[Mutation]:
+    """Mutations of some kinds, from another seed than those of the tests."""
+    return mutations(base, reader, count, seed=SEED, groups=groups)
+
+
+def mixed(one: Base, two: Base, count: int, reader: Reader = "model") -> Iterator[Mutation]:
+    """Trees of two proofs, half of each."""
+    return itertools.chain(*(altered(base, count // 2, ONLY_TREES, reader) for base in (one, two)))
+
+
+def cpp(file: Path) -> int:
+    """Exit code of the C++ checker."""
+    return subprocess.run(
+        [REPOSITORY / "build" / "proofcheck", file], capture_output=True
+    ).returncode
+
+
+def balls(file: Path) -> int:
+    """Exit code of the checker in balls."""
+    try:
+        return CODES[check_proof(file)["verdict"]]
+    except InputError:
+        return 2
+
+
+def report(name: str, suite: Iterable[Mutation], checker: Callable[[Path], int]) -> None:
     """Print answers by kind of alteration."""
     seen: Counter[tuple[str, int]] = Counter()
     seconds, wrong = [], []
     with tempfile.TemporaryDirectory() as folder:
         for mutation in suite:
-            code, taken = answer(mutation.text, Path(folder))
+            file = Path(folder) / "proof.json"
+            file.write_bytes(mutation.text)
+            start = time.perf_counter()
+            code = checker(file)
+            seconds.append(time.perf_counter() - start)
             seen[mutation.kind, code] += 1
-            seconds.append(taken)
             if code not in mutation.allowed:
                 wrong.append(f"{mutation.name}: exit {code}")
     for kind, rows in itertools.groupby(sorted(seen.items()), key=lambda row: row[0][0]):
@@ -103,9 +160,8 @@ def report_planted(base: Base) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "proof.json"
         for gait in planted(base, POLICIES):
-            code, _ = answer(gait.forged(base).text, Path(folder))
-            balls = CODES[check_proof(file)["verdict"]]
-            seen[f"C++ {code}, balls {balls}"] += 1
+            file.write_bytes(gait.forged(base).text)
+            seen[f"C++ {cpp(file)}, balls {balls(file)}"] += 1
     show("planted violations: exit codes", "; ".join(f"{n} x {k}" for k, n in seen.items()), "no 0")
 
 

@@ -224,6 +224,13 @@ class SetCase(Case):
         return list(Theorems(self.sets.walking, self.sets.orbit).tables())
 
 
+def holds(answer) -> bool:
+    """Whether all that a file states was confirmed; a file of some statements is undecided."""
+    last = answer.stdout.splitlines()[-1]
+    part = answer.returncode == 3 and last.startswith("undecided: every statement holds")
+    return part or (answer.returncode == 0 and last.startswith("proved "))
+
+
 def bounds(proofcheck, file: Path, low: np.ndarray, high: np.ndarray) -> list[dict[str, Any]]:
     """The checker's enclosures of all margins over boxes. Each: name to [elements, 2] or None."""
     boxes = np.concatenate([low, high], axis=1)

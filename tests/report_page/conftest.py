@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from neuralgaits.report.page.saved import Contents, read
+from neuralgaits.report.page.saved import Contents
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import RunFolder, plain
 from neuralgaits.workflows.inspect import inspect
+from neuralgaits.workflows.report import saved_of
 
 sys.path[:0] = [str(Path(__file__).parent)]
 
@@ -30,7 +31,7 @@ def contents(shipped):
     def make(folder: Path = shipped, **changed) -> Contents:
         robot = plain(inspect(load_robot("amber3m")))
         given = {
-            "saved": read(RunFolder.open(folder)),
+            "saved": saved_of(RunFolder.open(folder)),
             "robot": robot,
             "walk": None,
             "no_walk": "not walked",

@@ -3,8 +3,10 @@
 import json
 import re
 import shlex
+import shutil
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 
@@ -16,9 +18,8 @@ from neuralgaits.report.page.closing import failures, missing, missing_parts, re
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.markup import Html, number, tag, text
 from neuralgaits.report.page.proof import certificate
-from neuralgaits.report.page.saved import read
 from neuralgaits.report.page.walking import animation, simulations
-from neuralgaits.runs import RunFolder
+from neuralgaits.workflows.certificate_reader import hashes
 
 HOSTILE = "\"><img src=x onerror=alert(1)></script><script>alert('&')</script>"
 SIMULATED = {
@@ -68,8 +69,6 @@ def test_a_proved_run_says_what_is_proved_and_what_is_not(contents):
 
 
 def test_without_a_certificate_nothing_is_called_proved(contents, shipped):
-    import shutil
-
     shutil.rmtree(shipped / "certificate")
     page = contents(shipped)
     said = answer(page)
@@ -104,7 +103,7 @@ def test_a_refuted_condition_is_shown_with_its_state(contents, shipped):
 
 def test_an_undecided_level_is_not_proved_and_says_why(contents, shipped):
     def undecided(summary):
-        summary["levels"][0] |= {"verdict": "undecided", "reason": "fences meet", "words": []}
+        summary["levels"][0] |= {"verdict": "undecided", "reason": "fences meet"}
 
     _change(shipped, "certificate/summary.json", undecided)
     page = contents(shipped)
@@ -143,11 +142,73 @@ def test_a_certificate_without_its_proof_is_not_shown(contents, shipped):
     assert "certificate/proof.json is missing" in failures(page)
 
 
-def test_proved_bounds_are_rounded_to_the_safe_side(contents, shipped):
-    def nearly(summary):
-        summary["conditions"]["knee"]["margin"] = 0.019999
+def test_the_summary_of_another_run_proves_nothing(contents, shipped, tmp_path):
+    """Of a run that has no proof files of its own, and of one that has another's."""
+    bare = Path(shutil.copytree(shipped, tmp_path / "bare"))
+    weights = bytearray((bare / "policy.safetensors").read_bytes())
+    weights[-2] ^= 1
+    (bare / "policy.safetensors").write_bytes(weights)
+    shutil.rmtree(bare / "certificate")
+    (bare / "certificate").mkdir()
+    shutil.copyfile(shipped / "certificate/summary.json", bare / "certificate/summary.json")
+    page = contents(bare)
+    assert page.saved.certificate is None and page.saved.proved_level == 0
+    assert "Proved" not in answer(page) and ">proved<" not in document(page)
+    shutil.copyfile(shipped / "certificate/proof.json", bare / "certificate/proof.json")
+    _anew(bare)
+    page = contents(bare)
+    assert page.saved.certificate is None and "Proved" not in answer(page)
+    assert "is not about this run: policy.safetensors" in failures(page)
 
-    _change(shipped, "certificate/summary.json", nearly)
+
+def _more(summary):
+    summary["level"] = 4
+    summary["levels"].append(summary["levels"][-1] | {"level": 4})
+
+
+def _better(summary):
+    summary["conditions"]["knee"]["margin"] = 0.9
+    summary["levels"][1]["figures"]["multiplier_at_most"] = 0.01
+    summary["levels"][0]["words"] = ["it flies"]
+
+
+def test_a_summary_says_no_more_than_its_proof(contents, shipped):
+    _change(shipped, "certificate/summary.json", _more)
+    page = contents(shipped)
+    assert page.saved.certificate is None
+    assert "calls level 4 proved, and no proof file claims it" in failures(page)
+
+
+def test_numbers_and_words_are_those_of_the_proof_and_not_of_the_summary(contents, shipped):
+    before = contents(shipped).saved.certificate
+    _change(shipped, "certificate/summary.json", _better)
+    assert contents(shipped).saved.certificate == before
+
+
+def test_a_condition_without_its_statement_is_not_proved(contents, shipped):
+    def shorter(proof):
+        proof["statements"] = [s for s in proof["statements"] if "knee" not in s["conditions"]]
+
+    _change(shipped, "certificate/proof.json", shorter)
+    _anew(shipped)
+    page = contents(shipped)
+    assert page.saved.certificate is None
+    assert "calls rate-upper proved" in failures(page) or "calls knee proved" in failures(page)
+
+
+def _anew(run: Path) -> None:
+    """The hashes of a summary that is made to fit the files as they are."""
+    _change(run, "certificate/summary.json", lambda s: s.__setitem__("sha256", hashes(run)))
+
+
+def test_proved_bounds_are_rounded_to_the_safe_side(contents, shipped):
+    def nearly(proof):
+        for statement in proof["statements"]:
+            if "knee" in statement["bounds"] and statement["region"] == "tube":
+                statement["bounds"]["knee"] = 0.019999
+
+    _change(shipped, "certificate/proof.json", nearly)
+    _anew(shipped)
     page = contents(shipped)
     assert "at least 1.9 % of its typical size" in answer(page)
     said = certificate(page)
@@ -190,12 +251,28 @@ def test_a_command_repeats_the_simulation(contents, shipped):
 
 
 def test_a_refined_run_is_made_again_by_refining(contents, shipped):
+    """From the run it began with, there or moved together with it; or not at all."""
+    parent = shipped.parent / "a b"
+
     def refined(config):
-        config |= {"parent": "runs/a b", "disturbance": [0.01, 0.5]}
+        config |= {"parent": str(parent), "disturbance": [0.01, 0.5]}
 
     _change(shipped, "config.json", refined)
+    told = "No command makes this run again: the run that it was refined from is not where it was"
+    assert told in reproduction(contents(shipped))
+    shutil.copytree(shipped, parent)
     said = reproduction(contents(shipped))
-    assert "neuralgaits refine &#x27;runs/a b&#x27;" in said and "--disturbance 0.01,0.5" in said
+    assert f"refine &#x27;{parent}&#x27;" in said and "--disturbance 0.01,0.5" in said
+    moved = shutil.copytree(shipped.parent, shipped.parent / "elsewhere")
+    shutil.rmtree(parent)
+    assert f"refine &#x27;{moved}/a b&#x27;" in reproduction(contents(moved / "run"))
+
+
+def test_a_run_of_a_spec_in_no_file_is_not_said_to_be_made_again(contents, shipped):
+    _change(shipped, "config.json", lambda config: config.update(spec="my own"))
+    said = reproduction(contents(shipped))
+    assert "its spec, my own, was made in Python and is in no file" in said
+    assert "neuralgaits train" not in said
 
 
 def test_missing_figures_stand_with_their_commands(contents, shipped):
@@ -207,7 +284,7 @@ def test_missing_figures_stand_with_their_commands(contents, shipped):
 def test_an_unfinished_run_says_how_to_go_on(contents, shipped):
     (shipped / "summary.json").unlink()
     page = document(contents(shipped))
-    assert f"neuralgaits train amber3m --resume {shipped}" in page
+    assert f"neuralgaits train --resume {shipped}" in page
     assert "Nothing is claimed" in page
     assert 'id="certificate"' not in page
 
@@ -220,14 +297,22 @@ def test_a_damaged_part_is_named_and_left_out(contents, shipped):
         assert document(page)
 
 
-def test_a_disturbance_that_was_proved_is_read_off_the_proof(shipped):
+def test_a_disturbance_that_nothing_is_claimed_about_is_not_shown(contents, shipped):
     def pushed(proof):
         bounds = [(0.01).hex(), (0.3).hex()]
         proof["theorems"][0]["parameters"]["disturbance"] = bounds
+        for theorem in proof["theorems"]:
+            theorem["claimed"] = False
 
-    assert read(RunFolder.open(shipped)).disturbance == ()
+    def open_levels(summary):
+        for level in summary["levels"]:
+            level |= {"verdict": "undecided", "reason": "not asked"}
+
     _change(shipped, "certificate/proof.json", pushed)
-    assert read(RunFolder.open(shipped)).disturbance == (0.01, 0.3)
+    _change(shipped, "certificate/summary.json", open_levels)
+    _anew(shipped)
+    page = contents(shipped)
+    assert page.saved.disturbance == () and page.saved.proved_level == 1
 
 
 @pytest.mark.parametrize("hostile", [HOSTILE, "<!--<script>", "javascript:alert(1)//'"])

@@ -10,6 +10,8 @@ import pytest
 
 from neuralgaits.errors import RunError
 from neuralgaits.runs import RunFolder, finish, resolve, resolve_unfinished, write_bytes
+from neuralgaits.runs.folder import NAN_STATE
+from neuralgaits.runs.latest import about_latest
 
 COPIES = {"robot.xml": "<mujoco/>\n"}
 
@@ -91,6 +93,42 @@ def test_latest_finds_a_run_outside_the_root(tmp_path: Path) -> None:
     assert resolve("latest", tmp_path / "runs").path.samefile(folder.path)
 
 
+def test_what_is_said_of_latest(tmp_path: Path) -> None:
+    """Its robot; and a run that was started later and has not finished, or ended in NaN."""
+    root = tmp_path / "runs"
+    assert about_latest(root) is None
+
+    def create(robot: str) -> RunFolder:
+        return RunFolder.create({"robot": robot}, {}, name=robot, seed=0, root=root)
+
+    early, done = create("early"), create("amber3m")
+    finish(done, {}, root)
+    assert about_latest(root) == f"latest is {done.path}, robot amber3m"
+    later = create("walker2d")
+    told = about_latest(root)
+    assert told is not None and str(early.path) not in told
+    assert told.endswith(f"; {later.path}, started later, has not finished")
+    (later.path / NAN_STATE).touch()
+    assert (about_latest(root) or "").endswith(f"{later.path}, started later, ended in NaN")
+    with pytest.raises(RunError, match=r"ended in NaN, .*: train with another --seed"):
+        resolve(later.path, root)
+
+
+def test_a_run_that_could_not_be_begun_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C before the config is written: the same command may take the same place."""
+
+    def interrupted(path: Path, text: str) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as changed, pytest.raises(KeyboardInterrupt):
+        changed.setattr("neuralgaits.runs.folder.write_text", interrupted)
+        _create(tmp_path, out=tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+    assert _create(tmp_path, out=tmp_path / "run").path.is_dir()
+
+
 def test_latest_that_names_nothing_is_refused(tmp_path: Path) -> None:
     for content in ("", "amber3m/gone\n"):
         (tmp_path / "latest").write_text(content)
@@ -104,7 +142,7 @@ def test_refuses_what_is_not_a_whole_run(tmp_path: Path) -> None:
     with pytest.raises(RunError, match=r"expected config\.json"):
         resolve(tmp_path, tmp_path)
     folder = _create(tmp_path)
-    with pytest.raises(RunError, match="train amber3m --resume"):
+    with pytest.raises(RunError, match="neuralgaits train --resume"):
         resolve(folder.path, tmp_path)
     (folder.path / "config.json").write_text('{"format": 1, "cop')
     with pytest.raises(RunError, match="damaged file"):
@@ -233,6 +271,7 @@ def test_a_start_that_was_killed_is_as_good_as_none(
     with monkeypatch.context() as patched:
         patched.setattr("neuralgaits.runs.atomic.write_bytes", killed)
         patched.setattr("neuralgaits.runs.folder.write_bytes", killed)
+        patched.setattr("shutil.rmtree", lambda path, ignore_errors: None)
         with pytest.raises(SystemExit):
             _create(tmp_path, out=out)
     assert written == ["robot.xml"]

@@ -14,7 +14,8 @@ from neuralgaits.certificate.claims import read_claims
 from neuralgaits.certificate.run_match import differences
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.workflows import demo
-from neuralgaits.workflows.check_proof import against
+from neuralgaits.workflows.check_proof import program_differences
+from neuralgaits.workflows.retrace import answer
 from neuralgaits.workflows.view import view
 
 PROOF = demo.FOLDER / "certificate" / "proof.json"
@@ -25,7 +26,7 @@ def test_its_proof_is_about_its_robot_weights_and_spec():
     claims = read_claims(PROOF)
     assert differences(claims, demo.FOLDER) == []
     # The Program is what today's formulas make of the shipped weights.
-    assert against(claims, demo.FOLDER) == []
+    assert program_differences(claims, answer(demo.FOLDER, claims.theorems)) == []
     theorems = json.loads(PROOF.read_text())["theorems"]
     assert [one["level"] for one in theorems if one["claimed"]] == [2, 3]
 
@@ -41,7 +42,7 @@ def test_it_is_small_and_knows_no_machine():
 
 def test_a_package_without_it_says_so(monkeypatch, tmp_path):
     monkeypatch.setattr(demo, "FOLDER", tmp_path)
-    with pytest.raises(RunError, match=r"expected the shipped run .* `neuralgaits view RUN`"):
+    with pytest.raises(RunError, match=r"expected the shipped run .* `neuralgaits view latest`"):
         demo.demo()
 
 

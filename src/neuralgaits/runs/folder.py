@@ -6,6 +6,7 @@ on it is a run), checkpoints, and last `summary.json` (from here on it is finish
 
 import hashlib
 import platform
+import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -27,6 +28,8 @@ FORMAT = 1
 CONFIG, SUMMARY, METRICS = "config.json", "summary.json", "metrics.csv"
 _LAYOUT = {"copies": table_of(TEXT), "written_by": may(table_of(TEXT)), "created_utc": may(TEXT)}
 """Of a config: what is written here. The rest is the business of the stages."""
+NAN, NAN_STATE = "nan.json", "nan.safetensors"
+"""Of a training that ended in NaN: where it did, and the last good state before."""
 LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "diffrax", "mujoco", "numpy")
 
 Tree = TypeVar("Tree")
@@ -72,14 +75,19 @@ class RunFolder:
             file: content.encode() if isinstance(content, str) else content
             for file, content in copies.items()
         }
-        for file, content in contents.items():
-            write_bytes(path / file, content)
         hashes = {file: _sha256(content) for file, content in contents.items()}
         known = {"format": FORMAT, "written_by": _versions(), "copies": hashes}
         known["created_utc"] = datetime.now(UTC).isoformat(timespec="seconds")
         if clash := sorted(set(known) & set(config)):
             raise ValueError(f"expected a config without the names {clash}: runs writes them")
-        write_text(path / CONFIG, to_json(known | dict(config)))
+        try:
+            for file, content in contents.items():
+                write_bytes(path / file, content)
+            write_text(path / CONFIG, to_json(known | dict(config)))
+        except BaseException:
+            # Without a config it is no run: neither to be gone on with, nor in the way of another.
+            shutil.rmtree(path, ignore_errors=True)
+            raise
         filled(path)
         return RunFolder.open(path)
 
@@ -117,6 +125,11 @@ class RunFolder:
     def finished(self) -> bool:
         """True once the run's training has ended and its summary is on disk."""
         return (self.path / SUMMARY).is_file()
+
+    @property
+    def ended_in_nan(self) -> bool:
+        """True if the training stopped since its loss or weights turned to NaN."""
+        return not self.finished and (self.path / NAN_STATE).is_file()
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from neuralgaits._digits import at_least
-from neuralgaits.errors import RunError
-from neuralgaits.report.certificate import PROOF, SUMMARY, proved_level, why_not_of_run
+from neuralgaits.report.certificate import PROOF, proved_level
+from neuralgaits.runs.commands import command, named
 from neuralgaits.viewer import markdown
+from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.run import Run
 
 
@@ -20,30 +21,25 @@ class Sureness(NamedTuple):
 
 
 def how_sure(run: Run) -> Sureness:
-    """Read the certificate's answer and compare its proof with the run, hash by hash.
+    """Read the certificate's answer as far as the run's proof files bear it out.
 
-    The proof is not checked again here: `check-proof` does that.
+    The boxes are not bounded again here: `check-proof` does that.
     """
-    again = markdown.code(f"neuralgaits certify {run.path}")
-    if not (run.path / SUMMARY).is_file():
+    again = markdown.code(command("certify", named(run.path)))
+    found = read_certificate(run.folder)
+    if found.summary is None and found.reason is None:
         return Sureness(
             False,
             "**Nothing is proved of this gait.** Training looked at samples. "
             f"{again} looks for a proof.",
         )
-    try:
-        answer = run.folder.read_json(SUMMARY)
-        why = why_not_of_run(answer, run.path)
-        lines = [] if why else _lines(run, answer)
-    except (RunError, AttributeError, KeyError, TypeError, ValueError):
-        why, lines = f"{SUMMARY} is damaged or of another version", []
-    if why is not None:
+    if found.summary is None:
         return Sureness(
             False,
-            f"**There is no certificate of this gait**: {markdown.text(why)}. {again} looks for a "
-            "new one.",
+            f"**There is no certificate of this gait**: {markdown.text(str(found.reason))}. "
+            f"{again} looks for a new one.",
         )
-    return Sureness(True, "\n\n".join(lines))
+    return Sureness(True, "\n\n".join(_lines(run, found.summary)))
 
 
 def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
@@ -59,8 +55,8 @@ def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
     for word in ("refuted", "undecided"):
         names = [name for name, one in answer["conditions"].items() if one["verdict"] == word]
         if names:
-            named = markdown.text(", ".join(names))
-            lines.append(f"{len(names)} of {len(margins)} conditions {word}: {named}.")
+            listed = markdown.text(", ".join(names))
+            lines.append(f"{len(names)} of {len(margins)} conditions {word}: {listed}.")
     for entry in answer["levels"]:
         lines += [f"{markdown.text(sentence)}." for sentence in entry["words"][:2]]
     about = "This is about the zero dynamics of the rigid model"
@@ -71,6 +67,6 @@ def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
         "simulation, and may fall."
     )
     if answer.get("proof"):
-        check = f"neuralgaits check-proof {run.path / PROOF} --run {run.path}"
+        check = command("check-proof", named(run.path / PROOF), "--run", named(run.path))
         lines.append(f"{markdown.code(check)} checks it again.")
     return lines

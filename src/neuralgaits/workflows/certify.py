@@ -29,7 +29,8 @@ from neuralgaits.interpreters import Program
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certificate_figure import write_map
-from neuralgaits.workflows.certify_full_order import certify_full_order
+from neuralgaits.workflows.certificate_reader import hashes
+from neuralgaits.workflows.certify_full_order import FILE, certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
 from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.sets import (
@@ -128,6 +129,9 @@ def certify(
     except SearchInterrupted as stop:
         _written(task, problems, stop.states, began, "interrupted")
         raise
+    if level == HIGHEST:
+        # The summary that follows speaks of the proofs that are there then.
+        (trained.path / FILE).unlink(missing_ok=True)
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
     done = _written(task, problems, states, began, ended)
     return done if level < HIGHEST else _at_full_order(done, trained, began, deadline, progress)
@@ -284,6 +288,7 @@ def _finish(
         "levels": [asdict(conclusion) for conclusion in conclusions],
         "boxes": 0,
         "proof": None,
+        "sha256": hashes(run.path),
         "wall_s": time.perf_counter() - began,
     }
     summary = plain(summary | more)

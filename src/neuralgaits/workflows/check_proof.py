@@ -84,7 +84,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
     """
     found = retrace.ask(folder, claims.theorems)
     try:
-        wrong = _differences(claims, found)
+        wrong = program_differences(claims, found)
         asked = None
         if claims.theorems.full is None:
             asked = Asked.read(found["regions"], found["conditions"])
@@ -96,7 +96,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
     return _rejected(claims, wrong) if wrong else tied(report, claims, asked)
 
 
-def _differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
+def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
     """What differs between a proof and the run's own conditions, traced again."""
     walking, full = claims.theorems.walking, claims.theorems.full
     if full is not None and [barrier.name for barrier in full.barriers] != found["barriers"]:

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.report.rounds import draw_file
 from neuralgaits.report.shapes import ERRORS, WALKED
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
+from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
@@ -61,7 +62,7 @@ class Episodes:
 
 
 def episodes(
-    robot: PlanarBiped,
+    robot: PlanarBiped | None = None,
     *,
     plant: PlanarBiped | str | Path | None = None,
     disturb: str | Mapping[str, float] | Disturbance | None = None,
@@ -79,7 +80,7 @@ def episodes(
     """Train on the model, then learn and refine for some rounds.
 
     Args:
-        robot: the model.
+        robot: the model; with `resume` it need not be given, what goes on has its own.
         plant: robot that walks, in simulation.
         disturb: of the plant, see `simulation.disturbance`.
         controller: `pd` (if None) or `fblin`, with the nominal model.
@@ -95,7 +96,7 @@ def episodes(
         tell: called when a step of a round begins.
         root: folder of the runs.
 
-    Raises: InputError or RunError with one line.
+    Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     began = time.perf_counter()
     check_rounds(rounds)
@@ -115,7 +116,10 @@ def episodes(
     else:
         folder = old.gone_on_with(asked, out)
     session = _Session(folder, progress, tell or (lambda number, what: None), root)
-    entries, run, stopped = session.run()
+    try:
+        entries, run, stopped = session.run()
+    except KeyboardInterrupt as stop:
+        raise Interrupted(command("episodes", "--resume", named(folder.path))) from stop
     summary = {name: folder.config[name] for name in ("robot", "plant", "disturb", "controller")}
     summary |= {"logs": folder.config["logs"], "seed": folder.config["seed"]}
     summary |= {"episodes": str(folder.path), "run": str(run.path), "rounds": entries}
@@ -157,15 +161,21 @@ def _begin(
             raise InputError("expected --disturb with a plant, found it with --logs: drop it")
         logs_of(Path(logs), 0)
     start = None if resume is None else _start(resume, asked["robot"])
+    if asked["robot"] is None:
+        if start is None:
+            raise InputError(
+                "expected ROBOT, found none: name the model, or what to go on with by --resume RUN"
+            )
+        config["robot"] = start.robot
     if logs is not None:
         # Logs that cannot be read leave no episodes behind.
-        read_all(logs_of(Path(logs), 0), asked["robot"])
+        read_all(logs_of(Path(logs), 0), config["robot"])
     return EpisodeFolder.create(config, start, out=out, root=root)
 
 
-def _start(run: str | Path, robot: PlanarBiped) -> Run:
+def _start(run: str | Path, robot: PlanarBiped | None) -> Run:
     start = open_run(run)
-    if start.robot.layout.xml != robot.layout.xml:
+    if robot is not None and start.robot.layout.xml != robot.layout.xml:
         raise InputError(
             f"expected a run of robot {robot.name}, found one of {start.robot.name} in "
             f"{start.path}: name its robot"

@@ -14,14 +14,13 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
-from neuralgaits.report.shapes import CERTIFIED
 from neuralgaits.runs import plain
-from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
+from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
 
-PROOF, CERTIFICATE = "certificate/proof.json", "certificate/summary.json"
+PROOF = "certificate/proof.json"
 FORMATS = ("c", "onnx")
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -79,7 +78,7 @@ def export_controller(
     files, found = (_c if format == "c" else _onnx)(design, states)
     written = writing.publish(folder, files)
     about = {"run": str(trained.path), "format": format, "out": str(folder), "files": written}
-    about |= {"laws": list(design.controllers)}
+    about |= {"laws": list(design.controllers), "warnings": _warnings(trained)}
     return Export(plain(about | found), found["checked"])
 
 
@@ -96,20 +95,41 @@ def controller_files(design: Design, reference: Reference) -> dict[str, str]:
 
 
 def _origin(trained: Run) -> Origin:
-    weights = _sha256(trained.path / WEIGHTS)
-    proof, verdict = trained.path / PROOF, None
-    if proof.is_file() and trained.folder.read_json(PROOF).get("weights_sha256") == weights:
-        about = trained.folder.read_json(CERTIFICATE)
-        refuse_misshapen(about, CERTIFIED, trained.path / CERTIFICATE)
+    found = read_certificate(trained.folder)
+    about, verdict = found.summary, None
+    if about is not None and found.proof is not None:
         verdict = f"{about['verdict']} at level {about['level']}"
     return Origin(
         robot_sha256=_sha256(trained.path / ROBOT),
-        policy_sha256=weights,
-        proof_sha256=None if verdict is None else _sha256(proof),
+        policy_sha256=_sha256(trained.path / WEIGHTS),
+        proof_sha256=None if verdict is None else _sha256(trained.path / PROOF),
         proof_verdict=verdict,
         spec=str(trained.folder.config["spec"]),
         version=__version__,
     )
+
+
+def _warnings(trained: Run) -> list[str]:
+    """What stands against putting this gait on a robot: that it agrees with Python says nothing."""
+    found = read_certificate(trained.folder)
+    if found.summary is None:
+        why = found.reason or "it has no certificate"
+        return [f"nothing is proved of this gait: {why}"]
+    conditions = found.summary["conditions"]
+    warnings = []
+    for name, row in conditions.items():
+        if row["verdict"] == "refuted":
+            z1, z2 = (f"{value:.4g}" for value in row["counterexample"]["z"])
+            warnings.append(
+                f"this gait is refuted: {name} is broken at z1 = {z1} m, z2 = {z2} kg m^2/s"
+            )
+    left = [name for name, row in conditions.items() if row["verdict"] == "undecided"]
+    if left:
+        warnings.append(f"not proved of this gait: {', '.join(left)}")
+    for level in found.summary["levels"]:
+        if level["verdict"] != "proved":
+            warnings.append(f"level {level['level']} is not proved of this gait: {level['reason']}")
+    return warnings
 
 
 def _sha256(path: Path) -> str:

@@ -11,9 +11,10 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.figure import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import MOST_BYTES, document
-from neuralgaits.report.page.saved import Contents, read
+from neuralgaits.report.page.saved import Contents, Saved, read
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve, write_text
+from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.inspect import inspect
 from neuralgaits.workflows.run import ROBOT, Run, asked_of, open_run
@@ -51,7 +52,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     path = folder.path / FILE if out is None else Path(out)
     _check_writable(path)
     asked_of(folder)
-    saved = read(folder)
+    saved = saved_of(folder)
     robot = robot_from_text(folder.copy(ROBOT), folder.config["robot"])
     with ThreadPoolExecutor(1) as beside:
         # Most of a walk is compiled without Python, while the figures are drawn.
@@ -83,6 +84,17 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
         "damaged": saved.damaged,
     }
     return Report(path, drawn, summary)
+
+
+def saved_of(folder: RunFolder) -> Saved:
+    """A run as its files say, its certificate as far as its proof files bear it out."""
+    found = read_certificate(folder)
+    disturbance: tuple[float, ...] = ()
+    if found.proof is not None and 2 in found.proof.theorems.claimed:
+        walking = found.proof.theorems.walking
+        assert walking is not None  # It is claimed.
+        disturbance = walking.disturbance if any(walking.disturbance) else ()
+    return read(folder, found.summary, found.reason, disturbance)
 
 
 def _check_writable(path: Path) -> None:

@@ -94,8 +94,8 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
         "model": plain(model_data(opened.robot, gait, spec, program, residuals)),
         "regions": described["regions"],
         "conditions": {row["name"]: row for row in described["conditions"]},
-        "barriers": barriers,
-        "carried": carried,
+        "barriers": list(barriers),
+        "carried": list(carried),
     }
 
 

@@ -39,9 +39,9 @@ def _candidates(run: Path) -> Iterator[tuple[Path, bool]]:
         try:
             found = from_json(summary.read_bytes())["logs"]
         except (ValueError, KeyError, TypeError):
-            found = None
+            found = []
         # A run that was moved keeps its logs, but not their names.
-        for path in map(Path, found if complaint(found, list_of(TEXT)) is None else ()):
+        for path in map(Path, [] if complaint(found, list_of(TEXT)) else found):
             named += [path, run / SIMULATED / path.name]
     of_simulations = dict.fromkeys([*named, *sorted((run / SIMULATED).glob("*.csv"))])
     yield from ((path, True) for path in of_simulations if path.is_file())

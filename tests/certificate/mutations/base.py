@@ -123,10 +123,21 @@ def grid(low: np.ndarray, high: np.ndarray) -> np.ndarray:
     return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
+def inputs(program: Program, u: np.ndarray) -> dict[str, np.ndarray]:
+    """Points for all inputs: of the second, at full order, any of the unit ball, some of them 0."""
+    given = {"u": u}
+    for other in program.inputs[1:]:
+        draw, size = np.random.default_rng(0), other.shape[0]
+        xi = draw.normal(size=(len(u), size))
+        length = draw.choice([0.0, 0.5, 0.999], size=(len(u), 1))
+        given[other.name] = xi / np.linalg.norm(xi, axis=1, keepdims=True) * length
+    return given
+
+
 def least(program: Program, names: list[str], u: np.ndarray) -> dict[str, tuple[float, np.ndarray]]:
     """Smallest element of each output over points, and the point. NaN counts as none."""
     with np.errstate(all="ignore"):
-        values = evaluate(prune(program, names), {"u": u}, POINT)
+        values = evaluate(prune(program, names), inputs(program, u), POINT)
     found = {}
     for name in names:
         worst = values[name].reshape(len(u), -1).min(axis=1)

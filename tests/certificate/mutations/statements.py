@@ -21,7 +21,7 @@ Draw = np.random.Generator
 
 def bound(base: Base, draw: Draw) -> Mutation:
     """A bound above the smallest margin seen, by a twentieth of the scale up to all of it."""
-    table, statement, name, seen = _one(base, draw)
+    table, statement, name, seen = one_alone(base, draw)
     more = float(draw.uniform(0.05, 1.0))
     statement["bounds"][name] = seen + more
     return altered(f"{name} claimed {more:.2g} of its scale too high", "false", BOTH, table)
@@ -29,7 +29,7 @@ def bound(base: Base, draw: Draw) -> Mutation:
 
 def bound_by_a_little(base: Base, draw: Draw) -> Mutation | None:
     """A bound above the smallest margin seen by a millionth: too fine for any box."""
-    table, statement, name, seen = _one(base, draw)
+    table, statement, name, seen = one_alone(base, draw)
     if abs(seen) < 1e-6:
         return None  # Rounding could have made the difference.
     statement["bounds"][name] = seen + 1e-6 * abs(seen)
@@ -38,7 +38,7 @@ def bound_by_a_little(base: Base, draw: Draw) -> Mutation | None:
 
 def scale(base: Base, draw: Draw) -> Mutation | None:
     """A larger scale makes the same positive bound a larger claim."""
-    table, statement, name, seen = _one(base, draw)
+    table, statement, name, seen = one_alone(base, draw)
     if statement["bounds"][name] <= 0.0:
         return None
     factor = seen / statement["bounds"][name] * float(draw.uniform(1.05, 3.0))
@@ -67,7 +67,7 @@ def elsewhere(base: Base, draw: Draw) -> Mutation | None:
     return _if_false(base, table, statement, what)
 
 
-def _one(base: Base, draw: Draw) -> tuple[Table, Table, str, float]:
+def one_alone(base: Base, draw: Draw) -> tuple[Table, Table, str, float]:
     """One statement alone, one of its conditions, and the smallest margin seen, in scales."""
     table = base.copy()
     statement = table["statements"][int(draw.integers(len(table["statements"])))]

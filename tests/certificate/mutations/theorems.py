@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mutations.base import BOTH, Base, Mutation, Table, altered
+from mutations.base import BOTH, PROGRAM, Base, Mutation, Table, altered
 
 Draw = np.random.Generator
 
@@ -23,6 +23,22 @@ def number(base: Base, draw: Draw) -> Mutation:
     holder[place] = (other if other != value else value + 1e-3).hex()
     what = f"level {level}: {name} is {holder[place]}"
     return altered(what, "inconsistent", BOTH, table)
+
+
+def full_order_number(base: Base, draw: Draw) -> Mutation:
+    """A number of level 4 that the Program has too, by a last place or a thousandth."""
+    table = base.copy()
+    found = table["theorems"][0]["parameters"]
+    alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
+    barrier = int(draw.integers(len(found["barriers"])))
+    of_barrier = "alpha epsilon coupling reset reset_slope"
+    rows = [(found, name) for name in alone.split()] + [(found["pace"], place) for place in (0, 1)]
+    rows += [(found["barriers"][barrier], name) for name in of_barrier.split()]
+    holder, place = _pick(rows, draw)
+    value = float.fromhex(holder[place])
+    other = value * 1.001 if draw.integers(2) else float(np.nextafter(value, np.inf))
+    holder[place] = other.hex()
+    return altered(f"level 4: {place} is {holder[place]}", "inconsistent", PROGRAM, table)
 
 
 def carried(base: Base, draw: Draw) -> Mutation:
@@ -132,3 +148,5 @@ NOT_FOLLOWING: tuple[Callable[[Base, Draw], Mutation], ...] = (
     order,
     shape,
 )
+
+FULL_ORDER_NUMBERS = (full_order_number,)

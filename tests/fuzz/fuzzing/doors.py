@@ -22,7 +22,7 @@ from neuralgaits.certificate.saved import load, open_boxes
 from neuralgaits.errors import InputError
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
-from neuralgaits.report.page.saved import Contents, read
+from neuralgaits.report.page.saved import Contents
 from neuralgaits.report.rounds import draw as draw_rounds
 from neuralgaits.report.shapes import RECORDED
 from neuralgaits.residual import stored
@@ -37,6 +37,7 @@ from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.export import _origin
 from neuralgaits.workflows.inspect import inspect
+from neuralgaits.workflows.report import saved_of
 from neuralgaits.workflows.run import ROBOT, asked_of, open_run, untrained
 from neuralgaits.workflows.training_session import STATE
 
@@ -58,7 +59,7 @@ def check_file(place: Place, path: Path) -> None:
     if leaves <= LEAVES:
         to_json(check_proof(path)).encode()
         return
-    [*map(str, (line for one in claims.statements for line in in_words(one, claims.program)))]
+    assert [line for one in claims.statements for line in in_words(one, claims.program)]
     check(replace(claims, program_hash="another"))
     differences(claims, place.root / RUN)
 
@@ -73,7 +74,7 @@ def fit_file(place: Place, path: Path) -> None:
     read, _ = logs.read_all([path], place.robot)
     long, _ = fit._long_enough(logs.cut(read, place.robot).strides)
     parts = fit._dealt(long, 0)
-    fit._windows(parts.train), fit._scale(place.run, long)
+    assert len(fit._windows(parts.train).z) and fit._scale(place.run, long).shape == (2,)
 
 
 def use_spec(place: Place, path: Path) -> None:
@@ -94,7 +95,7 @@ def page_of(name: str) -> Reader:
     def write(place: Place, path: Path) -> None:
         folder = resolve(place.root / name, finished=False)
         asked_of(folder)
-        saved = read(folder)
+        saved = saved_of(folder)
         robot = plain(inspect(robot_from_text(folder.copy(ROBOT), folder.config["robot"])))
         walk, why = _kept_walk(place.root / name) if folder.finished else (None, "none")
         contents = Contents(saved, robot, walk, why, [], ("one",))
@@ -115,7 +116,7 @@ def _kept_walk(path: Path) -> tuple[Any, str | None]:
         kept = from_json((path / shown_walk.FILE).read_bytes())
     except (OSError, ValueError):
         kept = None
-    if complaint(kept, RECORDED) is not None or kept["key"] != key:
+    if kept is None or complaint(kept, RECORDED) is not None or kept["key"] != key:
         return None, "walked anew"
     return shown_walk.shown_walk(run), None
 

@@ -43,6 +43,8 @@ def _what(contents: Contents) -> str:
         f"{number(robot['hip_height_m'])} m, {len(robot['actuators'])} motors and feet like "
         "points: nothing holds it upright but the next step."
     )
+    if saved.nan is not None:
+        return f"{who} {saved.nan} There is no gait to judge."
     if saved.summary is None:
         return f"{who} The training of its gait has not ended, so there is no gait to judge yet."
     return f"{who} {_walked(saved, contents.walk)}"
@@ -136,7 +138,8 @@ def _how_sure(saved: Saved) -> str:
         f"Proved, to level {level} of {words.LAST_LEVEL}: {words.PROVED[level]} Every one of the "
         f"{len(certificate['conditions'])} conditions was shown at every state of its region, "
         f"rounding errors included, with at least {_least(certificate)} of its typical size to "
-        f"spare.{_borne(saved)} Other programs can check the proof again."
+        f"spare.{_borne(saved)} So its proof file states; this page has not checked it again, "
+        "other programs can."
     )
 
 

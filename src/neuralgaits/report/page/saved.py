@@ -1,5 +1,6 @@
 """What a run folder holds, read as plain data; a part that is not there is None."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,21 +12,17 @@ from neuralgaits.report.certificate import (
     PROOF,
     SUMMARY,
     proved_level,
-    sha256,
-    why_not_of_run,
 )
 from neuralgaits.report.figure import Drawn, Missing
-from neuralgaits.report.shapes import CERTIFIED, LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
+from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.folder import refuse_misshapen
+from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.folder import NAN, refuse_misshapen
 from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
 
 Json = Mapping[str, Any]
 LEARNING = "residual/summary.json"
-_PROOF: Shape = {
-    "theorems": list_of({"level": COUNT, "parameters": {"disturbance?": list_of(TEXT)}})
-}
-"""Of a proof file: what is told of it here."""
+_ENDED_IN_NAN: Shape = {"step": COUNT, "conditions": list_of(TEXT)}
 _HASHED = (
     "policy.safetensors",
     "robot.xml",
@@ -46,12 +43,14 @@ class Saved:
         config: what was asked.
         summary: what `train` or `refine` found; None if training has not ended.
         metrics: rows of the training's course.
-        certificate, simulation: what `certify` and `simulate` found.
+        certificate: what `certify` found, as the run's proof files bear it out.
+        simulation: what `simulate` found.
         disturbance: what may be added to dz at level 2 of the proof (m/s, N m).
         residual: what `fit` learned from the logs of this run.
         walks: of this run as a round of episodes.
         episodes: all rounds of them.
         hashes: sha256 of the files that count, by name.
+        nan: that the training ended in NaN, and where, in a sentence; None if it did not.
         damaged: why a part could not be read, by file.
     """
 
@@ -66,12 +65,13 @@ class Saved:
     walks: Json | None
     episodes: Json | None
     hashes: dict[str, str]
+    nan: str | None
     damaged: dict[str, str]
 
     @property
     def name(self) -> str:
         """The run as commands name it."""
-        return str(self.folder.path)
+        return named(self.folder.path)
 
     @property
     def robot(self) -> str:
@@ -105,8 +105,19 @@ class Contents:
     assumptions: tuple[str, ...]
 
 
-def read(folder: RunFolder) -> Saved:
+def read(
+    folder: RunFolder,
+    certificate: Json | None,
+    no_certificate: str | None = None,
+    disturbance: tuple[float, ...] = (),
+) -> Saved:
     """Read a run. A damaged part is left out and named.
+
+    Args:
+        folder: of the run.
+        certificate: what `certify` found, as the run's proof files bear it out.
+        no_certificate: why a certificate that is there says nothing of the run.
+        disturbance: of level 2.
 
     Raises: RunError if what was asked or found in training is damaged: pages are about these.
     """
@@ -129,21 +140,18 @@ def read(folder: RunFolder) -> Saved:
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
     rounds = part("summary.json", ROUNDS, above) if (above / "episodes.json").is_file() else None
-    certificate = part(SUMMARY, CERTIFIED)
     residual = folder.path / "residual" / "residual.safetensors"
-    found = {file: sha256(folder.path / file) for file in _HASHED}
+    found = {file: _sha256(folder.path / file) for file in _HASHED}
     hashes = {file: digest for file, digest in found.items() if digest is not None}
-    if certificate is not None and (why := why_not_of_run(certificate, folder.path)):
-        again = f"prove it again with `neuralgaits certify {folder.path}`"
-        certificate, damaged[SUMMARY] = None, f"{why}: {again}"
+    if no_certificate is not None:
+        again = f"prove it again with `{command('certify', named(folder.path))}`"
+        damaged[SUMMARY] = f"{no_certificate}: {again}"
     learned = part(LEARNING, LEARNED)
-    if learned is not None and learned.get("residual_sha256") not in (None, sha256(residual)):
-        learned, damaged[LEARNING] = (
-            None,
-            (
-                f"{LEARNING} is about another {residual.name} than the run's: learn it again with "
-                f"`neuralgaits fit {folder.path} LOG.csv`"
-            ),
+    if learned is not None and learned.get("residual_sha256") not in (None, _sha256(residual)):
+        learned = None
+        damaged[LEARNING] = (
+            f"{LEARNING} is about another {residual.name} than the run's: learn it again with "
+            f"`{command('fit', named(folder.path), 'LOG.csv')}`"
         )
     return Saved(
         folder=folder,
@@ -151,12 +159,13 @@ def read(folder: RunFolder) -> Saved:
         summary=trained(folder) if folder.finished else None,
         metrics=metrics,
         certificate=certificate,
-        disturbance=() if certificate is None else _disturbance(part(PROOF, _PROOF)),
+        disturbance=disturbance,
         simulation=part("simulation/summary.json", SIMULATED),
         residual=learned,
         walks=part("walks/summary.json", WALKED),
         episodes=rounds,
         hashes=hashes,
+        nan=_nan(part(NAN, _ENDED_IN_NAN)) if folder.ended_in_nan else None,
         damaged=damaged,
     )
 
@@ -170,22 +179,22 @@ def trained(folder: RunFolder) -> dict[str, Any]:
         found = folder.summary
         refuse_misshapen(found, TRAINED, folder.path / "summary.json")
     except RunError as error:
-        again = f"neuralgaits train {folder.config.get('robot', 'ROBOT')} --resume {folder.path}"
+        again = command("train", "--resume", named(folder.path))
         raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
     return found
 
 
-def _disturbance(proof: Json | None) -> tuple[float, ...]:
-    """Bounds in the parameters of level 2; none if there is no such level, or if they are 0."""
-    for theorem in (proof or {}).get("theorems") or ():
-        bounds = theorem["parameters"].get("disturbance") or ()
-        if theorem["level"] == 2 and len(bounds) == 2:
-            try:
-                values = tuple(float.fromhex(bound) for bound in bounds)
-            except (ValueError, OverflowError):
-                raise RunError(
-                    f"expected bounds as hexadecimal numbers in {PROOF}, found {bounds}: the file "
-                    "is damaged; certify the run again"
-                ) from None
-            return values if any(values) else ()
-    return ()
+def _sha256(path: Path) -> str | None:
+    """Of a file's bytes; None if there is no such file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+
+
+def _nan(found: Json | None) -> str:
+    """Where a training ended in NaN, as far as it is known."""
+    if found is None:
+        return "The training ended in NaN: its loss or its weights were no longer finite."
+    names = ", ".join(found["conditions"]) or "no condition alone: the sum, or its gradient"
+    return (
+        f"The training ended in NaN at step {found['step']}: its loss or its weights were no "
+        f"longer finite (conditions: {names})."
+    )

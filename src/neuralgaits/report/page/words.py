@@ -284,7 +284,8 @@ def _named(described: Mapping[str, Any]) -> tuple[str, str]:
 
 def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
     """Those that are set, as a command takes them."""
-    usual = {"mass_scale": 1.0}
+    # None is as in the robot's file, and 0 is not.
+    usual = {"mass_scale": 1.0, "friction": None, "torque_limit": None}
     return {
         name: value
         for name, value in (values or {}).items()

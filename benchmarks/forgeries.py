@@ -1,0 +1,94 @@
+"""Every kind of structural forgery, and what each checker answers.
+
+The table is tests/certificate/forgeries/: names that shadow premises, regions cut down, Programs
+that say 1, theorems with other parameters, other robots, parts of other runs, hostile spec files.
+A checker may accept a file only where what it then says is true; how many it accepts otherwise
+stands in the last line.
+
+Premises of levels 2 to 4 are taken as checked where a forgery is one of structure; `--boxes`
+bounds them all, which takes an hour. Words restrict the themes: `forgeries.py regions trees`.
+"""
+
+# pyright: reportMissingImports=false
+# The table lies with the tests, on a path set at run time.
+
+import contextlib
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+from common import show
+
+# What is forged is the tests'.
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificate"))
+
+from forgeries.ask import Heard, answers, complaints
+from forgeries.base import EXIT, YES, Base, Forgery
+from forgeries.quick import statements_taken_as_checked, traced_once
+from forgeries.runs import make
+from forgeries.table import THEMES
+
+REPOSITORY = Path(__file__).parents[1]
+PROGRAM = REPOSITORY / "build" / "proofcheck"
+CHECKERS = ("cpp", "alone", "run", "report")
+WIDTH = 66
+
+
+def main(themes: list[str], *, boxes: bool) -> None:
+    """Print the table, theme by theme, and the counts."""
+    subprocess.run(["make", "--silent", "proofcheck"], cwd=REPOSITORY, check=True)
+    began, counts = time.perf_counter(), Counter[str]()
+    with tempfile.TemporaryDirectory() as folder, traced_once({}):
+        base = make(Path(folder), boxes=boxes)
+        head = ("C++", "Python", "with run", "report")
+        print(f"{'kind':{WIDTH}} " + " ".join(f"{name:12}" for name in head))
+        for theme, kinds in THEMES.items():
+            if themes and theme not in themes:
+                continue
+            print(f"-- {theme}")
+            for kind in kinds:
+                print(line(kind, base, boxes, counts), flush=True)
+    show("kinds of forgery", str(counts["kinds"]), "45 or more")
+    show("accepted because what is said is true", str(counts["true"]))
+    show("answered otherwise than they should be", str(counts["wrong"]), "0")
+    show("seconds", f"{time.perf_counter() - began:.0f}")
+    show("accepted as proved", str(counts["deceived"]), "0")
+
+
+def line(kind: Forgery, base: Base, boxes: bool, counts: Counter[str]) -> str:
+    """One row of the table."""
+    with contextlib.ExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory(dir=base.scratch))
+        if not (boxes or kind.bounded):
+            stack.enter_context(statements_taken_as_checked())
+        heard = answers(kind, kind.make(base), folder, PROGRAM, CHECKERS)
+    wrong = complaints(kind, heard)
+    accepted = [name for name, answer in heard.items() if _accepts(name, answer)]
+    counts["kinds"] += 1
+    counts["wrong"] += bool(wrong)
+    counts["deceived"] += any(not kind.answers[name].accepts for name in accepted)
+    counts["true"] += any(kind.answers[name].accepts for name in accepted)
+    row = " ".join(f"{_shown(heard.get(name)):12}" for name in CHECKERS)
+    return f"{kind.kind[:WIDTH]:{WIDTH}} {row}" + "".join(f"\n   ! {text}" for text in wrong)
+
+
+def _accepts(checker: str, answer: Heard) -> bool:
+    """Whether an answer is taken for `proved`; a report's is judged by its level."""
+    return answer.word in (YES[checker], "proved")
+
+
+def _shown(answer: Heard | None) -> str:
+    if answer is None:
+        return "-"
+    code = EXIT.get(answer.word)
+    return answer.word if code is None else f"{code} {answer.word}"
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("JAX_PLATFORMS", "cpu")
+    chosen = [word for word in sys.argv[1:] if not word.startswith("-")]
+    main(chosen, boxes="--boxes" in sys.argv)

@@ -1,0 +1,180 @@
+"""A run's certificate as its proof files bear it out: what pages and figures may call proved.
+
+`certificate/summary.json` is what `certify` said, and a file like any other: it may be another
+run's, or older than the weights beside it. So nothing in it counts but what the proof files of
+the run state as well: their statements have to be about the run's own files and cover its spec, and
+the levels are concluded again from them. The boxes are not bounded again here: `check-proof` does.
+"""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from neuralgaits.certificate.claims import Claims, read_claims
+from neuralgaits.certificate.conclusions import Conclusion, conclude, proved_bounds
+from neuralgaits.certificate.coverage import Asked, contradictions, stated_roots
+from neuralgaits.certificate.full_order_conclusion import conclude_full_order
+from neuralgaits.certificate.run_match import ROBOT, SPEC, WEIGHTS, differences
+from neuralgaits.errors import InputError
+from neuralgaits.report.certificate import FULL_ORDER, PROOF, SUMMARY
+from neuralgaits.report.shapes import CERTIFIED
+from neuralgaits.runs import RunFolder, from_json, plain
+from neuralgaits.runs.shape import complaint
+
+FILES = (ROBOT, SPEC, WEIGHTS, PROOF, FULL_ORDER)
+"""What a certificate is about, and what it rests on."""
+MAP = "certificate/map.safetensors"
+"""Data of a picture: without it there is no picture, and the certificate stands."""
+DAMAGED = f"{SUMMARY} is damaged or of another version"
+
+
+class CertificateReading(NamedTuple):
+    """What is known to be claimed of a run, or why that is nothing.
+
+    Attributes:
+        summary: of `certify`, with margins and levels as the proof files have them; None if there
+            is no certificate of the run's own.
+        reason: why there is none; None if there is, or if `certify` was never called.
+        proof, full: the proof files.
+        map_fits: whether the map of boxes is the one that was made with them.
+    """
+
+    summary: dict[str, Any] | None = None
+    reason: str | None = None
+    proof: Claims | None = None
+    full: Claims | None = None
+    map_fits: bool = False
+
+
+class _Unfit(Exception):
+    """The certificate is not borne out; the message says by what."""
+
+
+def hashes(run: Path) -> dict[str, str | None]:
+    """The sha256 of what a certificate is about, by file; None where there is no such file."""
+    found = {}
+    for name in (*FILES, MAP):
+        path = run / name
+        found[name] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+    return found
+
+
+def read_certificate(folder: RunFolder) -> CertificateReading:
+    """Read a run's certificate and compare it with its proof files and with the run."""
+    path = folder.path / SUMMARY
+    if not path.is_file():
+        return CertificateReading()
+    try:
+        summary = from_json(path.read_bytes())
+        if complaint(summary, CERTIFIED):
+            return CertificateReading(reason=DAMAGED)
+        return _read(folder, summary)
+    except _Unfit as error:
+        return CertificateReading(reason=str(error))
+    except (OSError, ValueError, AttributeError, KeyError, TypeError, RecursionError):
+        return CertificateReading(reason=DAMAGED)
+
+
+def _read(folder: RunFolder, summary: Any) -> CertificateReading:
+    """Raises: _Unfit; or what Python raises where something is not as `certify` writes it."""
+    run = folder.path
+    found = hashes(run)
+    for name in FILES:
+        digest = found[name]
+        if summary["sha256"].get(name) != digest:
+            raise _Unfit(
+                f"{SUMMARY} is about another {name} than the run's"
+                if digest is not None
+                else f"{name} is missing"
+            )
+    described = folder.config["described"]
+    asked = Asked.read(described["regions"], {row["name"]: row for row in described["conditions"]})
+    proof, full = (_claims(run, file, asked) for file in (PROOF, FULL_ORDER))
+    if set(summary["conditions"]) != set(asked.conditions):
+        raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
+    summary = summary | {
+        "conditions": dict(_conditions(summary, asked, proof)),
+        "levels": list(_levels(summary, asked, proof, full)),
+    }
+    summary["verdict"] = _verdict(summary)
+    map_fits = found[MAP] is not None and summary["sha256"].get(MAP) == found[MAP]
+    return CertificateReading(summary, None, proof, full, map_fits)
+
+
+def _claims(run: Path, file: str, asked: Asked) -> Claims | None:
+    """A proof file about the run's own files, whose statements are those of its spec."""
+    if not (run / file).is_file():
+        return None
+    try:
+        claims = read_claims(run / file)
+        wrong = differences(claims, run)
+    except InputError as error:
+        raise _Unfit(f"{file} is damaged or of another version: {error}") from None
+    if claims.program.hash != claims.program_hash:
+        wrong.append("its Program has another hash than it says")
+    full = claims.theorems.full is not None
+    wrong += contradictions(claims.statements, claims.theorems, None if full else asked)
+    if wrong:
+        raise _Unfit(f"{file} is not about this run: {wrong[0]}")
+    return claims
+
+
+def _conditions(
+    summary: Mapping[str, Any], asked: Asked, proof: Claims | None
+) -> Iterator[tuple[str, Any]]:
+    """Verdicts on conditions; one that is proved has a statement on each box of its region."""
+    bounds = {
+        root: s.bounds[root[0]] for root, s in stated_roots(proof.statements if proof else ())
+    }
+    boxes = asked.boxes()
+    for name, row in summary["conditions"].items():
+        if row["verdict"] != "proved":
+            yield name, row
+            continue
+        own = [box for box in boxes if box[0] == name]
+        if not all(box in bounds for box in own):
+            raise _Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")
+        yield name, row | {"margin": min(bounds[box] for box in own)}
+
+
+def _levels(
+    summary: Mapping[str, Any], asked: Asked, proof: Claims | None, full: Claims | None
+) -> Iterator[dict[str, Any]]:
+    """Levels above 1; one that is proved is claimed by a proof file and follows from it."""
+    found: dict[int, Conclusion] = {}
+    for claims in (proof, full):
+        if claims is not None:
+            found |= {one.level: one for one in _concluded(claims, asked)}
+    for entry in summary["levels"]:
+        level = entry["level"]
+        if entry["verdict"] != "proved":
+            yield entry | {"words": [], "figures": {}}
+        elif level in found:
+            yield plain(asdict(found[level]))
+        else:
+            raise _Unfit(f"{SUMMARY} calls level {level} proved, and no proof file claims it")
+
+
+def _verdict(summary: Mapping[str, Any]) -> str:
+    """Of the whole, as `certify` gives it: proved if every condition and every level asked is."""
+    answers = {row["verdict"] for row in summary["conditions"].values()}
+    if "refuted" in answers:
+        return "refuted"
+    levels = [entry["level"] for entry in summary["levels"]]
+    answers |= {entry["verdict"] for entry in summary["levels"]}
+    whole = levels == list(range(2, int(summary["level"]) + 1))
+    return "proved" if whole and answers == {"proved"} else "undecided"
+
+
+def _concluded(claims: Claims, asked: Asked) -> list[Conclusion]:
+    """What follows from the statements of a file, as far as the file claims it."""
+    theorems, bounds = claims.theorems, proved_bounds(claims.statements)
+    try:
+        found = conclude(theorems.walking, theorems.orbit, asked.boxes(), bounds)
+        if theorems.full is not None:
+            found.append(conclude_full_order(theorems.full, bounds))
+    except (OverflowError, ZeroDivisionError):
+        return []
+    return [one for one in found if one.level in theorems.claimed and one.verdict == "proved"]

@@ -1,0 +1,1 @@
+"""Forged proof files and run folders, and what each checker must answer."""

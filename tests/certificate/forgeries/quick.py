@@ -1,0 +1,75 @@
+"""What makes the Python checker quick where a forgery is one of structure."""
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import jax
+import numpy as np
+
+from neuralgaits.certificate.statement_check import StatementCheck
+from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.errors import InputError, NeuralGaitsError
+from neuralgaits.workflows import full_order, retrace, sets
+
+Traced = dict[Any, Any]
+
+
+@contextmanager
+def statements_taken_as_checked() -> Iterator[None]:
+    """No box is bounded: what is judged is the file, and what is concluded from it."""
+    with mock.patch.object(StatementCheck, "walk", lambda self, leaves: iter(())):
+        yield
+
+
+@contextmanager
+def traced_once(known: Traced) -> Iterator[None]:
+    """Runs are traced in this process, each with its parameters once for all forgeries.
+
+    Not for a run whose code is hostile.
+    """
+    traces = {sets: "trace_certificate", full_order: "trace_full_order"}
+    with ExitStack() as stack:
+        stack.enter_context(mock.patch.object(retrace, "ask", _here))
+        for module, name in traces.items():
+            trace = _once(getattr(module, name), known)
+            stack.enter_context(mock.patch.object(module, name, trace))
+        yield
+
+
+def _here(run: Path, theorems: Theorems) -> dict[str, Any]:
+    """What `retrace.ask` gets from a process of its own."""
+    try:
+        return json.loads(json.dumps(retrace.answer(run, theorems)))
+    except (NeuralGaitsError, OSError) as error:
+        raise InputError(str(error)) from None
+
+
+def _once(trace: Callable, known: Traced) -> Callable:
+    def traced(*parts):
+        key = (trace.__name__, *map(_key, parts))
+        if key not in known:
+            known[key] = trace(*parts)
+        return known[key]
+
+    return traced
+
+
+def _key(part: Any) -> Any:
+    """Equal for equal robots, gaits, specs and parameters."""
+    if hasattr(part, "layout"):
+        return part.layout.xml
+    if hasattr(part, "describe"):
+        return repr(part.describe())
+    if hasattr(part, "gait") and hasattr(part, "bandwidth"):
+        return (*map(_key, (part.robot, part.gait, part.spec)), part.bandwidth)
+    if hasattr(part, "policy"):
+        return tuple(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(part) if _number(leaf))
+    return repr(part)
+
+
+def _number(leaf: Any) -> bool:
+    return isinstance(leaf, np.ndarray | jax.Array | float | int)

@@ -1,0 +1,80 @@
+"""Every kind of forgery through the checkers that it is for.
+
+The table is tests/certificate/forgeries/; `benchmarks/forgeries.py` prints it with every answer
+and without what is taken on trust here: that boxes were bounded where a forgery is one of
+structure, and that a file which is refused by itself is refused with a run as well.
+"""
+
+# pyright: reportMissingImports=false
+# The table lies with the tests of the other checker, on a path set at run time.
+
+import contextlib
+import json
+import tempfile
+from pathlib import Path
+
+import pytest
+from forgeries import code, runs
+from forgeries.ask import answers, ask_cpp, ask_python, ask_report, complaints
+from forgeries.base import YES
+from forgeries.quick import statements_taken_as_checked, traced_once
+from forgeries.table import KINDS, THEMES
+
+PROGRAM = Path(__file__).parents[2] / "build" / "proofcheck"
+LEAST_KINDS = 45
+
+
+@pytest.fixture(scope="module")
+def base(tmp_path_factory):
+    return runs.make(tmp_path_factory.mktemp("forgeries"))
+
+
+@pytest.fixture(scope="module")
+def traced():
+    return {}
+
+
+def test_what_is_forged_is_true(proofcheck, base, traced, tmp_path):
+    """Every proof that a forgery starts from is accepted, by whoever knows its level."""
+    for about, table in base.proofs.items():
+        file, run = tmp_path / f"{about}.json", base.runs[about]
+        file.write_text(json.dumps(table))
+        assert ask_cpp(PROGRAM, file).word == ("undecided" if about == "full" else "proved")
+        boxes = contextlib.nullcontext() if about == "small" else statements_taken_as_checked()
+        with boxes, traced_once(traced):
+            alone, known = ask_python(file), ask_python(file, run)
+        assert (alone.word, known.word) == (YES["alone"], YES["run"]), (about, alone, known)
+    assert ask_report(base.runs["walk"]).word == "3"
+
+
+def test_the_table_has_no_kind_twice_and_enough_of_them():
+    names = [f"{theme}: {kind.kind}" for theme, kinds in THEMES.items() for kind in kinds]
+    assert len(set(names)) == len(names) >= LEAST_KINDS
+    assert all(kind.answers for kind in KINDS)
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_forgeries(proofcheck, base, traced, tmp_path, theme):
+    """Each differs from what it was made from, and gets an answer that is right."""
+    wrong = {}
+    for kind in THEMES[theme]:
+        forged = kind.make(base)
+        true = json.dumps(base.proofs[kind.about]).encode()
+        assert forged.content != true or forged.run != base.runs[kind.about], kind.kind
+        bounds = contextlib.nullcontext() if kind.bounded else statements_taken_as_checked()
+        with bounds, traced_once(traced), tempfile.TemporaryDirectory(dir=tmp_path) as folder:
+            heard = answers(kind, forged, folder, PROGRAM, ("cpp", "alone", "report"))
+            refused = "alone" in heard and heard["alone"].word in ("rejected", "unreadable")
+            if kind.process or not (refused or _left_to_the_benchmark(kind)):
+                heard |= answers(kind, forged, folder, PROGRAM, ("run",))
+        found = complaints(kind, heard)
+        if found:
+            wrong[kind.kind] = found
+    assert not wrong, "\n".join(f"{kind}: {'; '.join(found)}" for kind, found in wrong.items())
+
+
+def _left_to_the_benchmark(kind) -> bool:
+    """With a run, seconds each: some of the hostile specs, and level 4 where it may be accepted."""
+    if kind.process:
+        return not kind.kind.endswith(code.QUICK)
+    return kind.about == "full" and "run" in kind.answers and kind.answers["run"].accepts
