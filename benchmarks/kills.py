@@ -23,7 +23,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
@@ -47,6 +47,8 @@ SHARES = {
 }
 TIMES = ("wall_s", "compile_s", "train_s", "latency_us", "sim_steps_per_s", "real_time_factor")
 """Of JSON files: what two runs of one command differ in."""
+KINDS = ("lost", "half", "unequal", "stuck")
+"""What can be wrong with a kill."""
 DATES = ("created_utc",)
 LONGEST_S = 600.0
 SERVER = multiprocessing.get_context("forkserver")
@@ -84,25 +86,16 @@ def _verbs() -> dict[str, Verb]:
     anew = (*episodes, RUN, "--out", "new")
     export = ("export", RUN, "--out", "c")
     report = ("report", RUN, "--out", "page.html")
-    on = ("train", "amber3m", "--resume", "new")
+    on = ("train", "--resume", "new")
     return {
         "train": Verb(train, (on, train), ("new",)),
         "certify": Verb(certify, ((*certify, "--resume"), certify), ("run/certificate",)),
         "fit": Verb(fit, (fit,), ("run/residual",)),
         "refine": Verb(refine, (on, refine), ("new",)),
-        "episodes": Verb(anew, ((*episodes, "new"), anew), ("new",)),
+        "episodes": Verb(anew, (("episodes", "--resume", "new"), anew), ("new",)),
         "export": Verb(export, (export, (*export, "--force")), ("c",)),
         "report": Verb(report, (report,), ("page.html",)),
     }
-
-
-@dataclass
-class Findings:
-    """What became of the kills of a verb."""
-
-    kills: int = 0
-    seen: Counter[str] = field(default_factory=Counter)
-    bad: list[str] = field(default_factory=list)
 
 
 class Bench:
@@ -288,21 +281,17 @@ def main() -> None:
     """Print a row a verb."""
     total: Counter[str] = Counter()
     for name, share in SHARES.items():
-        bench, found = Bench(name, base()), Findings()
+        bench, seen, kills = Bench(name, base()), Counter(), round(share * KILLS)
         show(f"{name}: uninterrupted [s]", bench.duration)
-        for number in range(round(share * KILLS)):
-            wrong = bench.kill(number)
-            found.kills += 1
-            found.seen.update(line.partition(":")[0] for line in wrong)
-            for line in wrong:
+        for number in range(kills):
+            for line in bench.kill(number):
+                seen[line.partition(":")[0]] += 1
                 print(f"   {name} {number}: {line}", flush=True)
-        kinds = ("lost", "half", "unequal", "stuck")
-        told = ", ".join(str(found.seen[kind]) for kind in kinds)
-        show(f"{name}: kills; files lost, half, unequal, stuck", f"{found.kills}; {told}", "0")
-        total.update(found.seen, kills=found.kills)
-    show(
-        "kills in all; lost, half, unequal, stuck", ", ".join(f"{v} {k}" for k, v in total.items())
-    )
+        told = ", ".join(str(seen[kind]) for kind in KINDS)
+        show(f"{name}: kills; files lost, half, unequal, stuck", f"{kills}; {told}", "0")
+        total += Counter(seen, kills=kills)
+    show("kills in all", total.pop("kills"))
+    show("files lost, half, unequal, stuck", ", ".join(str(total[kind]) for kind in KINDS), "0")
 
 
 if __name__ == "__main__":

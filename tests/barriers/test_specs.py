@@ -184,3 +184,11 @@ def test_the_paper_says_what_table_1_says(amber):
         assert z[1] == pytest.approx(float(amber.mass) * 0.9 * speed, rel=1e-12)
     (guard,) = spec.regions["guard"]
     assert float(gait.z(np.array(guard.low))[0]) == pytest.approx(0.19)
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", b"x = 1\x00", b"x = '\xa9'", b"x = ("])
+def test_a_file_that_is_no_text_is_named(tmp_path, legs, content):
+    file = tmp_path / "mine.py"
+    file.write_bytes(content)
+    with pytest.raises(SpecError, match=r"mine\.py.*mend it"):
+        specs.load(f"{file}:brisk", legs)

@@ -1,6 +1,5 @@
 """Altered inputs are refused in one line, or read; a hundred thousand: benchmarks/fuzz.py."""
 
-import select
 import sys
 
 import numpy as np
@@ -21,13 +20,14 @@ CASES = {
 }
 HELD = """
 import json, os, pathlib, sys, time
+ANSWER = dict(read=1, refused=0, told=0, tracebacks=[], lost=[], s=0.0)
 print('"ready"', flush=True)
 for number in range(int(sys.argv[3]), int(sys.argv[4])):
     print(number, flush=True)
     if number == 2:
-        pathlib.Path("held").touch()
+        pathlib.Path(f"held-{{os.getpid()}}").touch()
         {what}
-    print(json.dumps(dict(read=1, refused=0, told=0, tracebacks=[], lost=[], s=0.0)), flush=True)
+    print(json.dumps(ANSWER), flush=True)
 """
 
 
@@ -72,30 +72,16 @@ def test_a_case_that_never_ends_or_kills_its_process_is_named(
     place, tmp_path, monkeypatch, what, found
 ):
     monkeypatch.setattr("fuzzing.watch._note", _told := _Notes())
-    # No clock: silence is the case that holds the process, once it is there.
-    monkeypatch.setattr("fuzzing.watch.select", _Silence(tmp_path / "held"))
+    # No clock: patience ends once the case holds the process.
+    monkeypatch.setattr(
+        "fuzzing.watch.Patience.spent", lambda self: (tmp_path / f"held-{self.pid}").exists()
+    )
     script = tmp_path / "worker.py"
     script.write_text(HELD.format(what=what))
     block = Block("spec files", 0, 5)
     findings = watch([block], [sys.executable, str(script)], 1, tmp_path / "kept")
     assert [(at, line.partition(":")[0]) for line, at in _told.seen] == [(2, found)]
     assert findings["spec files"].inputs == 5
-
-
-class _Silence:
-    """`select` of a process that is silent for too long once a file is there."""
-
-    def __init__(self, held):
-        self.held = held
-
-    def select(self, reading, writing, failing, limit):
-        while True:
-            ready = select.select(reading, [], [], 0.05)
-            if ready[0]:
-                return ready
-            if self.held.exists():
-                self.held.unlink()
-                return ready
 
 
 class _Notes:

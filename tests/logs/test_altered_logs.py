@@ -15,7 +15,7 @@ from neuralgaits.errors import InputError
 
 sys.path[:0] = [str(Path(__file__).parents[1] / "fuzz")]
 
-from fuzzing.formats import altered  # noqa: E402
+from fuzzing.formats import altered  # noqa: E402  # pyright: ignore[reportMissingImports]
 
 CASES = 60
 

@@ -271,6 +271,7 @@ def test_a_start_that_was_killed_is_as_good_as_none(
     with monkeypatch.context() as patched:
         patched.setattr("neuralgaits.runs.atomic.write_bytes", killed)
         patched.setattr("neuralgaits.runs.folder.write_bytes", killed)
+        patched.setattr("shutil.rmtree", lambda path, ignore_errors: None)
         with pytest.raises(SystemExit):
             _create(tmp_path, out=out)
     assert written == ["robot.xml"]

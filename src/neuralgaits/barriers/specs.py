@@ -91,6 +91,8 @@ def _module(path: str):
     try:
         with user_code.blamed():
             specification.loader.exec_module(module)
-    except SyntaxError as error:  # Of the file itself, none of whose lines has run.
+    except NeuralGaitsError:
+        raise
+    except Exception as error:  # Of the file itself, none of whose lines has run.
         raise user_code.misread(error, file) from error
     return module

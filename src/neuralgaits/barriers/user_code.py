@@ -54,8 +54,10 @@ def mistake(error: BaseException) -> SpecError | None:
     return SpecError(f"{file}:{line}: {reason(error)}; mend that line")
 
 
-def misread(error: SyntaxError, file: Path) -> SpecError:
-    """A file that is not Python."""
+def misread(error: Exception, file: Path) -> SpecError:
+    """A file that is not Python, or no text."""
+    if not isinstance(error, SyntaxError):
+        return SpecError(f"{file}: {reason(error)}; mend it")
     return SpecError(f"{file}:{error.lineno or 1}: {type(error).__name__}: {error.msg}; mend it")
 
 

@@ -45,8 +45,8 @@ CERTIFIED: Shape = {
             "level": one_of(2, 3, 4),
             "verdict": _VERDICT,
             "reason": may(TEXT),
-            "words": _TEXTS,
-            "figures": table_of(may(NUMBER)),
+            "words?": _TEXTS,
+            "figures?": table_of(may(NUMBER)),
             "constants?": may(
                 list_of({"name": TEXT, "value": NUMBER, "unit": TEXT, "meaning": TEXT})
             ),
@@ -55,7 +55,7 @@ CERTIFIED: Shape = {
     "boxes": COUNT,
     "wall_s": NUMBER,
     "proof?": may(TEXT),
-    "sha256": table_of(may(TEXT)),
+    "sha256?": table_of(may(TEXT)),
 }
 """`certificate/summary.json`."""
 
@@ -72,7 +72,12 @@ SIMULATED: Shape = {
     "fell": list_of(FLAG),
     "fall_reasons": list_of(may(TEXT)),
     "logs?": may(_TEXTS),
-    "link?": may({"law": TEXT}),
+    "plant_given?": may(TEXT),
+    "link?": {
+        "law": TEXT,
+        "mode": TEXT,
+        **{f"{name}?": may(NUMBER) for name in ("loss", "jitter_ms", "blend_s")},
+    },
     "sha256?": table_of(TEXT),
     "poincare?": may({"multiplier": may(NUMBER), "step_length_m": may(NUMBER)}),
     **{

@@ -64,8 +64,8 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
         return CertificateReading()
     try:
         summary = from_json(path.read_bytes())
-        if complaint(summary, CERTIFIED) is not None:
-            return CertificateReading(reason=DAMAGED)
+        if wrong := complaint(summary, CERTIFIED):
+            return CertificateReading(reason=f"{DAMAGED}, {wrong}")
         return _read(folder, summary)
     except _Unfit as error:
         return CertificateReading(reason=str(error))

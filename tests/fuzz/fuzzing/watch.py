@@ -22,8 +22,10 @@ from fuzzing.cases import Answer, carry, case_of
 from fuzzing.doors import KINDS, inputs, readers
 from fuzzing.place import Place
 
-HANG_S, START_S = 10.0, 300.0
-"""A case may take so long; a worker reads everything unaltered first, and compiles."""
+HANG_S, START_S = 10.0, 120.0
+"""Processor time that a case may take; a worker reads everything unaltered first, and compiles."""
+SLOWER = 30.0
+"""How many times longer it may take by the clock: others use the machine, too."""
 
 
 @dataclass
@@ -59,9 +61,9 @@ def work(folder: Path, run: Path, episodes: Path | None, block: Block) -> None:
     tell.write('"ready"\n')
     for number in range(block.first, block.last):
         tell.write(f"{number}\n")
-        began = time.perf_counter()
+        began = time.process_time()
         answer = carry(place, block.kind, number)
-        found = vars(answer) | {"s": time.perf_counter() - began}
+        found = vars(answer) | {"s": time.process_time() - began}
         tell.write(json.dumps(found) + "\n")
 
 
@@ -90,6 +92,7 @@ def watch(
                 return
             with tempfile.TemporaryDirectory(prefix="fuzz-") as folder:
                 last = _watched(block, command, Path(folder), found[block.kind], kept)
+            print(f"{block.kind}: {found[block.kind].inputs} done", file=sys.stderr, flush=True)
             if last is not None and last + 1 < block.last:
                 waiting.put(Block(block.kind, last + 1, block.last))
 
@@ -101,6 +104,28 @@ def watch(
     return found
 
 
+class Patience:
+    """How long a process may say nothing, in processor time."""
+
+    def __init__(self, pid: int, limit_s: float):
+        self.pid, self.limit_s = pid, limit_s
+        self.began, self.used = time.monotonic(), self._used()
+
+    def spent(self) -> bool:
+        """Whether it has been silent for too long; one that only sleeps, by the clock."""
+        if time.monotonic() - self.began > SLOWER * self.limit_s:
+            return True
+        return self._used() - self.used > self.limit_s
+
+    def _used(self) -> float:
+        try:
+            fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            # It has ended, or this is no Linux: the clock alone counts.
+            return 0.0
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def _watched(
     block: Block, command: list[str], folder: Path, found: Findings, kept: Path
 ) -> int | None:
@@ -109,16 +134,19 @@ def _watched(
     worker = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert worker.stdout is not None and worker.stderr is not None
     at, rest = None, b""
+    patience = Patience(worker.pid, START_S)
     try:
         while True:
-            limit = START_S if at is None else HANG_S
-            if not select.select([worker.stdout], [], [], limit)[0]:
-                return _ended(f"hang: silent for {limit:g} s", block, at, folder, found, kept)
+            if not select.select([worker.stdout], [], [], 1.0)[0]:
+                if patience.spent() and not select.select([worker.stdout], [], [], 0.0)[0]:
+                    return _ended("hang: it says nothing", block, at, folder, found, kept)
+                continue
             data = os.read(worker.stdout.fileno(), 1 << 16)
             if not data:
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     worker.wait(HANG_S)
                 break
+            patience = Patience(worker.pid, HANG_S)
             *lines, rest = (rest + data).split(b"\n")
             for line in lines:
                 told = json.loads(line)

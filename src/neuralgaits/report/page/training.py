@@ -154,13 +154,21 @@ def _conditions(saved: Saved) -> list[Html]:
     return [paragraph(said), table(caption, head, rows, numbers="  nnn")]
 
 
+def _told(entry: Mapping[str, Any]) -> str:
+    """A condition in words."""
+    try:
+        return words.condition(entry)
+    except (AttributeError, KeyError, TypeError):
+        return "described in a way that this version does not know"
+
+
 def _row(entry: Mapping[str, Any], measured: Mapping[str, Any] | None) -> tuple[Any, ...]:
     scale = float(entry.get("scale") or 1.0)
     name = join(
         [
             tag("b", entry.get("name", "?")),
             Html("<br>"),
-            tag("span", words.condition(entry), class_="quiet"),
+            tag("span", _told(entry), class_="quiet"),
         ]
     )
     where = words.region(str(entry.get("region", "")))

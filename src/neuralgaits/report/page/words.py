@@ -188,13 +188,6 @@ def region(name: str) -> str:
 
 def condition(described: Mapping[str, Any]) -> str:
     """A condition as a sentence, from its description in the run's config."""
-    try:
-        return _condition(described)
-    except (AttributeError, KeyError, TypeError):
-        return "described in words that this version does not know"
-
-
-def _condition(described: Mapping[str, Any]) -> str:
     kind, side = described.get("kind"), _SIDES.get(described.get("side", ""), "")
     if kind == "Fence":
         return f"trajectories do not leave over the {side} edge"
@@ -226,15 +219,17 @@ def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
     """What a list of conditions asks for, each thing once, in the order of the list."""
     found = {}
     for described in conditions:
-        inner = described.get("quantity")
-        inner = inner if isinstance(inner, Mapping) else {}
-        of = inner.get("of")
-        name = (of if isinstance(of, Mapping) else inner).get("function", "")
+        inner = _object(described.get("quantity"))
+        name = (_object(inner.get("of")) or inner).get("function", "")
         if described.get("kind") == "Inlet":
             found[_INLET] = None
         elif isinstance(name, str) and name in _GISTS:
             found[_GISTS[name]] = None
     return list(found)
+
+
+def _object(value: Any) -> Mapping[str, Any]:
+    return value if isinstance(value, Mapping) else {}
 
 
 def quantity(described: Mapping[str, Any]) -> str:
