@@ -289,7 +289,7 @@ def main() -> None:
                 print(f"   {name} {number}: {line}", flush=True)
         told = ", ".join(str(seen[kind]) for kind in KINDS)
         show(f"{name}: kills; files lost, half, unequal, stuck", f"{kills}; {told}", "0")
-        total += Counter(seen, kills=kills)
+        total += seen + Counter(kills=kills)
     show("kills in all", total.pop("kills"))
     show("files lost, half, unequal, stuck", ", ".join(str(total[kind]) for kind in KINDS), "0")
 

@@ -57,7 +57,8 @@ def test_a_field_that_is_gone_or_of_another_kind_is_named(contents, shipped, fil
             _written(shipped, file, whole | {name: other})
             page = contents()
             assert document(page)
-            assert not page.saved.damaged or f"in {name}" in failures(page)
+            named = f"in {name}", *(["about another"] if name == "sha256" else [])
+            assert not page.saved.damaged or any(words in failures(page) for words in named)
     for broken in ('{"a": ' + "[" * 100_000, '{"boxes": NaN}', "[]"):
         _written(shipped, file, broken)
         page = contents()

@@ -121,7 +121,8 @@ LEARNED: Shape = {
 _WALKS = {
     "steps_walked": list_of(COUNT),
     "share_that_walks": may(NUMBER),
-    "fall_reasons": list_of(may(TEXT)),
+    # Of a robot's own logs nobody says why it fell.
+    "fall_reasons?": list_of(may(TEXT)),
     "speed_range_m_s": may(_PAIR),
     "speed_m_s": may(NUMBER),
     "barriers": {"tube": may(NUMBER), "all": may(NUMBER), "conditions": table_of(may(NUMBER))},
