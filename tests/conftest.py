@@ -3,6 +3,7 @@
 import os
 import shutil
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -27,6 +28,31 @@ settings.register_profile("neuralgaits", deadline=None, derandomize=True, max_ex
 settings.load_profile("neuralgaits")
 
 
+def _shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of all workers."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
+def _made_once(shared: Path, name: str, make: Callable[[Path], object]) -> Path:
+    """A folder that the first worker to ask for it makes, and the others wait for."""
+    folder, done, failed = (shared / f"{name}{end}" for end in ("", "-done", "-failed"))
+    try:
+        (shared / f"{name}-begun").mkdir()
+    except FileExistsError:
+        while not done.exists():
+            assert not failed.exists(), f"another worker could not make {name}"
+            time.sleep(0.1)
+    else:
+        try:
+            make(folder)
+        except BaseException:
+            failed.touch()
+            raise
+        done.touch()
+    return folder
+
+
 @pytest.fixture(scope="session")
 def trained(tmp_path_factory: pytest.TempPathFactory):
     """A finished run of the default training on amber3m, shared by all workers."""
@@ -34,22 +60,25 @@ def trained(tmp_path_factory: pytest.TempPathFactory):
     from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.train import train
 
-    base = tmp_path_factory.getbasetemp()
-    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-    folder, failed = shared / "trained", shared / "training-failed"
-    try:
-        (shared / "training").mkdir()  # The first to make it trains; the others wait.
-    except FileExistsError:
-        while not (folder / "summary.json").exists():
-            assert not failed.exists(), "training failed in another worker"
-            time.sleep(0.1)
-    else:
-        try:
-            train(load_robot("amber3m"), out=folder, root=shared)
-        except BaseException:
-            failed.touch()
-            raise
-    return open_run(folder)
+    shared = _shared(tmp_path_factory)
+    return open_run(
+        _made_once(
+            shared, "trained", lambda run: train(load_robot("amber3m"), out=run, root=shared)
+        )
+    )
+
+
+@pytest.fixture(scope="session")
+def certified(trained, tmp_path_factory: pytest.TempPathFactory):
+    """A copy of it, proved to level 3, shared by all workers: nobody changes it."""
+    from neuralgaits.workflows.certify import certify
+    from neuralgaits.workflows.run import open_run
+
+    def make(run: Path) -> None:
+        shutil.copytree(trained.path, run)
+        certify(run, level=3)
+
+    return open_run(_made_once(_shared(tmp_path_factory), "certified", make))
 
 
 @pytest.fixture(scope="module")

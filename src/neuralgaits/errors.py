@@ -28,5 +28,13 @@ class MismatchError(NeuralGaitsError):
     """Exported code does not compile, or does not do what Python does."""
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during work that can be gone on with. Attributes: command: that does."""
+
+    def __init__(self, command: str):
+        super().__init__(command)
+        self.command = command
+
+
 class NonFiniteError(NeuralGaitsError):
     """A computation met NaN or infinity; the message names the file that reproduces it."""

@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate import full_order_theorem
-from neuralgaits.certificate.full_order_conclusion import conclude_full_order, inequalities
+from neuralgaits.certificate.full_order_conclusion import (
+    conclude_full_order,
+    constants,
+    inequalities,
+)
 from neuralgaits.certificate.full_order_theorem import (
     BarrierConstants,
     FullOrder,
@@ -177,3 +181,21 @@ def test_the_worst_system_with_these_constants_leaves_only_below_the_least_sigma
         root = root * np.exp(-0.5 * gamma * step)
         worst = min(worst, float(np.min(h - sigma * root**2)))
     assert (worst < -1e-9) == leaves
+
+
+@pytest.mark.parametrize("crossing", [1e-5, 3e-17, 1.7e-16, 1e-9 / 3.0])
+def test_inequalities_use_the_edges_that_the_boxes_have(crossing):
+    """1 -+ e of the boxes are doubles: what e is in the inequalities reaches as far as they do."""
+    shape = replace(SHAPE, crossing=crossing, mismatch=0.0, drift=2.0**40)
+    boxes = [p for p in premises(shape) if p.output == "full/drift"]
+    (low, high) = (boxes[0].low[0], boxes[0].high[0])
+    reach = max(Fraction(1) - Fraction(low), Fraction(high) - Fraction(1))
+    found = {c.name: c.value for c in constants(shape)}
+    assert Fraction(found["sqrt v_sym"]) >= reach * 2**40
+    assert found["sqrt v_sym"] <= float(reach * 2**40) * (1.0 + 1e-14)
+
+
+def test_a_bandwidth_of_nothing_is_an_obstacle():
+    for bandwidth in (0.0, -30.0):
+        found = _verdict(replace(SHAPE, bandwidth=bandwidth))
+        assert found.verdict == "undecided"

@@ -11,6 +11,7 @@ from neuralgaits.certificate.conclusions import Conclusion
 from neuralgaits.cli import proof_screen
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
+from neuralgaits.workflows.certify import HIGHEST
 from neuralgaits.workflows.train import train
 
 SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
@@ -75,6 +76,13 @@ def test_bad_input_is_one_line_and_2(words: list[str], found: str, capfd: Captur
     assert out == ""
     assert err.count("\n") == 1
     assert found in err
+
+
+def test_the_help_names_every_level(capfd: Captured) -> None:
+    assert main(["certify", "--help"]) == 0
+    words = " ".join(capfd.readouterr().out.replace("│", " ").split())
+    told = words.partition("--level")[2].partition("--disturbance")[0]
+    assert [level for level in range(1, 9) if f"{level}: " in told] == list(range(1, HIGHEST + 1))
 
 
 def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:

@@ -82,7 +82,8 @@ def test_where_logs_are_awaited_the_screen_says_what_to_do(done, capfd):
     assert main(["episodes", "amber3m", "--logs", "D", "--resume", "R"]) == 0
     out = capfd.readouterr().out
     assert "walk R on the robot, put its logs into" in out
-    assert "D/round-1, then --resume E" in out
+    assert "D/round-1, then" in out
+    assert out.splitlines()[-1].strip() == "neuralgaits episodes --resume E"
 
 
 @pytest.mark.parametrize(
@@ -101,4 +102,11 @@ def test_bad_input_is_one_line_and_2(capfd, tmp_path, monkeypatch, words, says):
     assert out == ""
     assert err.count("\n") == 1
     assert says in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_a_robot_there_must_be_something_to_go_on_with(capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["episodes", "--plant", "amber3m-tail"]) == 2
+    assert "expected ROBOT, found none" in capfd.readouterr().err
     assert not list(tmp_path.iterdir())

@@ -12,7 +12,8 @@ from neuralgaits.cli import main as entry
 from neuralgaits.cli import verbs
 from neuralgaits.cli.main import main
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.runs import RUNS_ROOT, RunFolder
+from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
+from neuralgaits.workflows import simulate as simulating
 from neuralgaits.workflows import train as training
 
 Captured = pytest.CaptureFixture[str]
@@ -88,10 +89,41 @@ def test_verbose_adds_the_traceback(capfd: Captured, answer: Any, arguments: lis
     assert err.splitlines()[-1] == "neuralgaits: expected a run"
 
 
-def test_an_interrupted_training_says_how_to_go_on(capfd: Captured, answer: Any) -> None:
-    answer(_raise(KeyboardInterrupt()))
-    assert main(["train", "amber3m"]) == 130
-    assert "--resume" in _only_line(capfd)
+@pytest.mark.parametrize(
+    ("arguments", "error", "told"),
+    [
+        (
+            ["train", "my robot.xml"],
+            KeyboardInterrupt(),
+            "; nothing is kept yet, begin again with `neuralgaits train 'my robot.xml'`",
+        ),
+        (
+            ["train", "amber3m"],
+            errors.Interrupted("neuralgaits train --resume runs/x"),
+            "; go on with `neuralgaits train --resume runs/x`",
+        ),
+        # Before it has begun, what was to be gone on with is as it was.
+        (
+            ["train", "--resume", "runs/x"],
+            KeyboardInterrupt(),
+            "; go on with `neuralgaits train --resume runs/x`",
+        ),
+        (["simulate", "runs/x"], KeyboardInterrupt(), ""),
+    ],
+)
+def test_after_an_interrupt_only_what_is_kept_can_be_gone_on_with(
+    capfd: Captured, answer: Any, arguments: list[str], error: BaseException, told: str
+) -> None:
+    answer(_raise(error))
+    assert main(arguments) == 130
+    assert _only_line(capfd) == f"neuralgaits: interrupted{told}\n"
+
+
+def test_an_error_keeps_the_blanks_of_a_path(capfd: Captured, answer: Any) -> None:
+    """One line, but a path in it must stay the path."""
+    answer(_raise(errors.RunError("expected a run\n   in `two  blanks`")))
+    assert main(["robots"]) == 2
+    assert _only_line(capfd) == "neuralgaits: expected a run in `two  blanks`\n"
 
 
 @pytest.mark.parametrize(("good", "code"), [(True, 0), (False, 1)])
@@ -162,3 +194,20 @@ def test_resume_latest_says_which_run_it_took(
     out, err = capfd.readouterr()
     assert out == ""
     assert err == f"resuming {folder.path}\nneuralgaits: halted\n"
+
+
+@pytest.mark.parametrize("flags", [[], ["--json"]])
+def test_a_verb_says_which_run_latest_is(
+    capfd: Captured, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, flags: list[str]
+) -> None:
+    """A failed training leaves `latest` with another robot's run; programs need no such line."""
+    monkeypatch.chdir(tmp_path)
+    done = RunFolder.create({"robot": "amber3m"}, {}, name="amber3m", seed=0, root=RUNS_ROOT)
+    finish(done, {}, RUNS_ROOT)
+    failed = RunFolder.create({"robot": "walker2d"}, {}, name="walker2d", seed=0, root=RUNS_ROOT)
+    monkeypatch.setattr(simulating, "simulate", lambda *_, **__: _raise(errors.RunError("no"))())
+    assert main(["simulate", "latest", *flags]) == 2
+    told = f"latest is {done.path}, robot amber3m; {failed.path}, started later, has not finished\n"
+    assert capfd.readouterr().err == ("" if flags else told) + "neuralgaits: no\n"
+    assert main(["simulate", str(done.path)]) == 2
+    assert capfd.readouterr().err == "neuralgaits: no\n"

@@ -13,8 +13,8 @@ import neuralgaits
 SOURCE = Path(neuralgaits.__file__).parents[1]
 
 
-def _python(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    environment = os.environ | {"PYTHONPATH": str(SOURCE)}
+def _python(*arguments: str, cwd: Path, **more: str) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": str(SOURCE)} | more
     environment.pop("JAX_ENABLE_X64", None)
     return subprocess.run(
         [sys.executable, *arguments], cwd=cwd, env=environment, capture_output=True, text=True
@@ -48,6 +48,16 @@ def test_bad_input_is_one_line_and_2(tmp_path: Path, arguments: list[str], found
     assert done.stderr.count("\n") == 1
     assert found in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_way_to_render_that_is_not_there_is_no_defect(tmp_path: Path) -> None:
+    """MuJoCo raises while it is imported."""
+    done = _python("-m", "neuralgaits", "inspect", "amber3m", cwd=tmp_path, MUJOCO_GL="crayons")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "neuralgaits: expected MUJOCO_GL to name a way to render that is there, found 'crayons': "
+        "unset it, or see `neuralgaits doctor`\n"
+    )
 
 
 def test_importing_does_nothing(tmp_path: Path) -> None:

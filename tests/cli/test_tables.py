@@ -139,6 +139,7 @@ EXPORT = {
     "states": 101700,
     "builds": [BUILD] * 4,
     "laws": ["pd", "fblin", "paper"],
+    "warnings": ["this gait is refuted: knee is broken at z1 = 0.0125 m, z2 = 14.25 kg m^2/s"],
     "sizes": {"float": {"flash_bytes": 31234, "ram_bytes": 1234}},
     "float_bound": {"output": 1.2e-5},
 }

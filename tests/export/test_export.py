@@ -1,14 +1,18 @@
 """The verb: files whole or not at all, checked or said not to be."""
 
 import json
+import shutil
 import subprocess
 
 import pytest
 
+from neuralgaits.cli.export_screen import show_export
 from neuralgaits.errors import InputError, MismatchError, RunError, SpecError
 from neuralgaits.export import build
+from neuralgaits.workflows import demo
 from neuralgaits.workflows import export as workflow
 from neuralgaits.workflows.export import export_controller
+from neuralgaits.workflows.run import open_run
 
 FIELDS = {"files", "max_abs_error", "latency_us", "flash_bytes", "ram_bytes"}
 STATES = 500
@@ -40,6 +44,29 @@ def test_what_is_printed(exported):
     precisions = {(row["precision"], row["flags"]) for row in summary["builds"]}
     assert len(precisions) == 4
     assert summary["float_bound"]["output"] >= summary["builds"][2]["agreement"]["output"]
+
+
+def test_a_gait_without_a_proof_is_exported_with_a_warning(exported, tmp_path, capsys):
+    """And one that is refuted with the state that breaks it; a proved one without."""
+    _, done = exported
+    assert done.summary["warnings"] == ["nothing is proved of this gait: it has no certificate"]
+    show_export(done.summary)
+    assert "warning: nothing is proved of this gait" in " ".join(capsys.readouterr().out.split())
+    proved = open_run(shutil.copytree(demo.FOLDER, tmp_path / "run"))
+    assert workflow._warnings(proved) == []
+    file = proved.path / "certificate" / "summary.json"
+    answer = json.loads(file.read_text())
+    point = {"u": [0.5, 0.5], "z": [0.0125, 14.25], "margin": -0.03}
+    answer["conditions"]["knee"] |= {"verdict": "refuted", "counterexample": point}
+    answer["levels"][1] |= {"verdict": "undecided", "reason": "time was up"}
+    file.write_text(json.dumps(answer))
+    assert workflow._warnings(proved) == [
+        "this gait is refuted: knee is broken at z1 = 0.0125 m, z2 = 14.25 kg m^2/s",
+        "level 3 is not proved of this gait: time was up",
+    ]
+    (proved.path / "certificate" / "proof.json").unlink()
+    (one,) = workflow._warnings(proved)
+    assert one.startswith("nothing is proved of this gait: certificate/proof.json is missing")
 
 
 def test_the_files_compile_where_they_are(exported, tmp_path):

@@ -41,18 +41,6 @@ def proofcheck(tmp_path_factory) -> Ask:
 
 
 @pytest.fixture(scope="session")
-def certified(trained, tmp_path_factory):
-    """A copy of the default run, with its proof of levels 1 to 3."""
-    from neuralgaits.workflows.certify import certify
-    from neuralgaits.workflows.run import open_run
-
-    run = tmp_path_factory.mktemp("run") / "trained"
-    shutil.copytree(trained.path, run)
-    certify(run, level=3)
-    return open_run(run)
-
-
-@pytest.fixture(scope="session")
 def proof_file(certified) -> Path:
     return certified.path / "certificate" / "proof.json"
 

@@ -142,7 +142,7 @@ def deceived(proofcheck, tmp_path):
         for mutation in found:
             (tmp_path / "proof.json").write_bytes(mutation.text)
             answer = proofcheck(tmp_path / "proof.json")
-            if answer.returncode not in mutation.allowed:
+            if holds(answer) or answer.returncode not in mutation.allowed:
                 wrong.append((mutation.name, answer.returncode, answer.stdout[-300:]))
         return wrong
 

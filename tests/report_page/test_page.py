@@ -229,6 +229,17 @@ def test_falls_stand_in_the_answer_and_with_their_reasons(contents, shipped, wal
     assert "hip too low" in simulations(page.saved)
 
 
+def test_a_walk_of_other_weights_is_not_shown(contents, shipped):
+    own = {file: hashes(shipped)[file] for file in ("robot.xml", "policy.safetensors")}
+    _simulated(shipped, sha256=own)
+    assert "1 of 3 walks stayed up" in answer(contents(shipped))
+    shutil.rmtree(shipped / "simulation")
+    _simulated(shipped, sha256=own | {"policy.safetensors": "0" * 64})
+    page = contents(shipped)
+    assert page.saved.simulation is None and "1 of 3 walks" not in answer(page)
+    assert "is about another policy.safetensors than the run" in failures(page)
+
+
 def test_every_command_on_the_page_is_one_that_the_command_line_takes(contents, shipped):
     _simulated(shipped)
     page = contents(shipped)
@@ -251,12 +262,28 @@ def test_a_command_repeats_the_simulation(contents, shipped):
 
 
 def test_a_refined_run_is_made_again_by_refining(contents, shipped):
+    """From the run it began with, there or moved together with it; or not at all."""
+    parent = shipped.parent / "a b"
+
     def refined(config):
-        config |= {"parent": "runs/a b", "disturbance": [0.01, 0.5]}
+        config |= {"parent": str(parent), "disturbance": [0.01, 0.5]}
 
     _change(shipped, "config.json", refined)
+    told = "No command makes this run again: the run that it was refined from is not where it was"
+    assert told in reproduction(contents(shipped))
+    shutil.copytree(shipped, parent)
     said = reproduction(contents(shipped))
-    assert "neuralgaits refine &#x27;runs/a b&#x27;" in said and "--disturbance 0.01,0.5" in said
+    assert f"refine &#x27;{parent}&#x27;" in said and "--disturbance 0.01,0.5" in said
+    moved = shutil.copytree(shipped.parent, shipped.parent / "elsewhere")
+    shutil.rmtree(parent)
+    assert f"refine &#x27;{moved}/a b&#x27;" in reproduction(contents(moved / "run"))
+
+
+def test_a_run_of_a_spec_in_no_file_is_not_said_to_be_made_again(contents, shipped):
+    _change(shipped, "config.json", lambda config: config.update(spec="my own"))
+    said = reproduction(contents(shipped))
+    assert "its spec, my own, was made in Python and is in no file" in said
+    assert "neuralgaits train" not in said
 
 
 def test_missing_figures_stand_with_their_commands(contents, shipped):
@@ -268,7 +295,7 @@ def test_missing_figures_stand_with_their_commands(contents, shipped):
 def test_an_unfinished_run_says_how_to_go_on(contents, shipped):
     (shipped / "summary.json").unlink()
     page = document(contents(shipped))
-    assert f"neuralgaits train amber3m --resume {shipped}" in page
+    assert f"neuralgaits train --resume {shipped}" in page
     assert "Nothing is claimed" in page
     assert 'id="certificate"' not in page
 

@@ -83,6 +83,9 @@ def test_without_a_simulation_the_robot_of_the_episodes_walks(tmp_path):
         "seed": 0,
         "controller": "fblin",
         "disturb": vars(Disturbance(torso_shift_m=-0.02)),
+        "logs": None,
+        "rounds": 1,
+        "steps": None,
     }
     folder = EpisodeFolder.create(asked, None, out=tmp_path / "episodes", root=tmp_path)
     shutil.copytree(SHIPPED, folder.round(1))

@@ -225,5 +225,5 @@ def test_an_unfinished_run_has_a_report(shipped, tmp_path):
     (shipped / "summary.json").unlink()
     done = write_report(shipped, out=tmp_path / "page.html")
     assert done.figures == [] and done.path.is_file()
-    command = f"neuralgaits train amber3m --resume {shipped}"
+    command = f"neuralgaits train --resume {shipped}"
     assert done.summary["missing"] == [{"what": "the end of the training", "command": command}]

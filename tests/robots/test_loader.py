@@ -229,7 +229,7 @@ def test_missing_file_and_unknown_name(tmp_path: Path) -> None:
         ("<robot/>", "starts with <robot>: expected MJCF"),
         ("<mujoco/>", "expected one moving robot in the file, found none"),
         ('<mujoco><include file="me.xml"/></mujoco>', "includes itself"),
-        ('<mujoco><include file="gone.xml"/></mujoco>', "no robot file at"),
+        ('<mujoco><include file="gone.xml"/></mujoco>', r"gone\.xml is not there"),
     ],
 )
 def test_malformed_files(tmp_path: Path, text: str, message: str) -> None:
@@ -288,3 +288,20 @@ def test_without_a_torso_the_hip_range_must_be_symmetric() -> None:
     skewed = text.replace(old.group(0), f"{old.group(1)}{lower}{old.group(3)}")
     with pytest.raises(RobotError, match=r"legs of unequal data: (lower|upper) joint limit"):
         robot_from_text(skewed, "skewed")
+
+
+def test_what_mujoco_warns_of_is_refused_and_not_printed(tmp_path, monkeypatch, capfd) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = AMBER.replace('solref="', 'user="nan" solref="', 1)
+    text = text if text != AMBER else AMBER.replace("<option ", '<option timestep="nan" ', 1)
+    with pytest.raises(RobotError, match="NaN"):
+        robot_from_text(text, "warned")
+    assert capfd.readouterr() == ("", "")
+    # MuJoCo logs to a file in the working directory, if it is let.
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("path", ["a\x00b.xml", "\ud800.xml"])
+def test_a_path_that_no_file_can_have(path: str) -> None:
+    with pytest.raises(RobotError, match="cannot read"):
+        load_robot(path)

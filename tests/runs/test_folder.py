@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs import RunFolder, finish, resolve, resolve_unfinished
+from neuralgaits.runs import RunFolder, finish, resolve, resolve_unfinished, write_bytes
+from neuralgaits.runs.folder import NAN_STATE
+from neuralgaits.runs.latest import about_latest
 
 COPIES = {"robot.xml": "<mujoco/>\n"}
 
@@ -91,6 +93,42 @@ def test_latest_finds_a_run_outside_the_root(tmp_path: Path) -> None:
     assert resolve("latest", tmp_path / "runs").path.samefile(folder.path)
 
 
+def test_what_is_said_of_latest(tmp_path: Path) -> None:
+    """Its robot; and a run that was started later and has not finished, or ended in NaN."""
+    root = tmp_path / "runs"
+    assert about_latest(root) is None
+
+    def create(robot: str) -> RunFolder:
+        return RunFolder.create({"robot": robot}, {}, name=robot, seed=0, root=root)
+
+    early, done = create("early"), create("amber3m")
+    finish(done, {}, root)
+    assert about_latest(root) == f"latest is {done.path}, robot amber3m"
+    later = create("walker2d")
+    told = about_latest(root)
+    assert told is not None and str(early.path) not in told
+    assert told.endswith(f"; {later.path}, started later, has not finished")
+    (later.path / NAN_STATE).touch()
+    assert (about_latest(root) or "").endswith(f"{later.path}, started later, ended in NaN")
+    with pytest.raises(RunError, match=r"ended in NaN, .*: train with another --seed"):
+        resolve(later.path, root)
+
+
+def test_a_run_that_could_not_be_begun_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C before the config is written: the same command may take the same place."""
+
+    def interrupted(path: Path, text: str) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as changed, pytest.raises(KeyboardInterrupt):
+        changed.setattr("neuralgaits.runs.folder.write_text", interrupted)
+        _create(tmp_path, out=tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+    assert _create(tmp_path, out=tmp_path / "run").path.is_dir()
+
+
 def test_latest_that_names_nothing_is_refused(tmp_path: Path) -> None:
     for content in ("", "amber3m/gone\n"):
         (tmp_path / "latest").write_text(content)
@@ -104,7 +142,7 @@ def test_refuses_what_is_not_a_whole_run(tmp_path: Path) -> None:
     with pytest.raises(RunError, match=r"expected config\.json"):
         resolve(tmp_path, tmp_path)
     folder = _create(tmp_path)
-    with pytest.raises(RunError, match="train amber3m --resume"):
+    with pytest.raises(RunError, match="neuralgaits train --resume"):
         resolve(folder.path, tmp_path)
     (folder.path / "config.json").write_text('{"format": 1, "cop')
     with pytest.raises(RunError, match="damaged file"):
@@ -162,3 +200,84 @@ def test_results_are_strict_json(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="object"):
         folder.write_json("x.json", {"value": object()})
     assert "x.json" not in os.listdir(folder.path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b'{"loss": NaN}',
+        b'{"loss": 1e999}',
+        b'{"steps": ' + b"9" * 400 + b"}",
+        b'{"name": "\\ud800"}',
+        b'{"deep": ' + b"[" * 100_000 + b"]" * 100_000 + b"}",
+        b'{"name": "\xff"}',
+        b"[1]",
+    ],
+)
+def test_json_that_nobody_could_write_again_is_damaged(tmp_path: Path, content: bytes) -> None:
+    folder = _create(tmp_path)
+    (folder.path / "summary.json").write_bytes(content)
+    with pytest.raises(RunError) as refused:
+        folder.read_json("summary.json")
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("changes", [{"copies": 3}, {"copies": {"a": 1}}, {"written_by": ["x"]}])
+def test_a_config_of_another_shape_is_refused(tmp_path: Path, changes: dict[str, Any]) -> None:
+    folder = _create(tmp_path)
+    _edit_config(folder, **changes)
+    with pytest.raises(RunError, match=f"in {next(iter(changes))}"):
+        RunFolder.open(folder.path)
+    _edit_config(folder, format=2, **changes)
+    with pytest.raises(RunError, match="expected run format 1, found 2"):
+        RunFolder.open(folder.path)
+
+
+@pytest.mark.parametrize(
+    "content", [b"step,loss\n0,\xff\n", b"loss\n0.5\n", b"step,loss\nnan,1\n", b"step\n\x00\n"]
+)
+def test_metrics_of_something_else_are_refused(tmp_path: Path, content: bytes) -> None:
+    folder = _create(tmp_path)
+    (folder.path / "metrics.csv").write_bytes(content)
+    with pytest.raises(RunError, match=r"metrics\.csv"):
+        folder.read_metrics()
+
+
+def test_latest_of_other_bytes_names_nothing(tmp_path: Path) -> None:
+    (tmp_path / "latest").write_bytes(b"amber\xff3m\n")
+    with pytest.raises(RunError, match="which is not there"):
+        resolve("latest", tmp_path)
+
+
+def test_a_copy_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    folder = RunFolder.create({}, {"robot.xml": b"\xff\xfe"}, name="a", seed=0, root=tmp_path)
+    assert folder.copied("robot.xml").is_file()
+    with pytest.raises(RunError, match=r"expected text in .*robot\.xml"):
+        folder.copy("robot.xml")
+
+
+def test_a_start_that_was_killed_is_as_good_as_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "run"
+    written = []
+
+    def killed(path: Path, data: bytes) -> None:
+        if path.name == "config.json":
+            raise SystemExit
+        written.append(path.name)
+        write_bytes(path, data)
+
+    with monkeypatch.context() as patched:
+        patched.setattr("neuralgaits.runs.atomic.write_bytes", killed)
+        patched.setattr("neuralgaits.runs.folder.write_bytes", killed)
+        patched.setattr("shutil.rmtree", lambda path, ignore_errors: None)
+        with pytest.raises(SystemExit):
+            _create(tmp_path, out=out)
+    assert written == ["robot.xml"]
+    with pytest.raises(RunError, match="killed while starting; train again"):
+        RunFolder.open(out)
+    folder = _create(tmp_path, out=out)
+    assert sorted(path.name for path in out.iterdir()) == ["config.json", "robot.xml"]
+    with pytest.raises(RunError, match="a folder with files in it"):
+        _create(tmp_path, out=folder.path)

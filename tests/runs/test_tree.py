@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from safetensors.numpy import save
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs import read_tree, write_tree
+from neuralgaits.runs import read_arrays, read_tree, write_arrays, write_tree
 
 
 class Net(eqx.Module):
@@ -96,3 +97,29 @@ def test_refuses_a_damaged_file(tmp_path: Path) -> None:
     path.write_bytes(b"\x80\x04K\x01.")
     with pytest.raises(RunError, match="damaged file"):
         read_tree(path, [np.ones(3)])
+
+
+def test_a_bit_that_flipped_is_no_other_number(tmp_path: Path) -> None:
+    path = tmp_path / "a.safetensors"
+    for write in (
+        lambda: write_tree(path, {"a": np.arange(4.0)}),
+        lambda: write_arrays(path, {"a": np.arange(4.0)}, {"of": "b"}),
+    ):
+        write()
+        whole = path.read_bytes()
+        (array,) = read_arrays(path)[0].values()
+        assert array.tolist() == [0.0, 1.0, 2.0, 3.0]
+        for flipped in (bytes([whole[-1] ^ 1]), bytes([whole[-1] ^ 0x80])):
+            path.write_bytes(whole[:-1] + flipped)
+            with pytest.raises(RunError, match="its sha256 is another"):
+                read_arrays(path)
+        path.write_bytes(whole.replace(b'"a":{', b'"b":{').replace(b"['a']", b"['b']"))
+        with pytest.raises(RunError, match="its sha256 is another"):
+            read_arrays(path)
+
+
+def test_files_of_other_programs_have_no_sha256(tmp_path: Path) -> None:
+    path = tmp_path / "a.safetensors"
+    path.write_bytes(save({"a": np.ones(2)}, metadata={"of": "b"}))
+    arrays, metadata = read_arrays(path)
+    assert arrays["a"].tolist() == [1.0, 1.0] and metadata == {"of": "b"}

@@ -42,7 +42,7 @@ def test_it_is_small_and_knows_no_machine():
 
 def test_a_package_without_it_says_so(monkeypatch, tmp_path):
     monkeypatch.setattr(demo, "FOLDER", tmp_path)
-    with pytest.raises(RunError, match=r"expected the shipped run .* `neuralgaits view RUN`"):
+    with pytest.raises(RunError, match=r"expected the shipped run .* `neuralgaits view latest`"):
         demo.demo()
 
 

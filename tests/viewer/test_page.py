@@ -1,6 +1,7 @@
 """Where a page is served, and what it refuses."""
 
 import socket
+import warnings
 
 import pytest
 
@@ -90,3 +91,14 @@ def test_without_a_browser_nothing_opens(monkeypatch):
     # One that would take the terminal is no window either.
     monkeypatch.setattr(webbrowser, "get", lambda *_: webbrowser.GenericBrowser("w3m"))
     assert not page.show_in_browser("http://127.0.0.1:1")
+
+
+def test_what_comes_after_the_end_is_not_warned_of():
+    """Of that alone: here every warning is an error."""
+    server = page.open_server("test")
+    said = server.gui.add_markdown("before")
+    with page.quiet():
+        server.stop()
+    said.content = "after"
+    with pytest.raises(UserWarning, match="something else"):
+        warnings.warn("something else", stacklevel=1)

@@ -11,7 +11,8 @@ from neuralgaits.robots import load_robot
 from neuralgaits.workflows.train import train
 
 FOLDER = Path(__file__).parent
-sys.path[:0] = [str(FOLDER)]
+# The maker of runs with a spec of their own lies with the tests of the checker.
+sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "certificate")]
 
 
 @pytest.fixture(scope="session")

@@ -200,7 +200,7 @@ def test_a_robots_own_logs_serve_in_place_of_a_plant(stand_ins, begin, amber, tm
     assert waiting.walks is None
     own.joinpath("round-1").mkdir()
     shutil.copy(min(own.glob("*.csv")), own / "round-1")
-    done = episodes(amber, resume=waiting.path, root=tmp_path)
+    done = episodes(resume=waiting.path, root=tmp_path)
     assert done.summary["waiting_for"] is None
     steps = [entry["steps_walked"] for entry in done.summary["rounds"]]
     assert [len(each) for each in steps] == [len(list(own.glob("*.csv"))), 1]

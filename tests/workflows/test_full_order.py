@@ -10,16 +10,17 @@ from flint import arb
 
 from neuralgaits.barriers import Barrier
 from neuralgaits.certificate.check import check
-from neuralgaits.certificate.claims import Statement, read_claims
+from neuralgaits.certificate.claims import Claims, Statement, read_claims
 from neuralgaits.certificate.conclusions import proved_bounds
 from neuralgaits.certificate.full_order import output_coordinates, scaled_coordinates
 from neuralgaits.certificate.full_order_conclusion import conclude_full_order
 from neuralgaits.certificate.full_order_theorem import FullOrder, premises, series
+from neuralgaits.certificate.statement_check import StatementCheck
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.interpreters import POINT, Program, evaluate
 from neuralgaits.interpreters.ball_fibre import FibreBallAlgebra
 from neuralgaits.interpreters.prune import prune
-from neuralgaits.workflows import certify_full_order, check_proof
+from neuralgaits.workflows import certify_full_order, check_proof, retrace
 from neuralgaits.workflows.full_order import BANDWIDTH, full_order, model_of
 from neuralgaits.workflows.full_order_check import (
     check_by_force,
@@ -234,7 +235,8 @@ def test_the_proof_file_says_what_was_proved_and_is_about_the_run(trained, resul
     assert shape is not None
     assert (shape, claims.theorems.claimed) == (result.shape, (4,))
     assert claims.program == result.program
-    assert check_proof.against(claims, trained.path) == []
+    told = retrace.answer(trained.path, claims.theorems)
+    assert check_proof.program_differences(claims, told) == []
     assert file.stat().st_size < 200_000
     # The conclusion is drawn from the file alone; its boxes are bounded again by the checker.
     assert conclude_full_order(shape, proved_bounds(claims.statements)).words
@@ -256,8 +258,8 @@ def test_other_constants_than_the_programs_are_rejected(file, result, change, re
         first, *rest = result.shape.barriers
         change = {"barriers": (replace(first, coupling=0.0), *rest)}
     theorems = claims.theorems._replace(full=replace(result.shape, **change))
-    # A leaf of one statement is enough: these are seen before and after the boxes are bounded.
-    short = replace(claims.statements[0], low=(0.5, 0.5), high=(0.5, 0.5), tree="0")
+    # One statement is enough: these are seen before and after the boxes are bounded.
+    short = _about(claims, "full/mismatch")
     found = check(replace(claims, theorems=theorems, statements=(short,)))
     assert found.verdict == "rejected"
     assert reason in str(found.reason)
@@ -265,10 +267,18 @@ def test_other_constants_than_the_programs_are_rejected(file, result, change, re
 
 def test_points_of_the_file_are_checked_in_balls(file):
     claims = read_claims(file)
-    name = "full/pace"
+    chosen = _about(claims, "full/pace")
+    for bound, verdict in ((chosen.bounds["full/pace"], "holds"), (5.0, "rejected")):
+        one = replace(
+            chosen, low=(0.5, 0.5), high=(0.5, 0.5), tree="0", bounds={"full/pace": bound}
+        )
+        checker = StatementCheck.of(claims.program, one)
+        list(checker.walk(one.leaves()))
+        assert checker.verdict == verdict
+
+
+def _about(claims: Claims, name: str) -> Statement:
+    """The statement about one output, without the others that it is about."""
     chosen = next(s for s in claims.statements if name in s.conditions)
-    at = {"low": (0.5, 0.5), "high": (0.5, 0.5), "tree": "0", "conditions": (name,)}
-    nothing = claims.theorems._replace(full=None, claimed=())
-    for bound, verdict in ((chosen.bounds[name], "proved"), (5.0, "rejected")):
-        one = replace(chosen, **at, bounds={name: bound}, scales={name: 1.0})
-        assert check(replace(claims, statements=(one,), theorems=nothing)).verdict == verdict
+    only = {field: {name: getattr(chosen, field)[name]} for field in ("bounds", "scales")}
+    return replace(chosen, conditions=(name,), **only)

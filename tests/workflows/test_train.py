@@ -16,9 +16,10 @@ from safetensors.numpy import load_file
 import neuralgaits as ng
 from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
-from neuralgaits.errors import InputError, NonFiniteError, RunError, SpecError
+from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
 from neuralgaits.interpreters import POINT, Program, evaluate
-from neuralgaits.workflows.gradient_steps import NAN_STATE
+from neuralgaits.runs.folder import NAN_STATE
+from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.run import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS, open_run
 from neuralgaits.workflows.train import train
 
@@ -174,6 +175,26 @@ def test_a_killed_training_ends_with_the_same_weights(amber, small, root):
         assert (out / file).read_bytes() == (small.path / file).read_bytes()
 
 
+def test_an_interrupted_training_names_the_command_that_goes_on(small, root):
+    """Ctrl-C after the first rows; on from there, without naming the robot, to the same weights."""
+    out = root / "interrupted run"
+
+    def interrupt(step, steps, loss):
+        raise KeyboardInterrupt
+
+    robot, spec = ng.load_robot("amber3m"), f"{SMALL}:small"
+    with pytest.raises(Interrupted) as stop:
+        train(robot, spec, seed=7, hidden=(5,), out=out, root=root, progress=interrupt)
+    assert stop.value.command == f"neuralgaits train --resume '{out}'"
+    assert "goes on, bit for bit" in write_report(out).path.read_text()
+    same(train(resume=out, root=root).gait, small.gait)
+
+
+def test_without_a_robot_there_must_be_a_run(root):
+    with pytest.raises(InputError, match="expected ROBOT, found none"):
+        train(root=root)
+
+
 def test_what_cannot_be_resumed(amber, small, root, tmp_path):
     with pytest.raises(RunError, match="nothing to resume"):
         train(amber, resume=small.path, root=root)
@@ -261,16 +282,30 @@ def test_nan_is_caught_kept_and_reproduced(amber, tmp_path):
     """The last good state is on disk; going on from it meets the same NaN."""
     out = tmp_path / "run"
     with pytest.raises(
-        NonFiniteError, match=r"at step \d+ \(conditions: root\); state of step \d+ kept"
+        NonFiniteError,
+        match=r"at step \d+ \(conditions: root\): train with another --seed; state of step \d+",
     ) as first:
         train(amber, f"{SMALL}:explosive", out=out, root=tmp_path)
     message = str(first.value)
     assert "\n" not in message
-    assert f"neuralgaits train amber3m --resume {out}" in message
+    assert f"`neuralgaits train --resume {out}`" in message
     assert not (out / "summary.json").exists()
     assert (out / STATE).read_bytes() == (out / NAN_STATE).read_bytes()
+    _its_report_says_so(out, json.loads((out / "nan.json").read_text()))
     with pytest.raises(NonFiniteError) as second:
-        train(amber, resume=out, root=tmp_path)
+        train(resume=out, root=tmp_path)
     assert str(second.value) == message
     kept = load_file(out / NAN_STATE)
     assert all(np.all(np.isfinite(kept[name])) for name in ("parameters", "best"))
+
+
+def _its_report_says_so(run, found):
+    """Not that it may go on, nor that nothing failed; and what to do."""
+    written = write_report(run)
+    page = written.path.read_text()
+    told = f"The training ended in NaN at step {found['step']}:"
+    for wrong in ("has not ended", "goes on", "bit for bit, with", "Nothing failed"):
+        assert wrong not in page, wrong
+    assert f"<li>{told}" in page
+    (entry,) = written.summary["missing"]
+    assert "--seed 1 " in entry["command"] and "--resume" not in entry["command"]

@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from neuralgaits.barriers import paper as _paper
+from neuralgaits.barriers import user_code
 from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.paper import authors, paper
 from neuralgaits.barriers.spec import GaitSpec
+from neuralgaits.barriers.user_code import PREFIX
 from neuralgaits.barriers.walking import walking
 from neuralgaits.errors import NeuralGaitsError, SpecError
 
@@ -59,12 +61,13 @@ def load(name: str, robot: "PlanarBiped") -> GaitSpec:
 
 def _applied(name: str, function: Callable, robot: "PlanarBiped"):
     try:
-        return function(robot)
+        with user_code.blamed():
+            return function(robot)
     except NeuralGaitsError:
         raise
-    except Exception as error:  # The user's function may raise anything.
-        reason = " ".join(str(error).split())
-        raise SpecError(f"spec {name!r}: {type(error).__name__}: {reason}") from error
+    except Exception as error:  # None of its lines has run: it cannot be called like that.
+        why = user_code.reason(error)
+        raise SpecError(f"spec {name!r}: expected a function of one robot, found {why}") from error
 
 
 def source_path(name: str) -> Path:
@@ -79,14 +82,17 @@ def _module(path: str):
     file = Path(path)
     if not file.is_file():
         raise SpecError(f"spec file {path}: no such file")
-    specification = importlib.util.spec_from_file_location(f"neuralgaits_user_{file.stem}", file)
+    specification = importlib.util.spec_from_file_location(f"{PREFIX}{file.stem}", file)
     if specification is None or specification.loader is None:
         raise SpecError(f"spec file {path}: expected a Python file")
     module = importlib.util.module_from_spec(specification)
     # Dataclasses look their module up while they are made.
     sys.modules[specification.name] = module
     try:
-        specification.loader.exec_module(module)
-    except Exception as error:  # The user's file may raise anything.
-        raise SpecError(f"spec file {path}: {type(error).__name__}: {error}") from error
+        with user_code.blamed():
+            specification.loader.exec_module(module)
+    except NeuralGaitsError:
+        raise
+    except Exception as error:  # Of the file itself, none of whose lines has run.
+        raise user_code.misread(error, file) from error
     return module

@@ -132,7 +132,7 @@ def read_claims(path: Path) -> Claims:
     """Read a proof file. Raises: InputError in one line if it is not one of this format."""
     try:
         text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise InputError(f"expected a proof file at {path}, found none to read: {error}") from None
     try:
         return _claims(parse(text))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from neuralgaits._names import why_no_name
+from neuralgaits.certificate.conclusions import Claim
 from neuralgaits.certificate.full_order_theorem import REGION
 from neuralgaits.certificate.full_order_theorem import premises as full_order_premises
 from neuralgaits.certificate.json_fields import Corner, box_of, number_of, text_of
@@ -96,27 +97,12 @@ def _condition(name: str, row: Any, regions: Mapping[str, Any]) -> AskedConditio
     return AskedCondition(region, scale, text_of(row.get("kind", "user"), "a kind"))
 
 
-class Stated(Protocol):
+class Stated(Claim, Protocol):
     """A statement of a proof file."""
 
     @property
     def region(self) -> str:
         """Its label."""
-        ...
-
-    @property
-    def scales(self) -> Mapping[str, float]:
-        """By output."""
-        ...
-
-    @property
-    def low(self) -> Corner:
-        """Of the root box."""
-        ...
-
-    @property
-    def high(self) -> Corner:
-        """Of the root box."""
         ...
 
 

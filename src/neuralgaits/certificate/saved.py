@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from neuralgaits.certificate.search import Search
 from neuralgaits.certificate.verdicts import Counterexample
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays, write_arrays
+from neuralgaits.runs.arrays import SHA256
 
 _FIELDS = ("low", "high", "first", "depth", "lower", "upper")
 
@@ -41,12 +43,21 @@ def load(path: Path, problem: Problem) -> Search:
             f"expected boxes of this run's conditions in {path}, found those of another gait, "
             "spec or version: certify without --resume"
         )
+    _refuse_unsigned(path, metadata)
     points = {
         name: Counterexample(tuple(row["u"]), tuple(row["z"]), row["margin"])
         for name, row in json.loads(metadata["refuted"]).items()
     }
     cells = Cells(**{name: np.asarray(arrays[name]) for name in _FIELDS})
     return Search(cells, arrays["seen"], points)
+
+
+def _refuse_unsigned(path: Path, metadata: Mapping[str, str]) -> None:
+    """Raises: RunError for a file without the sha256 that makes sure that it is what was saved."""
+    if SHA256 not in metadata:
+        raise RunError(
+            f"expected boxes with their sha256 in {path}, found none: certify without --resume"
+        )
 
 
 @dataclass(frozen=True)
@@ -68,6 +79,7 @@ class OpenBoxes:
 def open_boxes(path: Path) -> OpenBoxes:
     """Read what is not proved yet from a file of `save`. Raises: RunError if it is damaged."""
     arrays, metadata = read_arrays(path)
+    _refuse_unsigned(path, metadata)
     leaf = arrays["first"] < 0
     fails = ~(arrays["lower"][leaf] >= 0.0)
     some = np.any(fails, axis=1)

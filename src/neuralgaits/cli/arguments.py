@@ -8,6 +8,8 @@ from tyro.conf import Positional, arg
 
 Robot = Annotated[Positional[str], arg(metavar="ROBOT")]
 Run = Annotated[Positional[str], arg(metavar="RUN")]
+OwnRobot = Annotated[Positional[str | None], arg(metavar="[ROBOT]")]
+"""Left out where a run that is gone on with has its own."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +26,8 @@ class Output:
 class Train:
     """Train a gait for a robot."""
 
-    robot: Robot
-    """Name of a built-in robot, or path of an MJCF file."""
+    robot: OwnRobot = None
+    """Name of a built-in robot, or path of an MJCF file; the run's own with --resume."""
     spec: Annotated[str | None, arg(metavar="SPEC")] = None
     """What the gait must satisfy: walking (if not given), walking-mlp, paper, authors, or
     FILE.py:NAME."""
@@ -90,7 +92,8 @@ class Certify:
     """Run folder, or latest."""
     level: Annotated[int, arg(metavar="N")] = 3
     """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
-    3: and that one orbit attracts all of it."""
+    3: and that one orbit attracts all of it, 4: and that the robot walks on at full order, with
+    outputs off zero and across impacts."""
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
     """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
     the run's residual may still be off by."""
@@ -108,7 +111,8 @@ class CheckProof:
     file: Annotated[Positional[Path], arg(metavar="FILE")]
     """Proof file, as in RUN/certificate/proof.json."""
     run: Annotated[str | None, arg(metavar="RUN")] = None
-    """Run folder, or latest, that the proof must be about."""
+    """Run folder, or latest, that the proof must be about. Without it the best answer is
+    consistent, which says nothing of a robot."""
     output: Annotated[Output, arg(name="")] = Output()
 
 
@@ -155,8 +159,9 @@ class Refine:
 class Episodes:
     """Walk, learn what the model misses, refine the policy, and walk again."""
 
-    robot: Robot
-    """The model: name of a built-in robot, or path of an MJCF file."""
+    robot: OwnRobot = None
+    """The model: name of a built-in robot, or path of an MJCF file; the run's own with
+    --resume."""
     plant: Annotated[str | None, arg(metavar="ROBOT")] = None
     """Robot that walks, in simulation."""
     disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None

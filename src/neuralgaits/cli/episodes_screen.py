@@ -6,6 +6,7 @@ from typing import Any
 from rich.text import Text
 
 from neuralgaits.cli.tables import show_facts, show_sentence, show_table
+from neuralgaits.runs.commands import command, named
 
 _HEAD = ("round", "steps", "stay up", "0.8-1.2 z2", "speeds m/s", "in tube", "error left", "loss")
 """Starts at 0.8 to 1.2 times the nominal z2; held-out error over the model's. Fits 80 columns."""
@@ -43,7 +44,8 @@ def show_episodes(result: Mapping[str, Any]) -> None:
     if result["waiting_for"]:
         facts += [
             ("next", f"walk {result['run']} on the robot, put its logs into"),
-            ("", f"{result['waiting_for']}, then --resume {result['episodes']}"),
+            ("", f"{result['waiting_for']}, then"),
+            ("", command("episodes", "--resume", named(result["episodes"]))),
         ]
     show_facts(facts)
 

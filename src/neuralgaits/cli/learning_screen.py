@@ -6,6 +6,7 @@ from typing import Any
 from rich.text import Text
 
 from neuralgaits.cli.tables import show_facts, show_sentence, show_table
+from neuralgaits.runs.commands import command, named
 
 _LANDINGS = (
     ("z1_m", "hip position z1", "m"),
@@ -45,7 +46,7 @@ def show_fit(result: Mapping[str, Any]) -> None:
             ("rows left out", out or "none"),
             ("time", f"{result['wall_s']:.0f} s"),
             ("residual", result["residual"]),
-            ("next", f"neuralgaits refine {result['run']}"),
+            ("next", command("refine", named(result["run"]))),
         ]
     )
 

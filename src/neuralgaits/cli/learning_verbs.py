@@ -1,5 +1,7 @@
 """The verbs that learn from logs, and the error bounds that they and `certify` take."""
 
+import sys
+from pathlib import Path
 from typing import Literal
 
 from neuralgaits.cli import episodes_screen, learning_screen, screen
@@ -58,18 +60,32 @@ def carry_out_episodes(verb: Episodes) -> Outcome:
 
     names = ("disturb", "controller", "logs", "seed", "out", "plant")
     given = {name: value for name in names if (value := getattr(verb, name)) is not None}
-    robot = load_robot(verb.robot)
-
+    robot = None if verb.robot is None else load_robot(verb.robot)
+    resume = None if verb.resume is None else _found(verb.resume, verb.output.json)
     with TrainingProgress(quiet=verb.output.json) as progress:
         done = episodes(
             robot,
             rounds=verb.rounds,
-            resume=verb.resume,
+            resume=resume,
             progress=progress,
             tell=progress.stage,
             **given,
         )
     return Outcome(done.summary, done.walks is not False, episodes_screen.show_episodes)
+
+
+def _found(resume: str, quiet: bool) -> str | Path:
+    """What to go on with; on stderr if the caller left open which, unless `quiet`."""
+    from neuralgaits.runs import RUNS_ROOT
+    from neuralgaits.runs.latest import LATEST
+    from neuralgaits.workflows.episode_folder import EpisodeFolder
+
+    folder = EpisodeFolder.find(LATEST, RUNS_ROOT) if resume == LATEST else None
+    if folder is None:
+        return resume
+    if not quiet:
+        print(f"resuming {folder.path}", file=sys.stderr)
+    return folder.path
 
 
 def disturbance_bounds(text: str | None, run: str) -> tuple[float, float]:

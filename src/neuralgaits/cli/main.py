@@ -6,19 +6,18 @@ of budget; 70 a defect of this program; 130 interrupted. Every error is one line
 
 import contextlib
 import os
+import re
+import shlex
 import sys
 import traceback
 from collections.abc import Iterator
 
 from neuralgaits.cli import environment
-from neuralgaits.errors import MismatchError, NeuralGaitsError, NonFiniteError
+from neuralgaits.errors import Interrupted, MismatchError, NeuralGaitsError, NonFiniteError
 
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
-_AFTER_INTERRUPT = {
-    "train": "; --resume RUN continues from its last checkpoint",
-    "certify": "; --resume goes on with what was proved",
-    "episodes": "; --resume latest goes on where it stopped",
-}
+_LONG = ("train", "refine", "episodes", "certify")
+"""Verbs whose work is worth going on with."""
 
 
 def run() -> None:
@@ -35,8 +34,7 @@ def main(arguments: list[str]) -> int:
     except SystemExit as stop:
         return GOOD if stop.code is None else int(stop.code)
     except KeyboardInterrupt as error:
-        hints = [hint for verb, hint in _AFTER_INTERRUPT.items() if verb in arguments[:2]]
-        return _fail(f"interrupted{''.join(hints)}", error, INTERRUPTED, verbose)
+        return _fail(f"interrupted{_next(arguments, error)}", error, INTERRUPTED, verbose)
     except BrokenPipeError:
         # The reader of our output has gone; Python would complain again while it exits.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -46,6 +44,10 @@ def main(arguments: list[str]) -> int:
     except (NeuralGaitsError, OSError) as error:
         return _fail(str(error), error, BAD_INPUT, verbose)
     except Exception as error:
+        if (mistake := _of_user(error)) is not None:
+            return _fail(str(mistake), error, BAD_INPUT, verbose)
+        if (graphics := _of_graphics(error)) is not None:
+            return _fail(graphics, error, BAD_INPUT, verbose)
         # The last resort, so that a script never takes a defect for the answer "no".
         what = f"defect in this program: {type(error).__name__}: {error}"
         return _fail(f"{what}; please report it with what -v prints", error, DEFECT, verbose)
@@ -76,6 +78,38 @@ def _answer(arguments: list[str]) -> int:
     return GOOD if outcome.good else NO
 
 
+def _of_user(error: Exception) -> Exception | None:
+    """What a line of a user's spec file raised, whenever it was run; None if it was none of it."""
+    # Not imported here: without it no such file was read, and the import may be what failed.
+    user_code = sys.modules.get("neuralgaits.barriers.user_code")
+    return None if user_code is None else user_code.mistake(error)
+
+
+def _of_graphics(error: Exception) -> str | None:
+    """What MUJOCO_GL asks of MuJoCo's import that this machine has not; None if that is well."""
+    backend = os.environ.get("MUJOCO_GL")
+    frames = traceback.walk_tb(error.__traceback__)
+    names = [str(frame.f_globals.get("__name__")) for frame, _ in frames]
+    if backend is None or not any(re.fullmatch(r"mujoco\..*gl_context", name) for name in names):
+        return None
+    return (
+        f"expected MUJOCO_GL to name a way to render that is there, found {backend!r}: unset it, "
+        "or see `neuralgaits doctor`"
+    )
+
+
+def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
+    """What to type after Ctrl-C: only what was kept can be gone on with."""
+    if isinstance(error, Interrupted):
+        return f"; go on with `{error.command}`"
+    if not any(verb in arguments[:2] for verb in _LONG):
+        return ""
+    again = f"`{shlex.join(['neuralgaits', *arguments])}`"
+    if any(word.partition("=")[0] == "--resume" for word in arguments):
+        return f"; go on with {again}"
+    return f"; nothing is kept yet, begin again with {again}"
+
+
 @contextlib.contextmanager
 def _stdout_to_stderr() -> Iterator[None]:
     """Keep stdout for the answer: whatever else prints there, C libraries too, goes to stderr."""
@@ -93,5 +127,7 @@ def _stdout_to_stderr() -> Iterator[None]:
 def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
     if verbose:
         traceback.print_exception(error, file=sys.stderr)
-    print(f"neuralgaits: {' '.join(message.split())}", file=sys.stderr)
+    # Lines are joined; blanks within one may be those of a quoted path.
+    line = " ".join(part.strip() for part in message.splitlines() if part.strip())
+    print(f"neuralgaits: {line}", file=sys.stderr)
     return code

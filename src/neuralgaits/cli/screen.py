@@ -8,6 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from neuralgaits.cli.tables import ROWS, number, show_facts, show_sentence, show_table, verdict
+from neuralgaits.runs.commands import command, named
 
 Result = Mapping[str, Any]
 
@@ -48,7 +49,7 @@ def show_training(result: Result) -> None:
         show_sentence(_proof_of_training(result["certificate"]))
     facts = {name: result[name] for name in ("robot", "spec", "seed", "loss") if name in result}
     facts["time"] = f"{_seconds(result, 'wall_s')}, {_seconds(result, 'compile_s')} compiling"
-    facts |= {"run": result["run"], "next": f"neuralgaits simulate {result['run']}"}
+    facts |= {"run": result["run"], "next": command("simulate", named(result["run"]))}
     show_facts(facts.items())
 
 

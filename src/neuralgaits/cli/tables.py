@@ -8,6 +8,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from neuralgaits.runs.commands import PROGRAM
+
 Words = str | Text
 COLOURS = {
     "proved": "green",
@@ -25,10 +27,13 @@ _GAP = 2
 
 
 def show_sentence(*parts: Words, indent: int = 0, hang: int = 0) -> None:
-    """Print text, further lines `hang` deeper than the first; a word too long stands whole."""
+    """Print text, further lines `hang` deeper than the first.
+
+    A word too long stands whole, and so does what stands between backticks: it is to be copied.
+    """
     console, text = Console(highlight=False), Text.assemble(*parts)
     lines: list[tuple[int, int]] = []
-    for word in re.finditer(r"\S+", text.plain):
+    for word in re.finditer(r"(?:`[^`]*`|\S)+", text.plain):
         room = console.width - indent - (hang if len(lines) > 1 else 0)
         if lines and word.end() - lines[-1][0] <= room:
             lines[-1] = (lines[-1][0], word.end())
@@ -69,11 +74,14 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
 
 
 def show_facts(facts: Iterable[tuple[str, Any]]) -> None:
-    """Print labels with values, one a line; paths stay whole."""
+    """Print labels with values, one a line; paths and commands stay whole."""
     pairs = [(label, value if isinstance(value, Text) else number(value)) for label, value in facts]
     width = max((len(label) for label, _ in pairs), default=0) + _GAP
     for label, value in pairs:
-        show_sentence(label.ljust(width), value, hang=width)
+        if str(value).startswith(f"{PROGRAM} "):
+            Console(highlight=False).print(Text(f"{label.ljust(width)}{value}"), soft_wrap=True)
+        else:
+            show_sentence(label.ljust(width), value, hang=width)
 
 
 def number(value: Any) -> str:

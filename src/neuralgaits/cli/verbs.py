@@ -31,7 +31,7 @@ from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.report_verb import carry_out_report
 from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
 from neuralgaits.cli.words import Verb
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, Interrupted
 
 _TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out")
 """Settings of a training that a resumed run has of its own."""
@@ -39,6 +39,8 @@ _TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "ou
 
 def carry_out(verb: Verb) -> Outcome:
     """Run the verb's workflow."""
+    if not verb.output.json:
+        _say_which_is_latest(verb)
     match verb:
         case Train():
             return _train(verb)
@@ -70,6 +72,14 @@ def carry_out(verb: Verb) -> Outcome:
             return _doctor()
 
 
+def _say_which_is_latest(verb: Verb) -> None:
+    """On stderr: a failed training leaves `latest` with the run before it."""
+    from neuralgaits.runs.latest import LATEST, about_latest
+
+    if getattr(verb, "run", None) == LATEST and (told := about_latest()) is not None:
+        print(told, file=sys.stderr)
+
+
 def _train(verb: Train) -> Outcome:
     asked = {name: getattr(verb, name) for name in _TRAINING}
     given: dict[str, Any] = {
@@ -84,7 +94,7 @@ def _train(verb: Train) -> Outcome:
     from neuralgaits.workflows.proof_rounds import Watch
     from neuralgaits.workflows.train import train
 
-    robot = load_robot(verb.robot)
+    robot = None if verb.robot is None else load_robot(verb.robot)
     with TrainingProgress(quiet=verb.output.json) as progress:
         watch = Watch(progress.proved, progress.round_ended)
         run = train(robot, progress=progress, watch=watch, **given)
@@ -137,22 +147,36 @@ def _simulate(verb: Simulate) -> Outcome:
 
 
 def _certify(verb: Certify) -> Outcome:
+    from neuralgaits.certificate.schedule import SearchInterrupted
     from neuralgaits.cli.progress import ProofProgress
     from neuralgaits.workflows.certify import certify
 
     with ProofProgress(quiet=verb.output.json) as progress:
-        done = certify(
-            verb.run,
-            level=verb.level,
-            disturbance=disturbance_bounds(verb.disturbance, verb.run),
-            budget=verb.budget,
-            resume=verb.resume,
-            progress=progress,
-        )
+        try:
+            done = certify(
+                verb.run,
+                level=verb.level,
+                disturbance=disturbance_bounds(verb.disturbance, verb.run),
+                budget=verb.budget,
+                resume=verb.resume,
+                progress=progress,
+            )
+        except SearchInterrupted as stop:
+            raise Interrupted(_resumed_proof(verb)) from stop
     verdict = done.verdict
     return Outcome(
         done.summary, verdict == "proved", proof_screen.show_proof, verdict == "undecided"
     )
+
+
+def _resumed_proof(verb: Certify) -> str:
+    """Goes on with the boxes that a search has left, for the same statement."""
+    from neuralgaits.runs.commands import command
+
+    line: list[Any] = ["certify", verb.run, "--level", verb.level, "--resume"]
+    for flag, value in (("--disturbance", verb.disturbance), ("--budget", verb.budget)):
+        line += [] if value is None else [flag, value]
+    return command(*line)
 
 
 def _check_proof(verb: CheckProof) -> Outcome:

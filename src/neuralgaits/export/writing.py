@@ -63,6 +63,9 @@ def publish(out: Path, files: Mapping[str, str | bytes]) -> list[str]:
             (made / file).write_bytes(data)
         made.chmod(0o755)
         if out.is_dir() and any(out.iterdir()):
+            # Killed here, this leaves an export that lacks files, and none that is mixed from two.
+            for file in files:
+                (out / file).unlink(missing_ok=True)
             for file in files:
                 os.replace(made / file, out / file)
             made.rmdir()

@@ -55,7 +55,7 @@ def text_of(path: Path) -> Text:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file, skipinitialspace=True)
             found = [(reader.line_num, _trimmed(row)) for row in reader]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except (OSError, ValueError, csv.Error) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(
             f"log {path}: expected a CSV file of a walk, found none that can be read ({reason}): "

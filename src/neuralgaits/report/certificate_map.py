@@ -9,6 +9,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from neuralgaits.errors import RunError
 from neuralgaits.report.figure import png
 from neuralgaits.report.phase_portrait import X_LABEL, Y_LABEL
 from neuralgaits.report.style import BLACK, ORANGE, new_figure, styled
@@ -39,8 +40,15 @@ def draw_file(data: Path, figure: Path) -> Path:
 def draw_saved(data: Path) -> Figure:
     """The map of saved boxes. Raises: RunError if they are damaged."""
     arrays, metadata = read_arrays(data)
-    names = ("corners", "answer", "margin", "counterexamples")
-    corners, answer, margin, points = (arrays[name] for name in names)
+    count = len(arrays.get("answer", ()))
+    shapes = {"corners": (count, 4, 2), "answer": (count,), "margin": (count,)}
+    if any(name not in arrays or arrays[name].shape != shape for name, shape in shapes.items()):
+        raise RunError(
+            f"expected corners, answers and margins of boxes in {data}, found other arrays: "
+            "certify the run again"
+        )
+    corners, answer, margin = (arrays[name].astype(float) for name in shapes)
+    points = arrays.get("counterexamples", np.zeros((0, 2))).reshape(-1, 2)
     return draw(corners, answer, margin, points, metadata.get("title", ""))
 
 

@@ -13,6 +13,8 @@ CAPTION = (
     "limits than training wants them; effort is added to it. So it does not end at zero, and a "
     "small loss alone does not say that nothing is broken."
 )
+WHOLE = ("loss", "validation_loss")
+"""Columns about all conditions together."""
 NOT_CONDITIONS = ("step", "loss", "validation_loss", "effort")
 FLOOR = 1e-6
 """Losses below this are drawn here: a logarithm has no zero [1]."""

@@ -57,17 +57,23 @@ def read_motor(model: mujoco.MjModel, joint: int) -> Motor:
 def refuse_other_actuators(model: mujoco.MjModel, joints: list[int]) -> None:
     """Check that every actuator drives one of `joints`.
 
-    Raises: RobotError naming an actuator on the root, a site, a tendon or a body.
+    Raises: RobotError naming an actuator on the root, a site or a body.
     """
     if model.nu == 0:
         raise RobotError("the file has no actuators: add a <motor> for every joint but the root's")
     kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     for actuator in range(model.nu):
-        on_joint = int(model.actuator_trntype[actuator]) in kinds
-        if not on_joint or int(model.actuator_trnid[actuator, 0]) not in joints:
+        label = _label(model, actuator)
+        if int(model.actuator_trntype[actuator]) not in kinds:
+            what = mujoco.mjtTrn(model.actuator_trntype[actuator]).name
+            what = what.removeprefix("mjTRN_").lower()
             raise RobotError(
-                f"actuator {_label(model, actuator)} does not drive a leg joint: the root must be "
-                "free and motors act on joints; remove it"
+                f"actuator {label} acts on a {what}, but only motors on joints are treated: write "
+                'joint="JOINT" instead, or remove it where the joint has a motor already'
+            )
+        if int(model.actuator_trnid[actuator, 0]) not in joints:
+            raise RobotError(
+                f"actuator {label} does not drive a leg joint: the root must be free; remove it"
             )
 
 

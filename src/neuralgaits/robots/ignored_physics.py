@@ -53,6 +53,8 @@ def _refuse_couplings(model: mujoco.MjModel) -> None:
         (model.neq, "equality constraints", "equality"),
         (model.ntendon, "tendons", "tendon"),
         (model.nflex, "flexible bodies", "deformable"),
+        # The feet meet the floor by their own friction, and nothing else touches.
+        (model.npair, "contact pairs", "contact"),
     ):
         if count:
             raise RobotError(

@@ -116,14 +116,24 @@ def _robot_text(name_or_path: str | Path) -> tuple[str, str]:
 
 
 def _compile(text: str, name: str) -> mujoco.MjModel:
+    warnings: list[str] = []
+    # Unasked, MuJoCo prints its warnings, and logs them to a file in the caller's folder.
+    mujoco.set_mju_user_warning(warnings.append)
     try:
-        return mujoco.MjModel.from_xml_string(text)
+        model = mujoco.MjModel.from_xml_string(text)
+        if warnings:
+            raise ValueError("; ".join(warnings))
+        return model
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         remedy = "mend the file"
+        if "opening file" in reason:
+            remedy = "put that file there, or remove what names it from the robot file"
         if "mass and inertia" in reason:
             remedy = "give that body an <inertial>, or geoms with mass"
         raise RobotError(f"MuJoCo cannot compile robot {name} ({reason}): {remedy}") from None
+    finally:
+        mujoco.set_mju_user_warning(None)
 
 
 def _model_name(model: mujoco.MjModel, fallback: str) -> str:

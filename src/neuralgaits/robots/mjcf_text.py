@@ -31,7 +31,7 @@ def _read(path: Path) -> str:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise RobotError(f"no robot file at {path}: check the path") from None
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise RobotError(f"cannot read {path} ({error}): give an MJCF text file") from None
 
 
@@ -57,6 +57,12 @@ def _include(element: ElementTree.Element, folder: Path, seen: tuple[Path, ...])
         path = folder / child.get("file", "")
         if path.resolve() in seen:
             raise RobotError(f"{path.name} includes itself: remove that <include>")
+        if not path.is_file():
+            found = f"{path} is not there" if child.get("file") else "it names no file"
+            raise RobotError(
+                f"expected the file that {seen[-1].name} includes, found that {found}: put it "
+                "there, or remove that <include>"
+            )
         included = _parse(_read(path), path)
         _include(included, folder, (*seen, path.resolve()))
         element.remove(child)
@@ -64,6 +70,14 @@ def _include(element: ElementTree.Element, folder: Path, seen: tuple[Path, ...])
             element.insert(index + offset, grandchild)
         touched = True
     return touched
+
+
+def missing_asset(kind: str, path: Path | str) -> str:
+    """What to do about a picture that is not there."""
+    return (
+        f"expected a {kind} file at {path}, found none: put it there, or remove its <{kind}> from "
+        "<asset> and what shows it; bodies with an <inertial> need no picture"
+    )
 
 
 def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
@@ -76,6 +90,9 @@ def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
             if entry.tag not in _ASSETS or "file" not in entry.attrib:
                 continue
             below = options.get(_ASSETS[entry.tag], options.get("assetdir", ""))
-            entry.set("file", str((folder / below / entry.attrib["file"]).resolve()))
+            path = (folder / below / entry.attrib["file"]).resolve()
+            if not path.is_file():
+                raise RobotError(missing_asset(entry.tag, path))
+            entry.set("file", str(path))
             touched = True
     return touched

@@ -66,6 +66,8 @@ def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
     floor = _floor(model, data)
     _count_feet(model, tree, floor)
     torso, legs, hip = _legs(tree)
+    for leg in legs:
+        _refuse_flat_foot(model, data, tree, leg, floor)
     first, second = (_foot(model, data, tree, leg[0], floor) for leg in legs)
     return Skeleton(torso, legs, hip, (first, second))
 
@@ -165,6 +167,39 @@ def _count_feet(model: mujoco.MjModel, tree: PlanarTree, floor: int) -> None:
         )
 
 
+def _refuse_flat_foot(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    tree: PlanarTree,
+    leg: tuple[int, ...],
+    floor: int,
+) -> None:
+    """Refuse a foot on an ankle: from its joint down it is longer than high, and no one sphere.
+
+    Raises: RobotError naming the joint to remove, and the body that a sphere goes to.
+    """
+    link = tree.links[leg[0]]
+    geoms = _touching(model, link.bodies, floor)
+    is_sphere = [model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE for g in geoms]
+    if len(leg) < 2 or not geoms or (len(geoms) == 1 and is_sphere[0]):
+        return
+    anchor = link.joint.anchor
+    low = high = np.array([anchor.real, 0.0, anchor.imag])
+    for geom in geoms:
+        turn = data.geom_xmat[geom].reshape(3, 3)
+        centre = data.geom_xpos[geom] + turn @ model.geom_aabb[geom, :3]
+        reach = np.abs(turn) @ model.geom_aabb[geom, 3:]
+        low, high = np.minimum(low, centre - reach), np.maximum(high, centre + reach)
+    length, _, height = high - low
+    if length > height:
+        moved = link.joint.index in model.actuator_trnid[:, 0]
+        raise RobotError(
+            f"body {link.name} is a flat foot on the ankle {link.joint.name}, but only point feet "
+            f"are treated: remove {link.joint.name}{' and its motor' if moved else ''}, and end "
+            f"{tree.links[leg[1]].name} in one sphere that collides with the floor"
+        )
+
+
 def _foot(
     model: mujoco.MjModel, data: mujoco.MjData, tree: PlanarTree, index: int, floor: int
 ) -> Foot:
@@ -185,6 +220,7 @@ def _foot(
     name = model.geom(geom).name
     if not name:
         raise RobotError(f"the foot sphere of body {link.name} has no name: give it one")
+    _refuse_frictionless(model, geom, floor)
     centre = data.geom_xpos[geom]
     return Foot(
         name,
@@ -192,6 +228,20 @@ def _foot(
         float(model.geom_size[geom, 0]),
         _contact_friction(model, geom, floor),
     )
+
+
+def _refuse_frictionless(model: mujoco.MjModel, foot: int, floor: int) -> None:
+    """A plant takes the foot's condim; in the file a floor of higher priority would decide.
+
+    Raises: RobotError if either is 1, which is contact without friction.
+    """
+    deciding = [foot]
+    if model.geom_priority[floor] > model.geom_priority[foot]:
+        deciding.append(floor)
+    for geom in deciding:
+        if model.geom_condim[geom] == 1:
+            name = f"foot {model.geom(geom).name}" if geom == foot else "the floor"
+            raise RobotError(f'{name} has condim="1", contact without friction: give it condim="3"')
 
 
 def _contact_friction(model: mujoco.MjModel, foot: int, floor: int) -> float:

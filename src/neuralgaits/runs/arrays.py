@@ -1,8 +1,11 @@
 """Named arrays as safetensors: a format that holds bytes, shapes and dtypes and can run no code.
 
+What is written carries the sha256 of its content, so that a flipped bit is not taken for a number.
 Needs no JAX; trees of arrays are in `tree`.
 """
 
+import hashlib
+import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,25 +16,47 @@ from safetensors.numpy import save
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes
 
+SHA256 = "sha256"
+"""Text entry of a file: of all its arrays and other entries."""
+
+
+def packed(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
+    """The content of a file. The same arrays and entries give the same bytes."""
+    # safetensors writes the buffer as it lies in memory.
+    kept = {name: np.array(array, order="C") for name, array in arrays.items()}
+    return save(kept, metadata=dict(metadata) | {SHA256: _digest(kept, metadata)})
+
+
+def _digest(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> str:
+    digest = hashlib.sha256(json.dumps(sorted(metadata.items())).encode())
+    for name, array in sorted(arrays.items()):
+        digest.update(json.dumps([name, array.dtype.str, array.shape]).encode())
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
 
 def write_arrays(path: Path, arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> None:
     """Save arrays under plain names, with text entries beside them."""
-    kept = {name: np.array(array, order="C") for name, array in arrays.items()}
-    write_bytes(path, save(kept, metadata=dict(metadata)))
+    write_bytes(path, packed(arrays, metadata))
 
 
 def read_arrays(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     """Arrays and text entries of a file, whatever it holds.
 
-    Raises: RunError if it is missing or damaged.
+    Raises: RunError if it is missing, damaged, or not what was written.
     """
     if not path.is_file():
         raise RunError(f"expected a weights file at {path}, found none: the run is incomplete")
     try:
         with safetensors.safe_open(path, framework="numpy") as file:
             arrays = {name: file.get_tensor(name) for name in file.keys()}
-            return arrays, dict(file.metadata() or {})
-    except safetensors.SafetensorError as error:
+            metadata = dict(file.metadata() or {})
+        rest = {name: text for name, text in metadata.items() if name != SHA256}
+        # Files of other programs, and of earlier versions, have none.
+        if metadata.get(SHA256, "") not in ("", _digest(arrays, rest)):
+            raise ValueError("its sha256 is another")
+        return arrays, metadata
+    except (safetensors.SafetensorError, ValueError, TypeError) as error:
         reason = " ".join(str(error).split())
         raise RunError(
             f"expected safetensors in {path}, found a damaged file ({reason}): train again"

@@ -5,9 +5,9 @@ on it is a run), checkpoints, and last `summary.json` (from here on it is finish
 """
 
 import hashlib
-import json
 import platform
-from collections.abc import Mapping, Sequence
+import shutil
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
@@ -17,14 +17,19 @@ from typing import Any, TypeVar
 from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes, write_text
-from neuralgaits.runs.claim import claim
+from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.metrics import Row, from_csv, to_csv
-from neuralgaits.runs.plain import to_json
+from neuralgaits.runs.plain import from_json, to_json
+from neuralgaits.runs.shape import TEXT, Shape, complaint, may, table_of
 
 FORMAT = 1
 """Version of the layout and meaning of a run folder; other versions are refused."""
 
 CONFIG, SUMMARY, METRICS = "config.json", "summary.json", "metrics.csv"
+NAN, NAN_STATE = "nan.json", "nan.safetensors"
+"""Of a training that ended in NaN: where it did, and the last good state before."""
+_LAYOUT = {"copies": table_of(TEXT), "written_by": may(table_of(TEXT)), "created_utc": may(TEXT)}
+"""Of a config: what is written here. The rest is the business of the stages."""
 LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "diffrax", "mujoco", "numpy")
 
 Tree = TypeVar("Tree")
@@ -65,19 +70,25 @@ class RunFolder:
 
         Raises: RunError if `out` is a file or a folder that is not empty.
         """
-        path = claim(out, root, name, seed, what="the run")
+        path = claim(out, root, name, seed, what="the run", config=CONFIG)
         contents = {
             file: content.encode() if isinstance(content, str) else content
             for file, content in copies.items()
         }
-        for file, content in contents.items():
-            write_bytes(path / file, content)
         hashes = {file: _sha256(content) for file, content in contents.items()}
         known = {"format": FORMAT, "written_by": _versions(), "copies": hashes}
         known["created_utc"] = datetime.now(UTC).isoformat(timespec="seconds")
         if clash := sorted(set(known) & set(config)):
             raise ValueError(f"expected a config without the names {clash}: runs writes them")
-        write_text(path / CONFIG, to_json(known | dict(config)))
+        try:
+            for file, content in contents.items():
+                write_bytes(path / file, content)
+            write_text(path / CONFIG, to_json(known | dict(config)))
+            filled(path)
+        except BaseException:
+            # Without a config it is no run: neither to be gone on with, nor in the way of another.
+            shutil.rmtree(path, ignore_errors=True)
+            raise
         return RunFolder.open(path)
 
     @staticmethod
@@ -100,17 +111,25 @@ class RunFolder:
             )
         config = _read_json(path / CONFIG)
         if config.get("format") != FORMAT:
-            writer = (config.get("written_by") or {}).get("neuralgaits", "an unknown version")
+            written = config.get("written_by")
+            known = written if isinstance(written, dict) else {}
+            writer = known.get("neuralgaits", "an unknown version")
             raise RunError(
                 f"expected run format {FORMAT}, found {config.get('format')!r} in {path} written "
                 f"by neuralgaits {writer}: use that version, or train again with {__version__}"
             )
+        refuse_misshapen(config, _LAYOUT, path / CONFIG)
         return RunFolder(path, config)
 
     @property
     def finished(self) -> bool:
         """True once the run's training has ended and its summary is on disk."""
         return (self.path / SUMMARY).is_file()
+
+    @property
+    def ended_in_nan(self) -> bool:
+        """True if the training stopped since its loss or weights turned to NaN."""
+        return not self.finished and (self.path / NAN_STATE).is_file()
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -122,7 +141,11 @@ class RunFolder:
 
         Raises: RunError if the copy is missing or no longer has its sha256.
         """
-        return self.copied(file).read_bytes().decode()
+        path = self.copied(file)
+        try:
+            return path.read_bytes().decode()
+        except UnicodeDecodeError as error:
+            raise RunError(f"expected text in {path}, found {error}: train again") from None
 
     def copied(self, file: str) -> Path:
         """Where an input was copied to. Raises: RunError as `copy` does."""
@@ -167,7 +190,16 @@ class RunFolder:
     def read_metrics(self) -> list[dict[str, float]]:
         """Rows of `metrics.csv`; none if the run has not written any."""
         path = self.path / METRICS
-        return from_csv(path.read_text(), str(path)) if path.is_file() else []
+        return from_csv(path.read_bytes(), str(path)) if path.is_file() else []
+
+
+def file_hashes(path: Path, files: Iterable[str]) -> dict[str, str | None]:
+    """The sha256 of files of a folder, by name; None where there is no such file."""
+    found = {file: path / file for file in files}
+    return {
+        file: _sha256(place.read_bytes()) if place.is_file() else None
+        for file, place in found.items()
+    }
 
 
 def _versions() -> dict[str, str]:
@@ -179,11 +211,20 @@ def _sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
+def refuse_misshapen(value: Mapping[str, Any], shape: Shape, path: Path) -> None:
+    """Raises: RunError if a JSON file that can be read does not have what its writer puts there."""
+    wrong = complaint(value, shape)
+    if wrong is not None:
+        raise RunError(
+            f"{path} is damaged or of another version, {wrong}: restore it, or make it again"
+        )
+
+
 def _read_json(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise RunError(f"expected {path}, found none: the run is incomplete")
     try:
-        value = json.loads(path.read_bytes())
+        value = from_json(path.read_bytes())
     except ValueError as error:
         raise RunError(
             f"expected JSON in {path}, found a damaged file ({error}): restore it or train again"

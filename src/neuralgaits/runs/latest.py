@@ -10,10 +10,10 @@ from typing import Any
 
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_text
-from neuralgaits.runs.folder import CONFIG, SUMMARY, RunFolder
+from neuralgaits.runs.commands import LATEST, command, resuming
+from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
 
 RUNS_ROOT = Path("runs")
-LATEST = "latest"
 
 
 def finish(folder: RunFolder, summary: Mapping[str, Any], root: Path = RUNS_ROOT) -> None:
@@ -37,11 +37,15 @@ def resolve(run: str | Path, root: Path = RUNS_ROOT, *, finished: bool = True) -
     """
     folder = RunFolder.open(_latest(root) if str(run) == LATEST else Path(run))
     if finished and not folder.finished:
-        raise RunError(
-            f"expected a finished run, found no summary.json in {folder.path}: continue it with "
-            f"`neuralgaits train {folder.config.get('robot', 'ROBOT')} --resume {folder.path}`"
-        )
+        raise RunError(f"expected a finished run, found one whose training {unfinished(folder)}")
     return folder
+
+
+def unfinished(folder: RunFolder) -> str:
+    """Why a run has no summary, as a clause about its training that says what to do."""
+    if folder.ended_in_nan:
+        return f"ended in NaN, {folder.path}: train with another --seed"
+    return f"has not ended, {folder.path}: continue it with `{resuming(folder.path)}`"
 
 
 def resolve_unfinished(run: str | Path, root: Path = RUNS_ROOT) -> RunFolder:
@@ -60,15 +64,43 @@ def resolve_unfinished(run: str | Path, root: Path = RUNS_ROOT) -> RunFolder:
     return folder
 
 
-def _latest_unfinished(root: Path) -> Path:
+def about_latest(root: Path = RUNS_ROOT) -> str | None:
+    """Which run `latest` is, and whether one that was started later has not finished.
+
+    Returns: a sentence; None if `latest` names no run that can be read.
+    """
+    try:
+        folder = resolve(LATEST, root)
+    except RunError:
+        return None
+    told = f"latest is {folder.path}, robot {folder.config.get('robot')}"
+    began = _started_ns(folder.path)
+    later = [path for path in _unfinished(root) if _started_ns(path) > began]
+    if not later:
+        return told
+    last = max(later, key=_started_ns)
+    ended = (last / NAN_STATE).is_file()
+    return f"{told}; {last}, started later, {'ended in NaN' if ended else 'has not finished'}"
+
+
+def _unfinished(root: Path) -> list[Path]:
     configs = [*root.glob(f"*/{CONFIG}"), *root.glob(f"*/*/{CONFIG}")]
-    unfinished = [file for file in configs if not (file.parent / SUMMARY).exists()]
-    if not unfinished:
+    return [file.parent for file in configs if not (file.parent / SUMMARY).exists()]
+
+
+def _started_ns(path: Path) -> int:
+    """When a run's config was written: that makes it a run."""
+    return (path / CONFIG).stat().st_mtime_ns
+
+
+def _latest_unfinished(root: Path) -> Path:
+    found = _unfinished(root)
+    if not found:
         raise RunError(
             f"expected an unfinished run below {root}, found none: nothing to resume; a run "
             "elsewhere is named by its path"
         )
-    return max(unfinished, key=lambda file: file.stat().st_mtime_ns).parent
+    return max(found, key=_started_ns)
 
 
 def _latest(root: Path) -> Path:
@@ -76,9 +108,10 @@ def _latest(root: Path) -> Path:
     if not pointer.is_file():
         raise RunError(
             f"expected {pointer} to name a finished run, found no such file: train one first, "
-            "as in `neuralgaits train amber3m`"
+            f"as in `{command('train', 'amber3m')}`"
         )
-    name = pointer.read_text().strip()
+    # A damaged pointer names nothing that is there.
+    name = pointer.read_text(encoding="utf-8", errors="replace").strip()
     if not name or not (root / name).is_dir():
         raise RunError(
             f"expected {pointer} to name a run folder, found {name!r} which is not there: "

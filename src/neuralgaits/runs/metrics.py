@@ -6,10 +6,13 @@ one drops rows it is about to compute again. Numbers are written so that they re
 
 import csv
 import io
+import math
 from collections.abc import Mapping, Sequence
 
 from neuralgaits.errors import RunError
 
+STEP = "step"
+"""Column that every table of a training has."""
 Row = Mapping[str, float]
 
 
@@ -28,20 +31,27 @@ def to_csv(rows: Sequence[Row]) -> str:
     return buffer.getvalue()
 
 
-def from_csv(text: str, source: str) -> list[dict[str, float]]:
+def from_csv(data: bytes, source: str) -> list[dict[str, float]]:
     """Rows of a table written by `to_csv`.
 
     Raises: RunError naming `source` if a cell is not a number or a row is short.
     """
+    line = 1
     rows = []
-    for line, cells in enumerate(csv.DictReader(io.StringIO(text)), start=2):
-        try:
+    try:
+        for cells in csv.DictReader(io.StringIO(data.decode())):
+            line += 1
             rows.append({name: float(value) for name, value in cells.items()})
-        except (TypeError, ValueError):
-            raise RunError(
-                f"expected a number in every column of {source}, line {line} has another "
-                "content: restore the file or train again"
-            ) from None
+    except (TypeError, ValueError, csv.Error):
+        raise RunError(
+            f"expected a number in every column of {source}, line {line} has another "
+            "content: restore the file or train again"
+        ) from None
+    if any(not (row.get(STEP, math.nan) >= 0.0 and row[STEP] < math.inf) for row in rows):
+        raise RunError(
+            f"expected the number of a step in the column {STEP} of {source}, found a row "
+            "without: restore the file or train again"
+        )
     return rows
 
 

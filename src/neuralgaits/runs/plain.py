@@ -1,4 +1,4 @@
-"""Results as plain JSON values."""
+"""Results as plain JSON values, out and in."""
 
 import dataclasses
 import json
@@ -39,3 +39,26 @@ def plain(value: Any) -> Any:
 def to_json(value: Any) -> str:
     """Indented JSON with a final newline, in the order of the input."""
     return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def from_json(data: bytes | str) -> Any:
+    """Read JSON that was written by `to_json`, by other programs or by an accident.
+
+    Raises: ValueError for anything that `to_json` could not write again: NaN and numbers beyond
+        float64, halves of characters, values nested too deeply to be read.
+    """
+    try:
+        value = json.loads(data, parse_constant=_number, parse_float=_number, parse_int=_number)
+        # A half of a character can be escaped in a file, and never be written or printed.
+        json.dumps(value, ensure_ascii=False).encode()
+    except RecursionError:
+        raise ValueError("values nested too deeply") from None
+    return value
+
+
+def _number(text: str) -> int | float:
+    """A number that float64 can hold; a whole one stays an integer."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"the number {text[:40]}")
+    return int(text) if text.lstrip("-").isdecimal() else number

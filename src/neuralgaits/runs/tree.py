@@ -10,10 +10,9 @@ from typing import Any, TypeVar
 import jax
 import jax.numpy as jnp
 import numpy as np
-from safetensors.numpy import save
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs.arrays import read_arrays
+from neuralgaits.runs.arrays import packed, read_arrays
 from neuralgaits.runs.atomic import write_bytes
 
 Tree = TypeVar("Tree")
@@ -25,7 +24,7 @@ def write_tree(path: Path, tree: Any) -> None:
     Other leaves (functions, strings) are structure and are not stored.
     """
     arrays = {name: _to_numpy(leaf) for name, leaf in _named_leaves(tree) if _is_stored(leaf)}
-    write_bytes(path, save(arrays, metadata={}))
+    write_bytes(path, packed(arrays, {}))
 
 
 def read_tree(path: Path, like: Tree) -> Tree:

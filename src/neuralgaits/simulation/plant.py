@@ -86,7 +86,11 @@ def build(robot: PlanarBiped, disturbance: Disturbance | None = None) -> Plant:
         _add_floors(spec, geometry, robot, disturbance)
         model = spec.compile()
     except ValueError as error:
-        raise RobotError(f"robot {robot.name}: MuJoCo cannot build its plant: {error}") from error
+        reason = " ".join(str(error).split())
+        raise RobotError(
+            f"robot {robot.name}: MuJoCo cannot build its plant, which has floors of its own in "
+            f"place of the file's ({reason}): remove from the file what refers to its floor"
+        ) from error
     _disturb(model, robot, disturbance)
     limit = robot.torque_limit
     if disturbance.torque_limit is not None:

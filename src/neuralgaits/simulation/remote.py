@@ -111,6 +111,7 @@ class Remote:
             "mode": "lock-step" if self._config.lockstep else "real time",
             "loss": self._config.loss,
             "jitter_ms": self._config.jitter_ms,
+            "blend_s": self._config.blend_s,
             "ticks": self._tick,
             "packets_sent": sum(way.sent for way in ways),
             "packets_lost": sum(way.lost for way in ways),

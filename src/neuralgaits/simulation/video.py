@@ -37,7 +37,23 @@ def check(path: Path) -> None:
         raise InputError(
             "video needs imageio-ffmpeg, which is not installed: pip install 'neuralgaits[video]'"
         )
-    _renderer(mujoco.MjModel.from_xml_string("<mujoco/>")).close()
+    trial()
+
+
+def trial() -> None:
+    """Render a picture of nothing, as a film's pictures are rendered.
+
+    Raises: InputError with the remedy, if OpenGL does not do it.
+    """
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    renderer = _renderer(model)
+    try:
+        renderer.update_scene(mujoco.MjData(model))
+        renderer.render()
+    except Exception as error:
+        raise _no_opengl(error) from None
+    finally:
+        renderer.close()
 
 
 def write(
@@ -133,11 +149,16 @@ def _renderer(model):
             warnings.simplefilter("ignore")
             return mujoco.Renderer(model, height=height, width=width)
     except Exception as error:
-        reason = " ".join(str(error).split())[:120]
+        refusal = _no_opengl(error)
     finally:
         gc.collect()
         sys.unraisablehook = listener
-    raise InputError(
+    raise refusal
+
+
+def _no_opengl(error: Exception) -> InputError:
+    reason = " ".join(str(error).split())[:120]
+    return InputError(
         f"video needs OpenGL, which does not start ({reason}): on a machine without a screen "
         "set MUJOCO_GL=egl, or MUJOCO_GL=osmesa with Mesa installed"
     )

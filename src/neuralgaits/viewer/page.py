@@ -6,6 +6,7 @@ import io
 import ipaddress
 import socket
 import threading
+import warnings
 import webbrowser
 from collections.abc import Iterator
 
@@ -42,6 +43,9 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
     Raises: InputError if host or port cannot be had.
     """
     found = _free_port(host, port)
+    # A visitor may leave, or the page end, while an answer is on its way; viser warns of it on
+    # stderr, and there is nothing to be done.
+    warnings.filterwarnings("ignore", message=r"Queued a \w+ on a closed connection")
     with quiet():
         server = LocalServer(host=host, port=found, label=label, verbose=False)
     if server.get_port() != found:

@@ -1,6 +1,7 @@
 """The controls beside the scene. What a visitor sets is a number within limits, or a button."""
 
 import html
+import time
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -28,6 +29,8 @@ _SETTINGS = {
 }
 _ANSWER_FRAMES = 240
 """How long an answer stands: six seconds."""
+TYPED_S = 1.0
+"""Time without a keystroke after which a number is taken for typed [s]."""
 _STATUS_EVERY = 10
 """Frames from one line of status to the next."""
 
@@ -58,6 +61,7 @@ class Panel:
         self._player, self._conditions, self._restarted = player, conditions, restarted
         self._answer, self._answer_left, self._count = "", 0, 0
         self._sliders: dict[str, tuple[viser.GuiSliderHandle, Limits]] = {}
+        self._limited: list[tuple[viser.GuiSliderHandle, Limits]] = []
         gui = server.gui
         gui.add_markdown(title)
         self._status = gui.add_html(_line("getting ready: compiling the controller", "#5b6770"))
@@ -79,6 +83,7 @@ class Panel:
         if self._count % _STATUS_EVERY == 0 or picture.answer is not None:
             self._status.content = self._lines(picture)
         self._answer_left = max(0, self._answer_left - 1)
+        self._put_back()
 
     def say(self, answer: str) -> None:
         """Show a message for a while."""
@@ -97,9 +102,7 @@ class Panel:
         player = self._player
         pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
         row = gui.add_button_group("time", ("Step 20 ms", "Reset"))
-        speed = gui.add_slider(
-            "playback ×", SPEED.low, SPEED.high, 0.1, SPEED.first, hint="simulated seconds a second"
-        )
+        speed = self._slider(gui, "playback ×", SPEED, 0.1, "simulated seconds a second")
 
         def named() -> None:
             pause.label = "Go on" if player.paused else "Pause"
@@ -141,9 +144,7 @@ class Panel:
 
     def _add_push(self, gui: viser.GuiApi) -> None:
         with gui.add_folder("Push"):
-            size = gui.add_slider(
-                "impulse [N s]", PUSH.low, PUSH.high, 1.0, PUSH.first, hint="at the hip, for 0.1 s"
-            )
+            size = self._slider(gui, "impulse [N s]", PUSH, 1.0, "at the hip, for 0.1 s")
             ways = gui.add_button_group("push", tuple(WAYS))
 
         @ways.on_click
@@ -156,9 +157,7 @@ class Panel:
         with gui.add_folder("Robot and floor"):
             for name, limits in settings.items():
                 label, step, hint = _SETTINGS[name]
-                slider = gui.add_slider(
-                    label, limits.low, limits.high, step, limits.first, hint=hint
-                )
+                slider = self._slider(gui, label, limits, step, hint)
                 self._sliders[name] = (slider, limits)
                 slider.on_update(lambda _event, name=name: self._set(name))
             usual = gui.add_button("As the model has it", icon=viser.Icon.RESTORE)
@@ -168,6 +167,25 @@ class Panel:
             for name, (slider, limits) in self._sliders.items():
                 slider.value = limits.first
                 self._set(name)
+
+    def _slider(
+        self, gui: viser.GuiApi, label: str, limits: Limits, step: float, hint: str
+    ) -> viser.GuiSliderHandle:
+        slider = gui.add_slider(label, limits.low, limits.high, step, limits.first, hint=hint)
+        self._limited.append((slider, limits))
+        return slider
+
+    def _put_back(self) -> None:
+        """Show the number that counts where one beyond the limits was typed.
+
+        Not at once: half of a number may be beyond them.
+        """
+        for slider, limits in self._limited:
+            value = limits.clip(slider.value)
+            if value is None or value == slider.value:
+                continue
+            if time.time() - slider.update_timestamp > TYPED_S:
+                slider.value = value
 
     def _set(self, name: str) -> None:
         slider, limits = self._sliders[name]

@@ -6,8 +6,6 @@ the run state as well: their statements have to be about the run's own files and
 the levels are concluded again from them. The boxes are not bounded again here: `check-proof` does.
 """
 
-import hashlib
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -20,7 +18,10 @@ from neuralgaits.certificate.full_order_conclusion import conclude_full_order
 from neuralgaits.certificate.run_match import ROBOT, SPEC, WEIGHTS, differences
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import FULL_ORDER, PROOF, SUMMARY
-from neuralgaits.runs import RunFolder, plain
+from neuralgaits.report.shapes import CERTIFIED
+from neuralgaits.runs import RunFolder, from_json, plain
+from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, PROOF, FULL_ORDER)
 """What a certificate is about, and what it rests on."""
@@ -53,11 +54,7 @@ class _Unfit(Exception):
 
 def hashes(run: Path) -> dict[str, str | None]:
     """The sha256 of what a certificate is about, by file; None where there is no such file."""
-    found = {}
-    for name in (*FILES, MAP):
-        path = run / name
-        found[name] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
-    return found
+    return file_hashes(run, (*FILES, MAP))
 
 
 def read_certificate(folder: RunFolder) -> CertificateReading:
@@ -66,11 +63,13 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
     if not path.is_file():
         return CertificateReading()
     try:
-        summary = json.loads(path.read_bytes())
+        summary = from_json(path.read_bytes())
+        if wrong := complaint(summary, CERTIFIED):
+            return CertificateReading(reason=f"{DAMAGED}, {wrong}")
         return _read(folder, summary)
     except _Unfit as error:
         return CertificateReading(reason=str(error))
-    except (OSError, ValueError, AttributeError, KeyError, TypeError, RecursionError):
+    except (OSError, ValueError, AttributeError, KeyError, TypeError):
         return CertificateReading(reason=DAMAGED)
 
 
@@ -130,10 +129,10 @@ def _conditions(
         if row["verdict"] != "proved":
             yield name, row
             continue
-        margins = [bounds.get(box) for box in boxes if box[0] == name]
-        if None in margins:
+        own = [box for box in boxes if box[0] == name]
+        if not all(box in bounds for box in own):
             raise _Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")
-        yield name, row | {"margin": min(margins)}
+        yield name, row | {"margin": min(bounds[box] for box in own)}
 
 
 def _levels(

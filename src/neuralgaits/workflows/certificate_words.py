@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 from neuralgaits._digits import at_least
 from neuralgaits.report.certificate import PROOF, proved_level
+from neuralgaits.runs.commands import command, named
 from neuralgaits.viewer import markdown
 from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.run import Run
@@ -24,7 +25,7 @@ def how_sure(run: Run) -> Sureness:
 
     The boxes are not bounded again here: `check-proof` does that.
     """
-    again = markdown.code(f"neuralgaits certify {run.path}")
+    again = markdown.code(command("certify", named(run.path)))
     found = read_certificate(run.folder)
     if found.summary is None and found.reason is None:
         return Sureness(
@@ -54,8 +55,8 @@ def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
     for word in ("refuted", "undecided"):
         names = [name for name, one in answer["conditions"].items() if one["verdict"] == word]
         if names:
-            named = markdown.text(", ".join(names))
-            lines.append(f"{len(names)} of {len(margins)} conditions {word}: {named}.")
+            listed = markdown.text(", ".join(names))
+            lines.append(f"{len(names)} of {len(margins)} conditions {word}: {listed}.")
     for entry in answer["levels"]:
         lines += [f"{markdown.text(sentence)}." for sentence in entry["words"][:2]]
     about = "This is about the zero dynamics of the rigid model"
@@ -66,6 +67,6 @@ def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
         "simulation, and may fall."
     )
     if answer.get("proof"):
-        check = f"neuralgaits check-proof {run.path / PROOF} --run {run.path}"
+        check = command("check-proof", named(run.path / PROOF), "--run", named(run.path))
         lines.append(f"{markdown.code(check)} checks it again.")
     return lines

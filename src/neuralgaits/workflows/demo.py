@@ -4,6 +4,7 @@ from pathlib import Path
 
 import neuralgaits
 from neuralgaits.errors import RunError
+from neuralgaits.runs.commands import LATEST, command
 from neuralgaits.viewer import page
 from neuralgaits.workflows.run import ROBOT
 from neuralgaits.workflows.view import LiveView, view
@@ -17,6 +18,6 @@ def demo(*, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
     if not (FOLDER / ROBOT).is_file():
         raise RunError(
             f"expected the shipped run in {FOLDER}, found none: install the package again, or "
-            "view a run of your own with `neuralgaits view RUN`"
+            f"view a run of your own, as with `{command('view', LATEST)}`"
         )
     return view(FOLDER, host=host, port=port)

@@ -1,5 +1,6 @@
 """Is this machine ready? One finding and, where something is wrong, one line that mends it."""
 
+import importlib.util
 import os
 import platform
 import shutil
@@ -10,8 +11,11 @@ from typing import Any
 
 from neuralgaits._version import __version__
 
-_RENDER = "import mujoco; c = mujoco.GLContext(64, 64); c.make_current(); c.free()"
-_RENDER_TIMEOUT_S = 30.0
+_RENDER = "from neuralgaits.simulation.video import trial; trial()"
+"""What `simulate --video` does first."""
+_RENDER_TIMEOUT_S = 60.0
+_WITHOUT_SCREEN = ("egl", "osmesa")
+"""Values of MUJOCO_GL that need no window."""
 
 
 @dataclass(frozen=True)
@@ -35,13 +39,14 @@ def doctor() -> dict[str, Any]:
     """Look at the machine.
 
     Returns: dict with `ok` (everything needed is there), `neuralgaits` (version) and
-        python, device, x64, opengl, compiler: {ok, needed, found, fix} each.
+        python, device, x64, opengl, video, compiler: {ok, needed, found, fix} each.
     """
     findings = {
         "python": _python(),
         "device": _device(),
         "x64": _double_precision(),
         "opengl": _opengl(),
+        "video": _video(),
         "compiler": _compiler(),
     }
     ready = all(finding.ok for finding in findings.values() if finding.needed)
@@ -79,17 +84,38 @@ def _double_precision() -> Finding:
 
 
 def _opengl() -> Finding:
+    """Whether pictures can be rendered; where they cannot, what would make it so."""
+    found = f"MUJOCO_GL={os.environ.get('MUJOCO_GL', 'default')}"
+    if _renders():
+        return _finding(True, f"{found}: renders", "", needed=False)
+    other = next((backend for backend in _WITHOUT_SCREEN if _renders(backend)), None)
+    fix = (
+        "for videos, install Mesa (libegl1 and libgl1 on Debian), then set MUJOCO_GL=egl"
+        if other is None
+        else f"for videos, set MUJOCO_GL={other}, which renders here"
+    )
+    return _finding(False, f"{found}: no picture", fix, needed=False)
+
+
+def _renders(backend: str | None = None) -> bool:
     """Try in a process of its own: a missing display can take the process down."""
-    backend = os.environ.get("MUJOCO_GL", "default")
-    fix = "for videos, set MUJOCO_GL=egl, or MUJOCO_GL=osmesa with the OSMesa library installed"
+    environment = dict(os.environ) | ({} if backend is None else {"MUJOCO_GL": backend})
     try:
         trial = subprocess.run(
-            [sys.executable, "-c", _RENDER], capture_output=True, timeout=_RENDER_TIMEOUT_S
+            [sys.executable, "-c", _RENDER],
+            env=environment,
+            capture_output=True,
+            timeout=_RENDER_TIMEOUT_S,
         )
-        ok, found = trial.returncode == 0, f"MUJOCO_GL={backend}"
     except subprocess.TimeoutExpired:
-        ok, found = False, f"MUJOCO_GL={backend} does not answer"
-    return _finding(ok, f"{found}: {'renders' if ok else 'no picture'}", fix, needed=False)
+        return False
+    return trial.returncode == 0
+
+
+def _video() -> Finding:
+    there = importlib.util.find_spec("imageio_ffmpeg") is not None
+    fix = "for videos, pip install 'neuralgaits[video]'"
+    return _finding(there, f"imageio-ffmpeg is {'' if there else 'not '}there", fix, needed=False)
 
 
 def _compiler() -> Finding:

@@ -6,7 +6,6 @@ round-K/        the run of the round's policy, with its residual
 round-K/walks/  summary.json and logs/*.csv of its walks
 """
 
-import json
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,16 +15,41 @@ from typing import Any
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.runs import plain, write_text
-from neuralgaits.runs.claim import claim
+from neuralgaits.runs import from_json, plain, write_text
+from neuralgaits.runs.claim import claim, filled
+from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.plain import to_json
+from neuralgaits.runs.shape import (
+    NUMBER,
+    TEXT,
+    Shape,
+    complaint,
+    may,
+    one_of,
+    table_of,
+    whole,
+)
+from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.run import Run
+from neuralgaits.workflows.settings import MOST_ROUNDS
 
 ASKED, SUMMARY = "episodes.json", "summary.json"
 ROBOT, PLANT = "robot.xml", "plant.xml"
 FORMAT = 1
 """Version of this layout; others are refused."""
+CONFIG: Shape = {
+    "robot": TEXT,
+    "plant": may(TEXT),
+    "disturb": may(table_of(may(NUMBER))),
+    "controller": one_of(*LAWS),
+    "logs": may(TEXT),
+    "rounds": whole(1, MOST_ROUNDS),
+    "seed": whole(0, 2**31 - 1),
+    "steps": may(whole(1, 2**31 - 1)),
+    "start": may(TEXT),
+}
+"""`episodes.json`."""
 HOME = "episodes"
 """Folder below the root of the runs."""
 
@@ -67,7 +91,8 @@ class EpisodeFolder:
         """
         robot, plant = asked["robot"], asked["plant"]
         place = None if out is None else Path(out)
-        path = claim(place, root / HOME, robot.name, asked["seed"], what="the episodes")
+        what = "the episodes"
+        path = claim(place, root / HOME, robot.name, asked["seed"], what=what, config=ASKED)
         write_text(path / ROBOT, robot.layout.xml)
         if plant is not None:
             write_text(path / PLANT, plant.layout.xml)
@@ -76,6 +101,7 @@ class EpisodeFolder:
         names = {"robot": robot.name, "plant": plant and plant.name}
         config = plain({"format": FORMAT, **asked, **names, "start": start and str(start.path)})
         write(path / ASKED, config)
+        filled(path)
         return cls(path, config, robot, plant)
 
     @classmethod
@@ -94,16 +120,17 @@ class EpisodeFolder:
         path = Path(place)
         if not (path / ASKED).is_file():
             return None
-        config = read(path / ASKED)
+        config = read(path / ASKED, {})
         if config.get("format") != FORMAT:
             raise RunError(
                 f"expected episodes of format {FORMAT} in {path}, found {config.get('format')!r}: "
                 "begin new ones"
             )
-        robot = robot_from_text((path / ROBOT).read_text(), config["robot"])
+        refuse_misshapen(config, CONFIG, path / ASKED)
+        robot = load_robot_of(path / ROBOT, config["robot"])
         plant = None
         if config["plant"] is not None:
-            plant = robot_from_text((path / PLANT).read_text(), config["plant"])
+            plant = load_robot_of(path / PLANT, config["plant"])
         return cls(path, config, robot, plant)
 
     def gone_on_with(self, asked: Mapping[str, Any], out: str | Path | None) -> "EpisodeFolder":
@@ -156,10 +183,23 @@ def write(path: Path, value: Any) -> None:
     write_text(path, to_json(value))
 
 
-def read(path: Path) -> dict[str, Any]:
+def load_robot_of(path: Path, name: str) -> PlanarBiped:
+    """A robot of the episodes. Raises: RunError or RobotError if its file is gone or damaged."""
+    try:
+        return robot_from_text(path.read_bytes().decode(), name)
+    except (OSError, UnicodeDecodeError) as error:
+        raise RunError(
+            f"expected the robot file {path}, found none to read ({error}): restore it"
+        ) from None
+
+
+def read(path: Path, shape: Shape) -> dict[str, Any]:
     """Read JSON of `write`. Raises: RunError if it is damaged."""
     try:
-        return json.loads(path.read_bytes())
+        found = from_json(path.read_bytes())
+        if wrong := complaint(found, shape):
+            raise ValueError(wrong)
+        return found
     except (OSError, ValueError) as error:
         raise RunError(
             f"expected JSON in {path}, found a damaged file ({error}): delete its round and resume"
@@ -172,4 +212,5 @@ def _copy_run(source: Path, place: Path) -> None:
     def folders(folder: str, names: list[str]) -> list[str]:
         return [name for name in names if (Path(folder) / name).is_dir()]
 
-    shutil.copytree(source, place, ignore=folders)
+    # What a killed command copied is copied again.
+    shutil.copytree(source, place, ignore=folders, dirs_exist_ok=True)

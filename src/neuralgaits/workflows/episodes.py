@@ -11,11 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.report.rounds import draw_file
+from neuralgaits.report.shapes import ERRORS, WALKED
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
+from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
@@ -26,7 +28,7 @@ from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import check_seed
+from neuralgaits.workflows.settings import check_rounds, check_seed
 from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
@@ -60,7 +62,7 @@ class Episodes:
 
 
 def episodes(
-    robot: PlanarBiped,
+    robot: PlanarBiped | None = None,
     *,
     plant: PlanarBiped | str | Path | None = None,
     disturb: str | Mapping[str, float] | Disturbance | None = None,
@@ -78,7 +80,7 @@ def episodes(
     """Train on the model, then learn and refine for some rounds.
 
     Args:
-        robot: the model.
+        robot: the model; with `resume` it need not be given, what goes on has its own.
         plant: robot that walks, in simulation.
         disturb: of the plant, see `simulation.disturbance`.
         controller: `pd` (if None) or `fblin`, with the nominal model.
@@ -94,11 +96,10 @@ def episodes(
         tell: called when a step of a round begins.
         root: folder of the runs.
 
-    Raises: InputError or RunError with one line.
+    Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     began = time.perf_counter()
-    if rounds is not None and not 1 <= rounds <= 100:
-        raise InputError(f"expected 1 to 100 rounds, found {rounds}")
+    check_rounds(rounds)
     asked = {
         "robot": robot,
         "plant": load_robot(plant) if isinstance(plant, str | Path) else plant,
@@ -115,7 +116,10 @@ def episodes(
     else:
         folder = old.gone_on_with(asked, out)
     session = _Session(folder, progress, tell or (lambda number, what: None), root)
-    entries, run, stopped = session.run()
+    try:
+        entries, run, stopped = session.run()
+    except KeyboardInterrupt as stop:
+        raise Interrupted(command("episodes", "--resume", named(folder.path))) from stop
     summary = {name: folder.config[name] for name in ("robot", "plant", "disturb", "controller")}
     summary |= {"logs": folder.config["logs"], "seed": folder.config["seed"]}
     summary |= {"episodes": str(folder.path), "run": str(run.path), "rounds": entries}
@@ -157,15 +161,21 @@ def _begin(
             raise InputError("expected --disturb with a plant, found it with --logs: drop it")
         logs_of(Path(logs), 0)
     start = None if resume is None else _start(resume, asked["robot"])
+    if asked["robot"] is None:
+        if start is None:
+            raise InputError(
+                "expected ROBOT, found none: name the model, or what to go on with by --resume RUN"
+            )
+        config["robot"] = start.robot
     if logs is not None:
         # Logs that cannot be read leave no episodes behind.
-        read_all(logs_of(Path(logs), 0), asked["robot"])
+        read_all(logs_of(Path(logs), 0), config["robot"])
     return EpisodeFolder.create(config, start, out=out, root=root)
 
 
-def _start(run: str | Path, robot: PlanarBiped) -> Run:
+def _start(run: str | Path, robot: PlanarBiped | None) -> Run:
     start = open_run(run)
-    if start.robot.layout.xml != robot.layout.xml:
+    if robot is not None and start.robot.layout.xml != robot.layout.xml:
         raise InputError(
             f"expected a run of robot {robot.name}, found one of {start.robot.name} in "
             f"{start.path}: name its robot"
@@ -246,7 +256,7 @@ class _Session:
     def _walk(self, number: int, run: Run, momentum: float | None) -> dict[str, Any]:
         file = self.folder.walks(number)
         if file.is_file():
-            return read(file)
+            return read(file, WALKED)
         config, plant = self.folder.config, self.folder.plant
         self.tell(number, "walking" if plant is not None else "reading logs")
         if plant is None or momentum is None:
@@ -262,7 +272,7 @@ class _Session:
     def _learn(self, number: int, run: Run, walked: dict[str, Any]) -> dict[str, Any]:
         summary = run.path / fitting.SUMMARY
         if summary.is_file():
-            return read(summary)
+            return read(summary, ERRORS)
         self.tell(number, "learning")
         last = number == self.folder.config["rounds"]
         files = [Path(file) for file in walked["logs"]]

@@ -1,6 +1,5 @@
 """All figures of a run, drawn from what lies in its folder."""
 
-import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,8 +8,9 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, RunError
 from neuralgaits.report import (
+    again,
     barrier_sketches,
     certificate_map,
     full_order_set,
@@ -26,6 +26,9 @@ from neuralgaits.report import (
 )
 from neuralgaits.report.data import GaitData, MeasuredWalk
 from neuralgaits.report.figure import Drawn, Missing, write
+from neuralgaits.report.shapes import ROUNDS
+from neuralgaits.runs.commands import command, learning, named
+from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.workflows.certificate_figure import DATA as MAP
 from neuralgaits.workflows.gait_data import gait_data
 from neuralgaits.workflows.proved import Certificate, certificate_of
@@ -60,18 +63,9 @@ class Source:
         return certificate_of(self.run)
 
     @property
-    def robot(self) -> str:
-        """Name or file of the robot that was trained, as one types it."""
-        return _quoted(self.run.folder.config["robot"])
-
-    @property
     def path(self) -> str:
-        """The run's folder, as one types it."""
-        return _quoted(self.run.path)
-
-
-def _quoted(word: str | Path) -> str:
-    return shlex.quote(str(word))
+        """The run's folder as an argument."""
+        return named(self.run.path)
 
 
 @dataclass(frozen=True)
@@ -133,8 +127,8 @@ def _walk_tiles(source: Source) -> Made:
     walk = source.walk
     if walk is None:
         log = source.run.path / "simulation" / "walk.csv"
-        command = f"neuralgaits simulate {source.path} --log {_quoted(log)}"
-        raise Absent("the run has no log of a walk", command)
+        line = command("simulate", source.path, "--log", named(log))
+        raise Absent("the run has no log of a walk", line)
     rows = walk.last_step
     figure = gait_tiles.draw(
         walk.skeleton[rows], walk.t[rows] - walk.t[rows[0]], source.run.robot.torso is not None
@@ -155,7 +149,7 @@ def _certificate_map(source: Source) -> Made:
     if source.certificate.reason is not None or not source.certificate.map_fits:
         missing = f"{path.name} is missing in the certificate, or another one's"
         reason = source.certificate.reason or missing
-        raise Absent(reason, f"neuralgaits certify {source.path}")
+        raise Absent(reason, command("certify", source.path))
     return certificate_map.CAPTION, certificate_map.draw_saved(path)
 
 
@@ -167,7 +161,7 @@ def _return_map(source: Source) -> Made:
 def _full_order_set(source: Source) -> Made:
     certificate = source.certificate
     if certificate.full is None:
-        raise Absent(certificate.no_full, f"neuralgaits certify {source.path} --level 4")
+        raise Absent(certificate.no_full, again.certifying(source.run.path, 4))
     return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
 
 
@@ -178,34 +172,38 @@ def _stride(source: Source) -> Made:
 def _loss(source: Source) -> Made:
     rows = source.run.folder.read_metrics()
     if not rows:
-        raise Absent("the run took no training step", f"neuralgaits train {source.robot}")
+        raise Absent("the run took no training step", again.longer(source.run.folder))
+    if absent := [name for name in loss_curves.WHOLE if name not in rows[0]]:
+        raise RunError(
+            f"expected a column {absent[0]} in the metrics.csv of {source.run.path}, found none: "
+            "restore the file, or train again"
+        )
     return loss_curves.CAPTION, loss_curves.draw(rows)
 
 
 def _residual_field(source: Source) -> Made:
     data = residual_data(source.run)
     if data is None:
-        log, path = source.run.path / "simulation" / "walk.csv", source.path
-        walk = f"neuralgaits simulate {path} --log {_quoted(log)}"
-        learn = f"neuralgaits fit {path} {_quoted(log)}"
-        steps = [learn] if log.is_file() else [walk, learn]
-        raise Absent("nothing was learned from logs of this gait", " && ".join(steps))
+        raise Absent("nothing was learned from logs of this gait", learning(source.run.folder))
     return residual_field.caption(data), residual_field.draw(data)
 
 
 def _rounds(source: Source) -> Made:
     folder = source.run.path.parent
     if not all((folder / file).is_file() for file in (EPISODES, SUMMARY)):
-        command = f"neuralgaits episodes {source.robot} --plant ROBOT --resume {source.path}"
-        raise Absent("the run is no round of episodes", command)
-    return rounds.CAPTION, rounds.draw(source.run.folder.read_json(f"../{SUMMARY}"))
+        heavier = ("--plant", again.robot_word(source.run.folder), "--disturb", "mass_scale=1.05")
+        line = command("episodes", *heavier, "--resume", source.path)
+        raise Absent("the run is no round of episodes, as with a robot 5 % heavier", line)
+    found = source.run.folder.read_json(f"../{SUMMARY}")
+    refuse_misshapen(found, ROUNDS, folder / SUMMARY)
+    return rounds.CAPTION, rounds.draw(found)
 
 
 def _periodic(source: Source) -> GaitData:
     """The data of a gait with a periodic orbit."""
     if not source.data.periodic:
-        command = f"neuralgaits train {source.robot}"
-        raise Absent("the gait has no periodic orbit between its fences: train longer", command)
+        line = again.longer(source.run.folder)
+        raise Absent("the gait has no periodic orbit between its fences: train longer", line)
     return source.data
 
 

@@ -10,6 +10,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.report.data import GaitData
 from neuralgaits.report.skeleton import skeleton
 from neuralgaits.runs import read_arrays, write_arrays
+from neuralgaits.runs.arrays import SHA256
 from neuralgaits.workflows import gait_flow
 from neuralgaits.workflows.gait_quantities import Chart, Look, quantities
 from neuralgaits.workflows.run import RESIDUAL, ROBOT, SPEC, WEIGHTS, Run
@@ -33,7 +34,7 @@ def gait_data(run: Run) -> GaitData:
             arrays, words = read_arrays(path)
         except RunError:
             words: dict[str, str] = {}
-        if words.get("of") == of:
+        if SHA256 in words and words.get("of") == of:
             return _with_names(run, arrays)
     arrays = compute(run)
     write_arrays(path, arrays, {"of": of})

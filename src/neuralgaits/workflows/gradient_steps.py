@@ -10,6 +10,8 @@ import numpy as np
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.errors import NonFiniteError
 from neuralgaits.runs import RunFolder
+from neuralgaits.runs.commands import resuming
+from neuralgaits.runs.folder import NAN, NAN_STATE
 from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState
 
 Progress = Callable[[int, int, float], None]
@@ -19,7 +21,6 @@ Rows = list[Mapping[str, float]]
 
 CHECKPOINT_S = 2.0
 """Seconds between two checkpoints."""
-NAN_STATE = "nan.safetensors"
 
 
 @dataclass
@@ -38,7 +39,9 @@ class GradientSteps:
     rows: Rows = field(default_factory=list)
 
     def forget_after(self, step: int) -> None:
-        """Read the table of a killed run, without the rows that are about to come again."""
+        """Read the table of a killed run, without what is about to come again."""
+        for file in (NAN_STATE, NAN):
+            (self.folder.path / file).unlink(missing_ok=True)
         self.rows = [row for row in self.folder.read_metrics() if row["step"] <= step]
 
     def take(
@@ -96,15 +99,17 @@ class GradientSteps:
     def _refuse_nan(self, trainer: Trainer, kept: TrainState, save: Save) -> NoReturn:
         """Save the last good state, and walk on from it to the step that turned to NaN."""
         save(kept)
-        self.folder.write_tree(NAN_STATE, kept)
         state, loss = trainer.step(kept)
         while np.isfinite(float(loss.total)) and not trainer.done(state):
             state, loss = trainer.step(state)
         terms = zip(self._names(), np.asarray(loss.terms), strict=True)
         bad = [name for name, value in terms if not np.isfinite(value)]
+        found = {"step": int(state.step), "kept_step": int(kept.step), "conditions": bad}
+        self.folder.write_json(NAN, found)
+        self.folder.write_tree(NAN_STATE, kept)
         raise NonFiniteError(
-            f"loss or weights are not finite at step {int(state.step)} (conditions: "
-            f"{', '.join(bad) or 'none: the sum or its gradient'}); state of step "
-            f"{int(kept.step)} kept, reproduce with "
-            f"`neuralgaits train {self.folder.config['robot']} --resume {self.folder.path}`"
+            f"expected a finite loss and weights, found NaN or infinity at step {int(state.step)} "
+            f"(conditions: {', '.join(bad) or 'none: the sum or its gradient'}): train with "
+            f"another --seed; state of step {int(kept.step)} kept, reproduce with "
+            f"`{resuming(self.folder.path)}`"
         )

@@ -1,15 +1,28 @@
 """The Program of a gait under its spec: traced once, read by every other interpreter."""
 
+import contextlib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
 import equinox as eqx
 import numpy as np
 
-from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.barriers.functions import foot_height, output_mismatch, rate_mismatch
-from neuralgaits.errors import SpecError
+from neuralgaits.barriers import AbstractCondition, Gait, GaitSpec, Pointwise, specs, user_code
+from neuralgaits.barriers.description import describe_condition
+from neuralgaits.barriers.functions import (
+    foot_height,
+    impulse,
+    normal_force,
+    output_mismatch,
+    rate_mismatch,
+)
+from neuralgaits.errors import NeuralGaitsError, SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.interpreters import POINT, Program, evaluate
 from neuralgaits.interpreters.tracer import trace
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs import plain
 
 LEVELS = 33
 """Levels of the guard at which the impact is looked at."""
@@ -37,16 +50,67 @@ def why_not_provable(gait: Gait) -> str | None:
     return "the policy's activation is ReLU, whose derivative jumps: use tanh or softplus"
 
 
-def refuse_untraceable(spec: GaitSpec, robot: PlanarBiped, gait: Gait) -> None:
+def refuse_untraceable(
+    spec: GaitSpec, robot: PlanarBiped, gait: Gait, file: Path | None = None
+) -> None:
     """Trace the conditions, a ReLU network replaced by a smooth one.
 
-    Raises: SpecError naming the operation and line of a condition that cannot be traced.
+    Args:
+        spec: of a user.
+        robot: that it is evaluated for.
+        gait: that it is evaluated on.
+        file: that defines the spec, if any.
+
+    Raises: SpecError naming the operation and line of a condition that cannot be traced, or what
+        is wrong with one that raises.
     """
     if why_not_provable(gait) is not None:
         network = gait.policy.network  # pyright: ignore[reportAttributeAccessIssue]
         smooth = type(network)(network.weights, network.biases, "tanh")
         gait = eqx.tree_at(lambda g: g.policy.network, gait, smooth)
-    trace_spec(spec, robot, gait)
+    try:
+        with user_code.blamed():
+            trace_spec(spec, robot, gait)
+    except NeuralGaitsError:
+        raise
+    except Exception as error:
+        name = _culprit(spec, robot, gait)
+        if name is None:
+            raise
+        raise user_code.miswritten(name, error, file) from error
+
+
+def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: Gait) -> str | None:
+    """A condition of the user's own that raises; None if only those of this package do.
+
+    Package code evaluates a number where a function should be, or a bound of the wrong shape: no
+    line of the user's is run then, yet it is the user's condition.
+    """
+
+    def raises(condition: AbstractCondition) -> bool:
+        try:
+            trace_spec(replace(spec, conditions=(condition,), weights={}), robot, gait)
+        except Exception:
+            return True
+        return False
+
+    known = _known(robot)
+    own = [one for one in spec.conditions if plain(describe_condition(one)) not in known]
+    suspect = next(filter(raises, own), None)
+    if suspect is None:
+        return None
+    # What conditions rest on: if that cannot be evaluated, it is not for this one's sake.
+    basis = [Pointwise("basis", suspect.region, 1.0, one) for one in (normal_force, impulse)]
+    return None if any(map(raises, basis)) else suspect.name
+
+
+def _known(robot: PlanarBiped) -> list[Any]:
+    """The conditions of the built-in specs that there are for a robot, as data."""
+    known = []
+    for name in specs.DESCRIPTIONS:
+        with contextlib.suppress(SpecError):
+            known += [plain(describe_condition(one)) for one in specs.load(name, robot).conditions]
+    return known
 
 
 def after_impact(

@@ -46,7 +46,7 @@ def certificate_of(run: Run) -> Certificate:
         return Certificate(found.reason or "the run has no certificate")
     levels = {entry["level"]: entry for entry in found.summary["levels"]}
     margins = {
-        name: row["margin"]
+        name: float(row["margin"])
         for name, row in found.summary["conditions"].items()
         if row["verdict"] == "proved"
     }

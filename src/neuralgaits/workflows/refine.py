@@ -7,6 +7,7 @@ from typing import Literal
 from neuralgaits.errors import RunError
 from neuralgaits.residual import stored
 from neuralgaits.runs import RUNS_ROOT, RunFolder
+from neuralgaits.runs.commands import learning
 from neuralgaits.workflows import fit
 from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
@@ -66,8 +67,8 @@ def refine(
     file = parent.path / fit.FILE if residual is None else Path(residual)
     if residual is None and not file.is_file():
         raise RunError(
-            f"expected a residual of {parent.path}, found no {fit.FILE} in it: learn one with "
-            f"`neuralgaits fit {parent.path} LOG.csv`, or give --residual FILE"
+            f"expected a residual of {parent.path}, found no {fit.FILE} in it: learn one from a "
+            f"robot's logs, or as in `{learning(parent.folder)}`, or give --residual FILE"
         )
     learned = stored.read(file, parent.robot)
     if disturbance == "learned":

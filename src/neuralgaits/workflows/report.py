@@ -17,7 +17,7 @@ from neuralgaits.runs import RunFolder, plain, resolve, write_text
 from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.run import ROBOT, Run, open_run
+from neuralgaits.workflows.run import ROBOT, Run, asked_of, open_run
 from neuralgaits.workflows.shown_walk import shown_walk
 
 FILE = "report.html"
@@ -51,6 +51,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     _check_writable(path)
+    asked_of(folder)
     saved = saved_of(folder)
     robot = robot_from_text(folder.copy(ROBOT), folder.config["robot"])
     with ThreadPoolExecutor(1) as beside:

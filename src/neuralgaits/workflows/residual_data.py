@@ -1,7 +1,6 @@
 """The residual of a run on the plane of its gait, computed once and kept in the run."""
 
 import hashlib
-import json
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,9 @@ from neuralgaits import logs
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.residual_field import ResidualData
 from neuralgaits.residual import stored
-from neuralgaits.runs import read_arrays, write_arrays
+from neuralgaits.runs import from_json, read_arrays, write_arrays
+from neuralgaits.runs.arrays import SHA256
+from neuralgaits.runs.shape import TEXT, complaint, list_of
 from neuralgaits.workflows import fit
 from neuralgaits.workflows.gait_data import fingerprint, gait_data
 from neuralgaits.workflows.gait_quantities import Look
@@ -35,7 +36,7 @@ def residual_data(run: Run) -> ResidualData | None:
             arrays, words = read_arrays(kept)
         except RunError:
             arrays, words = {}, {}
-        if words.get("of") == of:
+        if SHA256 in words and words.get("of") == of:
             return ResidualData(gait, arrays["epsilon"], arrays["visited"], trained)
     flow = stored.read(path, run.robot).flow
     look = Look(lambda z: {"epsilon": flow(z)})
@@ -54,8 +55,10 @@ def _visited(run: Run, trained: bool) -> np.ndarray:
     for place in places or [run.path]:
         summary = place / fit.SUMMARY
         try:
-            return _states(run, json.loads(summary.read_text())["logs"], place)
-        except (OSError, ValueError, KeyError):
+            found = from_json(summary.read_bytes())
+            if complaint(found, {"logs": list_of(TEXT)}) is None:
+                return _states(run, found["logs"], place)
+        except (OSError, ValueError):
             # Without it the picture has no dots.
             continue
     return np.zeros((0, 2))

@@ -1,5 +1,6 @@
 """A finished run, opened: robot, spec, gait and what was measured."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,11 +11,14 @@ import jax
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.report.page.saved import trained
 from neuralgaits.residual import stored
 from neuralgaits.residual.stored import Learned
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
+from neuralgaits.runs.folder import CONFIG, refuse_misshapen
+from neuralgaits.runs.shape import NUMBER, TEXT, Shape, list_of, may, one_of, table_of, whole
 
 WEIGHTS, STATE, ROBOT, SPEC, PROGRAM = (
     "policy.safetensors",
@@ -25,6 +29,27 @@ WEIGHTS, STATE, ROBOT, SPEC, PROGRAM = (
 )
 START, RESIDUAL = "start.safetensors", "residual.safetensors"
 """Copies in a refined run: weights it started from, and what was learned of the robot."""
+
+WIDEST, DEEPEST = 2**14, 16
+"""Hidden layers that a config may ask for: what is more is damage, and would fill the memory."""
+ASKED: Shape = {
+    "robot": TEXT,
+    "spec": TEXT,
+    "seed": whole(0, 2**31 - 1),
+    "init": one_of("posture", "random"),
+    "hidden": may(list_of(whole(1, WIDEST), *range(1, DEEPEST + 1))),
+    "steps": whole(1, 2**31 - 1),
+    "described": {
+        "recipe": {"learning_rate?": NUMBER, "samples?": table_of(NUMBER)},
+        "conditions": list_of({"name": TEXT, "region": TEXT, "scale": NUMBER}),
+    },
+    "not_provable_because": may(TEXT),
+    "certify?": may({"budget_s": may(NUMBER)}),
+    "rate?": NUMBER,
+    "disturbance?": may(list_of(NUMBER, 2)),
+    "parent?": may(TEXT),
+}
+"""`config.json` of a run."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +75,8 @@ class Run:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What `train --json` printed."""
-        return self.folder.summary
+        """What `train --json` printed. Raises: RunError if it is damaged."""
+        return trained(self.folder)
 
     @cached_property
     def learned(self) -> Learned | None:
@@ -82,9 +107,15 @@ def open_run(run: "Run | str | Path") -> Run:
     return Run(folder, robot, spec, gait)
 
 
+def asked_of(folder: RunFolder) -> Mapping[str, Any]:
+    """A run's config. Raises: RunError if it does not hold what a training asks for."""
+    refuse_misshapen(folder.config, ASKED, folder.path / CONFIG)
+    return folder.config
+
+
 def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     """Robot and spec of a run, from the run's own copies."""
-    config = folder.config
+    config = asked_of(folder)
     robot = robot_from_text(folder.copy(ROBOT), config["robot"])
     name = config["spec"]
     if name not in specs.DESCRIPTIONS:
@@ -100,7 +131,8 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     found = plain(spec.describe())
     kept = config.get("described") or {}
     if found != kept:
-        part = next(key for key, value in found.items() if value != kept.get(key))
+        differ = (key for key, value in found.items() if value != kept.get(key))
+        part = next(differ, "fields")
         raise RunError(
             f"expected the spec the run was trained with, found other {part} in {name!r}: the run "
             "was trained from a GaitSpec that no file defines, or by another version; write the "

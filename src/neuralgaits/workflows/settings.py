@@ -4,6 +4,9 @@ import math
 
 from neuralgaits.errors import InputError
 
+MOST_ROUNDS = 100
+"""Of episodes: what is more is a slip of the finger, or damage."""
+
 
 def check_seed(seed: int) -> None:
     """Raises: InputError unless JAX and NumPy both take it."""
@@ -15,6 +18,12 @@ def check_steps(steps: int | None) -> None:
     """Raises: InputError if there are no gradient steps; None leaves the number open."""
     if steps is not None and steps < 1:
         raise InputError(f"expected at least 1 gradient step, found {steps}")
+
+
+def check_rounds(rounds: int | None) -> None:
+    """Raises: InputError unless so many rounds of episodes can be waited for; None leaves it."""
+    if rounds is not None and not 1 <= rounds <= MOST_ROUNDS:
+        raise InputError(f"expected 1 to {MOST_ROUNDS} rounds, found {rounds}")
 
 
 def check_disturbance(bounds: tuple[float, float]) -> None:

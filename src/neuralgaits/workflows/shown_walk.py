@@ -14,8 +14,11 @@ import numpy as np
 
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.report import animation
+from neuralgaits.report.again import plant_word
+from neuralgaits.report.shapes import RECORDED
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.runs import plain
+from neuralgaits.runs import from_json, plain
+from neuralgaits.runs.shape import complaint
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.starts import full_states, momentum_range
@@ -72,10 +75,10 @@ def shown_walk(run: Run) -> dict[str, Any]:
     file = run.path / FILE
     if file.is_file():
         try:
-            kept = json.loads(file.read_bytes())
+            kept = from_json(file.read_bytes())
         except ValueError:
             kept = {}
-        if isinstance(kept, dict) and kept.get("key") == key:
+        if complaint(kept, RECORDED) is None and kept.get("key") == key:
             return kept
     shown = plain({"key": key} | _shown(run, asked, _walked(run, asked)))
     run.folder.write_json(FILE, shown)
@@ -106,7 +109,7 @@ def asked_of(run: Run) -> Asked:
         else:
             origin = "repeats the last simulation of this run"
         return Asked(
-            plant=None if done["plant"] == run.robot.name else load_robot(done["plant"]),
+            plant=_plant(run, done),
             law=law if law in LAWS else "pd",
             steps=shown,
             start=done["start"],
@@ -119,6 +122,14 @@ def asked_of(run: Run) -> Asked:
     except (KeyError, TypeError, ValueError, AttributeError, NeuralGaitsError):
         # A plant that is no longer where it was, or a summary of another version.
         return _of_episodes(run)
+
+
+def _plant(run: Run, done: dict[str, Any]) -> PlanarBiped | None:
+    """What the simulation walked on. Raises: InputError if the run has kept no file of it."""
+    word = plant_word(run.folder, done)
+    if word is None:
+        raise InputError(f"expected a file of plant {done['plant']} in the run, found none")
+    return load_robot(word) if word else None
 
 
 def _of_episodes(run: Run) -> Asked:

@@ -14,8 +14,9 @@ import numpy as np
 from neuralgaits import logs
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
-from neuralgaits.robots import load_robot
-from neuralgaits.runs import plain
+from neuralgaits.robots import load_robot, registry
+from neuralgaits.runs import plain, write_text
+from neuralgaits.runs.folder import file_hashes
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
@@ -25,9 +26,9 @@ from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, walk
 from neuralgaits.workflows.connect import connected
-from neuralgaits.workflows.run import Run, open_run
+from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
 
-SUMMARY = "simulation/summary.json"
+SUMMARY, PLANT = "simulation/summary.json", "simulation/plant.xml"
 REMOTE = "c"
 """Name of the controller that is a process of its own."""
 
@@ -110,6 +111,8 @@ def simulate(
         )
     settings = _settings(trained, walked, controller, start, push, seed)
     settings |= {"steps": steps, "logs": [str(file) for file in files]}
+    settings["sha256"] = file_hashes(trained.path, (ROBOT, WEIGHTS))
+    settings["plant_given"] = _kept_plant(trained, plant, walked)
     if remote is not None:
         settings["link"] = remote.summary()
     result = plain(settings | summary(walked, periodic_orbit(trained.zero_dynamics, gait)))
@@ -121,6 +124,14 @@ def simulate(
     if video is not None:
         films.write(Path(video), walked.plant, walked.episodes.states, walked.episodes.floors)
     return Simulation(walked, result)
+
+
+def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | None:
+    """What to name to walk on the same plant: a built-in robot, or a copy that the run keeps."""
+    if plant is None or str(plant) in registry.built_in():
+        return None if plant is None else str(plant)
+    write_text(trained.path / PLANT, walked.plant.robot.layout.xml)
+    return PLANT
 
 
 def _no_link(link: object) -> None:

@@ -5,21 +5,22 @@ from pathlib import Path
 
 import jax
 
-from neuralgaits.barriers import Gait, GaitSpec, specs
+from neuralgaits.barriers import Gait, GaitSpec, specs, user_code
 from neuralgaits.barriers.spec import Init
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, resolve_unfinished
+from neuralgaits.runs.commands import command, resuming
 from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
-from neuralgaits.workflows.run import ROBOT, SPEC, Run, open_parts, untrained
+from neuralgaits.workflows.run import ROBOT, SPEC, Run, asked_of, open_parts, untrained
 from neuralgaits.workflows.settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.workflows.training_session import TrainingSession
 
 
 def train(
-    robot: PlanarBiped,
+    robot: PlanarBiped | None = None,
     spec: str | GaitSpec = "walking",
     *,
     seed: int = 0,
@@ -37,7 +38,7 @@ def train(
     """Train a policy for a robot.
 
     Args:
-        robot: of `load_robot`.
+        robot: of `load_robot`; with `resume` it need not be given, the run has its own.
         spec: "walking", "paper", "authors", FILE.py:NAME, or a `GaitSpec`. A run of a `GaitSpec`
             that no file defines can be opened again only if a built-in of its name has the
             same conditions.
@@ -56,20 +57,28 @@ def train(
 
     Returns: `Run`.
 
-    Raises: InputError on bad settings; NonFiniteError if the loss turned to NaN.
+    Raises: InputError on bad settings; NonFiniteError if the loss turned to NaN; Interrupted
+        for KeyboardInterrupt.
     """
     began = time.perf_counter()
     if resume is not None:
         folder, robot, loaded = _resumed(resume, robot, root)
         gait = untrained(folder, loaded)
+    elif robot is None:
+        raise InputError(
+            "expected ROBOT, found none: name one, as in "
+            f"`{command('train', 'amber3m')}`, or a run to go on with by --resume RUN"
+        )
     else:
         _check(seed, init, hidden, steps)
         check_proof_budget(certify, budget)
         loaded = specs.load(spec, robot) if isinstance(spec, str) else spec
-        gait = loaded.new_gait(jax.random.key(seed), init, hidden)
+        with user_code.blamed():
+            gait = loaded.new_gait(jax.random.key(seed), init, hidden)
         if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
             # The built-in ones are traced by the tests.
-            refuse_untraceable(loaded, robot, gait)
+            file = specs.source_path(spec) if isinstance(spec, str) else None
+            refuse_untraceable(loaded, robot, gait, file)
         unprovable = why_not_provable(gait)
         if certify and unprovable is not None:
             raise InputError(f"expected a gait that can be certified, found that {unprovable}")
@@ -93,11 +102,13 @@ def train(
 
 
 def _resumed(
-    run: str | Path, robot: PlanarBiped, root: Path
+    run: str | Path, robot: PlanarBiped | None, root: Path
 ) -> tuple[RunFolder, PlanarBiped, GaitSpec]:
     """An unfinished run with the robot and spec it started with."""
     folder = resolve_unfinished(run, root)
-    _same_robot(folder, robot)
+    asked_of(folder)
+    if robot is not None:
+        _same_robot(folder, robot)
     return folder, *open_parts(folder)
 
 
@@ -128,5 +139,5 @@ def _same_robot(folder: RunFolder, robot: PlanarBiped) -> None:
     if folder.copy(ROBOT) != robot.layout.xml:
         raise RunError(
             f"expected the robot the run started with ({folder.config['robot']}), found another "
-            f"robot file ({robot.name}): resume with {folder.path / ROBOT}"
+            f"robot file ({robot.name}): leave it out, `{resuming(folder.path)}`"
         )

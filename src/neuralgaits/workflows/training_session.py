@@ -8,10 +8,12 @@ import jax
 import numpy as np
 
 from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.errors import Interrupted
 from neuralgaits.gait import Residuals
 from neuralgaits.interpreters import Program
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish, write_text
+from neuralgaits.runs.commands import resuming
 from neuralgaits.training import Trainer, TrainState, start_from_posture
 from neuralgaits.workflows.gradient_steps import GradientSteps, Progress
 from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
@@ -43,8 +45,15 @@ class TrainingSession:
     def run(self, root: Path, gait: Gait) -> Gait:
         """Train from the last checkpoint, or from the untrained gait, to the end.
 
-        Returns: the trained gait; the folder is finished. Raises: NonFiniteError.
+        Returns: the trained gait; the folder is finished.
+        Raises: NonFiniteError; Interrupted for KeyboardInterrupt.
         """
+        try:
+            return self._run(root, gait)
+        except KeyboardInterrupt as stop:
+            raise Interrupted(resuming(self.folder.path)) from stop
+
+    def _run(self, root: Path, gait: Gait) -> Gait:
         config = self.folder.config
         residuals = residuals_of(learned_of(self.folder, self.robot))
         disturbance = config.get("disturbance")

@@ -34,6 +34,7 @@ class LiveView:
         """Serve the page, with the robot standing; `_bring_to_life` does the rest."""
         self._run = run
         self._closed = threading.Event()
+        self._showing = threading.Lock()
         self._server = page.open_server(f"Neural Gaits: {run.robot.name}", host, port)
         try:
             self.host, self.port = host, self._server.get_port()
@@ -61,7 +62,9 @@ class LiveView:
 
     def close(self) -> None:
         """Stop walking and serving."""
-        self._closed.set()
+        with self._showing:
+            # What is being put onto the page gets there; nothing is begun any more.
+            self._closed.set()
         if hasattr(self, "player"):
             self.player.stop()
         with page.quiet():
@@ -101,11 +104,14 @@ class LiveView:
             self.gait.look_with(look)
             sure = how_sure(run)
             plane = portrait(run, look, certified=sure.certified)
-            if not self._closed.is_set():
-                self._panel.tell_how_sure(sure.words)
-                self._stage.hang(plane, self._clicked)
+            with self._showing:
+                if not self._closed.is_set():
+                    self._panel.tell_how_sure(sure.words)
+                    self._stage.hang(plane, self._clicked)
         except SpecError as error:
-            self._panel.explain_margins(f"no margins and no phase portrait: {error}")
+            with self._showing:
+                if not self._closed.is_set():
+                    self._panel.explain_margins(f"no margins and no phase portrait: {error}")
         except BaseException as error:
             self.player.fail(error)
 

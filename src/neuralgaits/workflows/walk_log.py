@@ -1,6 +1,5 @@
 """The walk that a run has a log of, ready to be drawn."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +10,8 @@ from neuralgaits.errors import InputError
 from neuralgaits.logs import Log
 from neuralgaits.report.data import MeasuredWalk
 from neuralgaits.report.skeleton import skeleton
+from neuralgaits.runs import from_json
+from neuralgaits.runs.shape import TEXT, complaint, list_of
 from neuralgaits.workflows.run import Run
 
 SIMULATED, WALKED = "simulation", "walks/logs"
@@ -36,10 +37,12 @@ def _candidates(run: Path) -> Iterator[tuple[Path, bool]]:
     named: list[Path] = []
     if summary.is_file():
         try:
-            found = json.loads(summary.read_text()).get("logs") or []
-        except ValueError:
-            found = []
+            found = from_json(summary.read_bytes())["logs"]
+        except (ValueError, KeyError, TypeError):
+            found = None
         # A run that was moved keeps its logs, but not their names.
+        if not isinstance(found, list) or complaint(found, list_of(TEXT)) is not None:
+            found = []
         for path in map(Path, found):
             named += [path, run / SIMULATED / path.name]
     of_simulations = dict.fromkeys([*named, *sorted((run / SIMULATED).glob("*.csv"))])

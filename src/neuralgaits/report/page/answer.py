@@ -43,6 +43,8 @@ def _what(contents: Contents) -> str:
         f"{number(robot['hip_height_m'])} m, {len(robot['actuators'])} motors and feet like "
         "points: nothing holds it upright but the next step."
     )
+    if saved.nan is not None:
+        return f"{who} {saved.nan} There is no gait to judge."
     if saved.summary is None:
         return f"{who} The training of its gait has not ended, so there is no gait to judge yet."
     return f"{who} {_walked(saved, contents.walk)}"

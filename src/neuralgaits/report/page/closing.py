@@ -1,14 +1,15 @@
 """The end of the page: what failed, what is missing, how to make it again, what words mean."""
 
+import os
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import Any
+from pathlib import Path
 
+from neuralgaits.report import again
 from neuralgaits.report.figure import Drawn, Missing
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
-    command,
     facts,
     items,
     join,
@@ -21,7 +22,7 @@ from neuralgaits.report.page.markup import (
     tag,
 )
 from neuralgaits.report.page.saved import Contents, Saved
-from neuralgaits.robots import registry
+from neuralgaits.runs.commands import command, named, resuming
 
 
 def failures(contents: Contents) -> Html:
@@ -35,6 +36,8 @@ def failures(contents: Contents) -> Html:
 
 def _failures(contents: Contents) -> Iterator[str]:
     saved = contents.saved
+    if saved.nan is not None:
+        yield saved.nan
     for file, reason in saved.damaged.items():
         yield f"{file}: {reason}"
     measured = (saved.summary or {}).get("conditions") or {}
@@ -88,17 +91,21 @@ def missing(contents: Contents) -> Html:
 def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
     """What is not there, in words, and the command that makes it."""
     saved = contents.saved
+    if saved.nan is not None:
+        line = again.another_seed(saved.folder)
+        if line is not None:
+            yield "a training that does not end in NaN, as another seed may give", line
+        return
     if saved.summary is None:
-        again = command("neuralgaits", "train", saved.robot, "--resume", saved.name)
-        yield "the end of the training", again
+        yield "the end of the training", resuming(saved.folder.path)
         return
     if saved.simulation is None:
-        yield "simulations", command("neuralgaits", "simulate", saved.name)
+        yield "simulations", command("simulate", saved.name)
     if saved.certificate is None:
         if not saved.config.get("not_provable_because"):
-            yield "a certificate", command("neuralgaits", "certify", saved.name)
+            yield "a certificate", command("certify", saved.name)
     elif (level := saved.certificate["level"]) < words.LAST_LEVEL:
-        line = command("neuralgaits", "certify", saved.name, "--level", level + 1)
+        line = again.certifying(saved.folder.path, level + 1)
         yield f"level {level + 1}: {words.LEVELS[level + 1]}", line
     for figure in contents.figures:
         if isinstance(figure, Missing):
@@ -108,75 +115,49 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
 def reproduction(contents: Contents) -> Html:
     """Commands, versions and hashes."""
     saved = contents.saved
-    config = saved.config
-    lines = [_training(saved)]
+    config, path = saved.config, saved.folder.path
+    # Beside the run: its robot and spec are read from its own copies.
+    copy = Path(os.path.normpath(path / ".." / f"{path.resolve().name}-again"))
+    trained = again.training(saved.folder, copy)
+    lines = ["" if trained is None else trained]
     if saved.certificate is not None:
-        line: list[Any] = [
-            "neuralgaits",
-            "certify",
-            saved.name,
-            "--level",
-            saved.certificate["level"],
-        ]
-        if saved.disturbance:
-            line += ["--disturbance", ",".join(repr(bound) for bound in saved.disturbance)]
-        lines.append(command(*line))
+        level = saved.certificate["level"]
+        lines.append(again.certifying(copy, level, saved.disturbance))
     if saved.simulation is not None:
-        lines.append(_simulation(saved.name, saved.simulation))
-    lines.append(command("neuralgaits", "report", saved.name))
+        lines.append(again.simulating(saved.folder, saved.simulation, copy) or "")
+    lines.append(command("report", named(copy)))
     versions = list((config.get("written_by") or {}).items())
     hashes = [(tag("code", file), tag("code", digest)) for file, digest in saved.hashes.items()]
     return section(
         "reproduce",
         "How to make it again",
-        paragraph(
-            "On the same machine and the same versions these commands give the same weights, bit "
-            "for bit; elsewhere, a gait that differs in its last digits. Remove the run, or train "
-            "into another folder, first."
-        ),
-        shell(lines),
+        *_commands(saved, trained, [line for line in lines if line]),
         facts(f"Versions, {config.get('created_utc', '')}", versions),
         table("Files of the run", ("file", "sha256"), hashes),
     )
 
 
-def _training(saved: Saved) -> str:
-    config = saved.config
-    if config.get("parent"):
-        line = ["neuralgaits", "refine", config["parent"], "--seed", config["seed"]]
-        line += ["--residual", f"{saved.name}/residual.safetensors", "--steps", config["steps"]]
-        bounds = config.get("disturbance")
-        if bounds and any(bounds):
-            line += ["--disturbance", ",".join(repr(bound) for bound in bounds)]
-        return command(*line, *_proof_asked(config), "--out", saved.name)
-    known = config.get("robot") in registry.built_in()
-    line = ["neuralgaits", "train", config["robot"] if known else f"{saved.name}/robot.xml"]
-    spec = str(config.get("spec"))
-    own = ".py:" in spec
-    line += ["--spec", f"{saved.name}/spec.py:{spec.rpartition(':')[2]}" if own else spec]
-    line += ["--seed", config["seed"], "--init", config["init"], "--steps", config["steps"]]
-    if config.get("hidden"):
-        line += ["--hidden", ",".join(str(width) for width in config["hidden"])]
-    return command(*line, *_proof_asked(config), "--out", saved.name)
-
-
-def _proof_asked(config: Mapping[str, Any]) -> list[Any]:
-    asked = config.get("certify")
-    if asked is None:
-        return []
-    budget = asked.get("budget_s")
-    return ["--certify", *([] if budget is None else ["--budget", budget])]
-
-
-def _simulation(name: str, done: Mapping[str, Any]) -> str:
-    line = ["neuralgaits", "simulate", name, "--plant", done["plant"]]
-    line += ["--controller", done["controller"], "--steps", done.get("steps", 50)]
-    line += ["--start", done["start"], "--seed", done["seed"], "--episodes", done["episodes"]]
-    if done.get("push"):
-        line += ["--push", done["push"]]
-    if changed := words.disturbances(done.get("disturb")):
-        line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
-    return command(*line)
+def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]:
+    """What to type, or why there is no such command."""
+    if trained is None:
+        lost = (
+            "the run that it was refined from is not where it was"
+            if saved.config.get("parent")
+            else f"its spec, {saved.config.get('spec')}, was made in Python and is in no file"
+        )
+        return [paragraph(f"No command makes this run again: {lost}.")]
+    said = (
+        "On the same machine and the same versions these commands give the same weights, bit for "
+        "bit; elsewhere, a gait that differs in its last digits. They write to a folder beside "
+        "this run, which must be new."
+    )
+    done = saved.simulation
+    if done is not None and again.simulating(saved.folder, done, saved.folder.path) is None:
+        said += (
+            f" The simulation is left out: the run has kept no file of its plant, {done['plant']}, "
+            f"or of its controller, {done['controller']}."
+        )
+    return [paragraph(said), shell(lines)]
 
 
 def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:

@@ -5,7 +5,6 @@
 
 import html
 import math
-import shlex
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -91,11 +90,6 @@ def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:
         if value is not None
     ]
     return scrolling(caption, tag("table", tag("caption", caption), tag("tbody", *body)))
-
-
-def command(*words: Any) -> str:
-    """A line for a shell, each word quoted if it must be."""
-    return shlex.join(str(word) for word in words)
 
 
 def shell(lines: Iterable[str]) -> Html:

@@ -1,5 +1,6 @@
 """The part of the page about the certificate: levels, conditions, assumptions, how to check it."""
 
+import shlex
 from collections.abc import Mapping
 from typing import Any
 
@@ -8,7 +9,6 @@ from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
     bound,
-    command,
     facts,
     items,
     join,
@@ -20,6 +20,7 @@ from neuralgaits.report.page.markup import (
     tag,
 )
 from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.runs.commands import command, named
 
 _LEVEL_FIGURES = {
     "step_time_at_most_s": ("a step takes at most", "s"),
@@ -75,7 +76,7 @@ def _absent(saved: Saved) -> Html:
     return tag(
         "div",
         paragraph(said, " To prove it, some ten seconds for a built-in robot:"),
-        shell([command("neuralgaits", "certify", saved.name)]),
+        shell([command("certify", saved.name)]),
         class_="missing",
     )
 
@@ -160,10 +161,11 @@ def _files(saved: Saved) -> list[Html]:
         return [paragraph("There is no proof file: nothing was proved that could be checked.")]
     rows = [(tag("code", file), tag("code", saved.hashes[file])) for file in proofs]
     lines = [
-        command("neuralgaits", "check-proof", f"{saved.name}/{file}", "--run", saved.name)
+        command("check-proof", named(saved.folder.path / file), "--run", saved.name)
         for file in proofs
     ]
-    lines += ["make proofcheck", command("build/proofcheck", f"{saved.name}/{PROOF}")]
+    proof = named(saved.folder.path / PROOF)
+    lines += ["make proofcheck", shlex.join(["build/proofcheck", proof])]
     return [
         paragraph(
             "A proof file holds the statements, the boxes and the arithmetic they are about. "

@@ -1,7 +1,6 @@
 """What a run folder holds, read as plain data; a part that is not there is None."""
 
-import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,9 +13,16 @@ from neuralgaits.report.certificate import (
     proved_level,
 )
 from neuralgaits.report.figure import Drawn, Missing
+from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
 from neuralgaits.runs import RunFolder
+from neuralgaits.runs.commands import command, learning, named, resuming
+from neuralgaits.runs.folder import NAN, file_hashes, refuse_misshapen
+from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
 
 Json = Mapping[str, Any]
+LEARNING, WALK = "residual/summary.json", "simulation/summary.json"
+_NAN: Shape = {"step": COUNT, "conditions": list_of(TEXT)}
+"""Of `nan.json`: where a training ended."""
 _HASHED = (
     "policy.safetensors",
     "robot.xml",
@@ -44,6 +50,7 @@ class Saved:
         walks: of this run as a round of episodes.
         episodes: all rounds of them.
         hashes: sha256 of the files that count, by name.
+        nan: that the training ended in NaN, and where, in a sentence; None if it did not.
         damaged: why a part could not be read, by file.
     """
 
@@ -58,12 +65,13 @@ class Saved:
     walks: Json | None
     episodes: Json | None
     hashes: dict[str, str]
+    nan: str | None
     damaged: dict[str, str]
 
     @property
     def name(self) -> str:
         """The run as commands name it."""
-        return str(self.folder.path)
+        return named(self.folder.path)
 
     @property
     def robot(self) -> str:
@@ -103,21 +111,25 @@ def read(
     no_certificate: str | None = None,
     disturbance: tuple[float, ...] = (),
 ) -> Saved:
-    """Read a run. A damaged part is left out and named; only a damaged config is an error.
+    """Read a run. A damaged part is left out and named.
 
     Args:
         folder: of the run.
         certificate: what `certify` found, as the run's proof files bear it out.
         no_certificate: why a certificate that is there says nothing of the run.
         disturbance: of level 2.
+
+    Raises: RunError if what was asked or found in training is damaged: pages are about these.
     """
     damaged: dict[str, str] = {}
 
-    def part(file: str, base: Path = folder.path) -> Json | None:
+    def part(file: str, shape: Shape, base: Path = folder.path) -> Json | None:
         if not (base / file).is_file():
             return None
         try:
-            return RunFolder(base, {}).read_json(file)
+            found = RunFolder(base, {}).read_json(file)
+            refuse_misshapen(found, shape, base / file)
+            return found
         except RunError as error:
             damaged[file] = str(error)
             return None
@@ -127,28 +139,67 @@ def read(
     except RunError as error:
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
-    rounds = part("summary.json", above) if (above / "episodes.json").is_file() else None
-    found = {file: _sha256(folder.path / file) for file in _HASHED}
+    rounds = part("summary.json", ROUNDS, above) if (above / "episodes.json").is_file() else None
+    found = file_hashes(folder.path, _HASHED)
     hashes = {file: digest for file, digest in found.items() if digest is not None}
     if no_certificate is not None:
-        again = f"prove it again with `neuralgaits certify {folder.path}`"
+        again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
+    learned, walked = part(LEARNING, LEARNED), part(WALK, SIMULATED)
+    if learned is not None and learned.get("residual_sha256") not in (None, *_learned(folder)):
+        learned = None
+        damaged[LEARNING] = (
+            f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "
+            f"`{learning(folder)}`"
+        )
+    for file, digest in ((walked or {}).get("sha256") or {}).items():
+        if digest != hashes.get(file):
+            again = command("simulate", named(folder.path))
+            walked = None
+            damaged[WALK] = f"{WALK} is about another {file} than the run's: walk with `{again}`"
+            break
     return Saved(
         folder=folder,
         config=folder.config,
-        summary=part("summary.json"),
+        summary=trained(folder) if folder.finished else None,
         metrics=metrics,
         certificate=certificate,
         disturbance=disturbance,
-        simulation=part("simulation/summary.json"),
-        residual=part("residual/summary.json"),
-        walks=part("walks/summary.json"),
+        simulation=walked,
+        residual=learned,
+        walks=part("walks/summary.json", WALKED),
         episodes=rounds,
         hashes=hashes,
+        nan=_nan(part(NAN, _NAN)) if folder.ended_in_nan else None,
         damaged=damaged,
     )
 
 
-def _sha256(path: Path) -> str | None:
-    """Of a file's bytes; None if there is no such file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+def _learned(folder: RunFolder) -> Iterable[str | None]:
+    """The sha256 of what `fit` learned."""
+    return file_hashes(folder.path, ("residual/residual.safetensors",)).values()
+
+
+def _nan(found: Json | None) -> str:
+    """Where a training ended in NaN, as far as it is known."""
+    if found is None:
+        return "The training ended in NaN: its loss or its weights were no longer finite."
+    names = ", ".join(found["conditions"]) or "no condition alone: the sum, or its gradient"
+    return (
+        f"The training ended in NaN at step {found['step']}: its loss or its weights were no "
+        f"longer finite (conditions: {names})."
+    )
+
+
+def trained(folder: RunFolder) -> dict[str, Any]:
+    """The summary of a finished training.
+
+    Raises: RunError if it is damaged; the last checkpoint can be finished again.
+    """
+    try:
+        found = folder.summary
+        refuse_misshapen(found, TRAINED, folder.path / "summary.json")
+    except RunError as error:
+        again = resuming(folder.path)
+        raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
+    return found

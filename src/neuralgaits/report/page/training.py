@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
+from neuralgaits.report import again
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
-    command,
     facts,
     join,
     number,
@@ -17,6 +17,7 @@ from neuralgaits.report.page.markup import (
     tag,
 )
 from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.runs.commands import resuming
 
 
 def training(contents: Contents) -> Html:
@@ -37,6 +38,8 @@ def training(contents: Contents) -> Html:
 
 def _state(saved: Saved) -> Html:
     summary = saved.summary
+    if summary is None and saved.folder.ended_in_nan:
+        return _ended_in_nan(saved)
     if summary is None:
         done = int(saved.metrics[-1]["step"]) if saved.metrics else 0
         return tag(
@@ -46,7 +49,7 @@ def _state(saved: Saved) -> Html:
                 f"{number(saved.config.get('steps'))} gradient steps are in the last row of its "
                 "course. It goes on, bit for bit, with"
             ),
-            shell([command("neuralgaits", "train", saved.robot, "--resume", saved.name)]),
+            shell([resuming(saved.folder.path)]),
             class_="missing",
         )
     said = (
@@ -56,6 +59,16 @@ def _state(saved: Saved) -> Html:
     if saved.config.get("parent"):
         said += f", starting from the weights of {saved.config['parent']}"
     return paragraph(f"{said}.")
+
+
+def _ended_in_nan(saved: Saved) -> Html:
+    said = (
+        f"{saved.nan} It is no use to go on: the same steps would meet it again. Other random "
+        "numbers may not"
+    )
+    line = again.another_seed(saved.folder)
+    told = [paragraph(f"{said}:"), shell([line])] if line else [paragraph(f"{said}.")]
+    return tag("div", *told, class_="missing")
 
 
 def _widths(config: Mapping[str, Any]) -> str:
@@ -141,13 +154,21 @@ def _conditions(saved: Saved) -> list[Html]:
     return [paragraph(said), table(caption, head, rows, numbers="  nnn")]
 
 
+def _told(entry: Mapping[str, Any]) -> str:
+    """A condition in words."""
+    try:
+        return words.condition(entry)
+    except (AttributeError, KeyError, TypeError):
+        return "described in a way that this version does not know"
+
+
 def _row(entry: Mapping[str, Any], measured: Mapping[str, Any] | None) -> tuple[Any, ...]:
     scale = float(entry.get("scale") or 1.0)
     name = join(
         [
             tag("b", entry.get("name", "?")),
             Html("<br>"),
-            tag("span", words.condition(entry), class_="quiet"),
+            tag("span", _told(entry), class_="quiet"),
         ]
     )
     where = words.region(str(entry.get("region", "")))

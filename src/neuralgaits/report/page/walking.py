@@ -7,7 +7,6 @@ from typing import Any
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
-    command,
     facts,
     number,
     paragraph,
@@ -17,6 +16,7 @@ from neuralgaits.report.page.markup import (
     tag,
 )
 from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.runs.commands import command
 
 _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
 _FIGURES = (
@@ -153,7 +153,7 @@ def simulations(saved: Saved) -> Html:
             tag(
                 "div",
                 paragraph("No simulation of this run is saved, apart from the walk above."),
-                shell([command("neuralgaits", "simulate", saved.name)]),
+                shell([command("simulate", saved.name)]),
                 class_="missing",
             ),
         )

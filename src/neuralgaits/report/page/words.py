@@ -219,14 +219,17 @@ def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
     """What a list of conditions asks for, each thing once, in the order of the list."""
     found = {}
     for described in conditions:
-        inner = described.get("quantity") or {}
-        inner = inner.get("of") or inner
-        name = inner.get("function", "")
+        inner = _object(described.get("quantity"))
+        name = (_object(inner.get("of")) or inner).get("function", "")
         if described.get("kind") == "Inlet":
             found[_INLET] = None
-        elif name in _GISTS:
+        elif isinstance(name, str) and name in _GISTS:
             found[_GISTS[name]] = None
     return list(found)
+
+
+def _object(value: Any) -> Mapping[str, Any]:
+    return value if isinstance(value, Mapping) else {}
 
 
 def quantity(described: Mapping[str, Any]) -> str:
@@ -276,7 +279,8 @@ def _named(described: Mapping[str, Any]) -> tuple[str, str]:
 
 def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
     """Those that are set, as a command takes them."""
-    usual = {"mass_scale": 1.0}
+    # None is as in the robot's file, and 0 is not.
+    usual = {"mass_scale": 1.0, "friction": None, "torque_limit": None}
     return {
         name: value
         for name, value in (values or {}).items()

@@ -1,0 +1,114 @@
+"""Mistakes in a user's own spec file, in one line: its file and line, what is wrong, what there is.
+
+Whatever is raised while a line of such a file runs is the user's to mend: at its import, while it
+builds a spec, or when a condition of it is evaluated, however deep below. The modules that
+`specs` makes of such files have names that no other module has; frames are known by them.
+"""
+
+import contextlib
+import difflib
+import re
+import traceback
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import jax
+
+from neuralgaits.barriers import functions
+from neuralgaits.errors import NeuralGaitsError, SpecError
+from neuralgaits.gait import Point
+
+PREFIX = "neuralgaits_user_"
+"""Names of the modules that are made of users' files begin so."""
+_TRACER = re.compile(r"'\w*Tracer'")
+"""What stands for an array while JAX traces."""
+_LONGEST = 300
+"""Characters of a foreign message; JAX writes paragraphs."""
+
+
+@contextlib.contextmanager
+def blamed() -> Iterator[None]:
+    """Turn what a user's file raised into a SpecError; leave every other exception as it is."""
+    try:
+        yield
+    except NeuralGaitsError:
+        raise
+    except Exception as error:
+        found = mistake(error)
+        if found is None:
+            raise
+        raise found from error
+
+
+def mistake(error: BaseException) -> SpecError | None:
+    """An exception as a mistake in a user's file; None if no line of one was being run."""
+    frames = [
+        (frame.f_code.co_filename, line)
+        for frame, line in traceback.walk_tb(error.__traceback__)
+        if str(frame.f_globals.get("__name__", "")).startswith(PREFIX)
+    ]
+    if not frames:
+        return None
+    file, line = frames[-1]
+    return SpecError(f"{file}:{line}: {reason(error)}; mend that line")
+
+
+def misread(error: Exception, file: Path) -> SpecError:
+    """A file that is not Python, or no text."""
+    if not isinstance(error, SyntaxError):
+        return SpecError(f"{file}: {reason(error)}; mend it")
+    return SpecError(f"{file}:{error.lineno or 1}: {type(error).__name__}: {error.msg}; mend it")
+
+
+def miswritten(name: str, error: BaseException, file: Path | None) -> SpecError:
+    """A condition that was put together wrongly, found when package code evaluated it.
+
+    Args:
+        name: of the condition.
+        error: that was raised.
+        file: that defines it, if any: the line is the first with the condition's name.
+    """
+    where = ""
+    if file is not None:
+        lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
+        quoted = (f'"{name}"', f"'{name}'")
+        numbers = [n for n, line in enumerate(lines, 1) if any(q in line for q in quoted)]
+        where = f"{file}:{numbers[0]}: " if numbers else f"{file}: "
+    return SpecError(
+        f"{where}condition {name!r} cannot be evaluated: {reason(error)}; expected a function of "
+        "one Point that returns numbers, and bounds that are numbers"
+    )
+
+
+def reason(error: BaseException) -> str:
+    """What went wrong, in the words of Python, with the names that there are."""
+    name, owner = getattr(error, "name", None), getattr(error, "obj", None)
+    if isinstance(error, AttributeError) and name and owner is not None:
+        return _without(owner, str(name))
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    said = _TRACER.sub("'array'", lines[0])[:_LONGEST].rstrip(".") if lines else ""
+    return f"{type(error).__name__}: {said}" if said else type(error).__name__
+
+
+def _without(owner: Any, name: str) -> str:
+    """An attribute that is not there."""
+    names = [one for one in dir(owner) if not one.startswith("_")]
+    close = difflib.get_close_matches(name, names, 1)
+    said = f"{_kind(owner)} has no {name!r}"
+    if not isinstance(owner, Point):
+        return f"{said}, did you mean {close[0]!r}?" if close else said
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    if hasattr(functions, name):
+        hint = f"write functions.{name}(p); "
+    return f"{said}, {hint}it has {', '.join(names)}"
+
+
+def _kind(owner: Any) -> str:
+    if isinstance(owner, jax.Array):
+        return "an array"
+    if isinstance(owner, type):
+        return f"class {owner.__name__}"
+    if hasattr(owner, "__spec__") and hasattr(owner, "__name__"):
+        return f"module {owner.__name__}"
+    return f"a {type(owner).__name__}"

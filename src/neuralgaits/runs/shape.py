@@ -1,0 +1,111 @@
+"""What JSON data must look like to be what its writer put there: names, and kinds of values.
+
+A file can be whole and still hold something else: an edit by hand, another version, a disc that
+gave way. Readers compare what they found with a shape first, and need not doubt it later.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+Shape = Callable[[Any], str | None] | Mapping[str, Any]
+"""What complains of a value, in words that follow "found"; or the fields of an object."""
+
+
+def complaint(value: Any, shape: Shape) -> str | None:
+    """The first thing that is wrong with a value, and where; None if nothing is."""
+    if callable(shape):
+        return shape(value)
+    if not isinstance(value, dict):
+        return _found("an object", value)
+    for name, part in shape.items():
+        optional = name.endswith("?")
+        key = name.removesuffix("?")
+        if key not in value:
+            if optional:
+                continue
+            return f"there is no {key}"
+        if wrong := complaint(value[key], part):
+            return _at(key, wrong)
+    return None
+
+
+def _at(place: str, wrong: str) -> str:
+    return f"in {place}: {wrong}"
+
+
+def _found(expected: str, value: Any) -> str:
+    told = str(value)
+    return f"expected {expected}, found {told[:40]!r}"
+
+
+def kind(expected: str, *types: type) -> Callable[[Any], str | None]:
+    """A value of one of these types; True is no number."""
+
+    def check(value: Any) -> str | None:
+        fits = isinstance(value, types) and (bool in types or not isinstance(value, bool))
+        return None if fits else _found(expected, value)
+
+    return check
+
+
+NUMBER = kind("a number", int, float)
+TEXT = kind("text", str)
+FLAG = kind("true or false", bool)
+
+
+def whole(low: int, high: int) -> Callable[[Any], str | None]:
+    """A whole number in a range."""
+
+    def check(value: Any) -> str | None:
+        fits = isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
+        return None if fits else _found(f"a whole number from {low} to {high}", value)
+
+    return check
+
+
+COUNT = whole(0, 2**53)
+"""What a count of anything here can be."""
+
+
+def one_of(*words: Any) -> Callable[[Any], str | None]:
+    """One of some values."""
+
+    def check(value: Any) -> str | None:
+        fits = any(type(value) is type(word) and value == word for word in words)
+        return None if fits else _found(f"one of {', '.join(map(str, words))}", value)
+
+    return check
+
+
+def may(shape: Shape) -> Callable[[Any], str | None]:
+    """Null, or a value of a shape."""
+    return lambda value: None if value is None else complaint(value, shape)
+
+
+def list_of(shape: Shape, *lengths: int) -> Callable[[Any], str | None]:
+    """A list of values of a shape, of one of these lengths if any are given."""
+
+    def check(value: Any) -> str | None:
+        if not isinstance(value, list) or (lengths and len(value) not in lengths):
+            many = " or ".join(map(str, lengths))
+            return _found(f"a list of {many}" if lengths else "a list", value)
+        for number, item in enumerate(value):
+            if wrong := complaint(item, shape):
+                return _at(f"entry {number + 1}", wrong)
+        return None
+
+    return check
+
+
+def table_of(shape: Shape) -> Callable[[Any], str | None]:
+    """An object whose values all have a shape, under any names."""
+
+    def check(value: Any) -> str | None:
+        if not isinstance(value, dict):
+            return _found("an object", value)
+        for name, item in value.items():
+            if wrong := complaint(item, shape):
+                return _at(name[:40], wrong)
+        return None
+
+    return check

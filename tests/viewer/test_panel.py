@@ -1,0 +1,65 @@
+"""What the sliders show is what counts."""
+
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from neuralgaits.viewer import page, panel
+from neuralgaits.viewer.panel import PUSH, Panel
+from neuralgaits.viewer.player import SPEED, Picture
+from neuralgaits.viewer.walker import Limits
+
+FRICTION = Limits(0.05, 1.5, 0.6)
+
+
+@pytest.fixture
+def built():
+    """A panel on a server of its own, and the sliders by label."""
+    server = page.open_server("test")
+    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
+    settings = {"friction": FRICTION}
+    made = Panel(
+        server, player, title="x", settings=settings, conditions=(), restarted=lambda: None
+    )
+    handles: Any = server.gui._gui_input_handle_from_uuid
+    yield made, {handle.label: handle for handle in handles.values() if hasattr(handle, "step")}
+    with page.quiet():
+        server.stop()
+
+
+def typed(slider, value):
+    """As the page does it: the number as it stands, key by key."""
+    slider._impl.value, slider._impl.update_timestamp = value, time.time()
+
+
+def frame(made):
+    shown: Any = SimpleNamespace(steps=0, speed=0.0, time=0.0, fall=None)
+    made.show(Picture(shown, None, False, 1.0, None, None))
+
+
+@pytest.mark.parametrize(
+    ("label", "limits"),
+    [("friction", FRICTION), ("impulse [N s]", PUSH), ("playback ×", SPEED)],
+)
+@pytest.mark.parametrize(("value", "end"), [(999999.0, "high"), (-3.0, "low")])
+def test_a_number_beyond_the_limits_becomes_the_limit(
+    built, monkeypatch, label, limits, value, end
+):
+    """Once it is typed: 0 may be the beginning of 0.5."""
+    made, sliders = built
+    typed(sliders[label], value)
+    frame(made)
+    assert sliders[label].value == value
+    monkeypatch.setattr(panel, "TYPED_S", -1.0)
+    frame(made)
+    assert sliders[label].value == getattr(limits, end)
+
+
+def test_a_number_within_the_limits_stays(built, monkeypatch):
+    made, sliders = built
+    monkeypatch.setattr(panel, "TYPED_S", -1.0)
+    typed(sliders["friction"], 0.25)
+    frame(made)
+    assert sliders["friction"].value == 0.25
