@@ -70,8 +70,9 @@ def line(kind: Forgery, base: Base, boxes: bool, counts: Counter[str]) -> str:
     accepted = [name for name, answer in heard.items() if _accepts(name, answer)]
     counts["kinds"] += 1
     counts["wrong"] += bool(wrong)
-    counts["deceived"] += any(not kind.answers[name].accepts for name in accepted)
-    counts["true"] += any(kind.answers[name].accepts for name in accepted)
+    deceived = {name for name in accepted if any(text.startswith(f"{name} ") for text in wrong)}
+    counts["deceived"] += bool(deceived)
+    counts["true"] += bool(set(accepted) - deceived)
     row = " ".join(f"{_shown(heard.get(name)):12}" for name in CHECKERS)
     return f"{kind.kind[:WIDTH]:{WIDTH}} {row}" + "".join(f"\n   ! {text}" for text in wrong)
 

@@ -146,6 +146,14 @@ def least(program: Program, names: list[str], u: np.ndarray) -> dict[str, tuple[
     return found
 
 
+def undefined(program: Program, statement: Table) -> bool:
+    """Whether a value is not finite at a point of the grid: a checker has no bound there."""
+    u = grid(*corners(statement))
+    with np.errstate(all="ignore"):
+        values = evaluate(prune(program, statement["conditions"]), inputs(program, u), POINT)
+    return not all(np.all(np.isfinite(value)) for value in values.values())
+
+
 def violated(program: Program, table: Table) -> Iterator[tuple[Table, str]]:
     """Statements with a condition that misses its bound at a point of the grid."""
     for statement in table["statements"]:
