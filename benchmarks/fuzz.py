@@ -35,15 +35,15 @@ SHARES = {
     "proof files": 0.20,
     "run folders": 0.08,
     "robot files": 0.27,
-    "logs": 0.22,
+    "logs": 0.20,
     "spec files": 0.05,
-    "names and settings": 0.18,
+    "names and settings": 0.20,
 }
 """Of all inputs."""
 INPUTS = int(os.environ.get("INPUTS", "100000"))
 CHECKED, SANITIZED, TYPED = 0.06, 0.03, 0.004
 """Shares of all inputs, on top: through the C++ checker, the sanitized one, the command line."""
-BLOCK, WORKERS = 5000, max(os.cpu_count() or 1, 1)
+BLOCK, WORKERS = 7000, int(os.environ.get("WORKERS", os.cpu_count() or 1))
 KEPT = Path("runs") / "fuzz-findings"
 CHECKER_S = 60.0
 """A small share of altered files are still proofs, whose boxes take the checker some seconds."""

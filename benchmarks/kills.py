@@ -8,8 +8,8 @@ every file in its folder must be whole, and those that were there before must be
 before or as they are afterwards; the command that the program names goes on, and the results must
 be those of a command that nobody killed, bit for bit.
 
-Asked: 0 lost, 0 half, 0 unequal, 0 stuck. `KILLS=20` kills so often; `kills.py replay VERB NUMBER`
-does one of them again.
+Asked: 0 lost, 0 half, 0 unequal, 0 stuck. `KILLS=20` kills so often; `kills.py VERB ...`
+kills these alone, `kills.py replay VERB NUMBER` does one kill again.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ import signal
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing.context import ForkServerProcess
@@ -50,6 +50,8 @@ TIMES = ("wall_s", "compile_s", "train_s", "latency_us", "sim_steps_per_s", "rea
 KINDS = ("lost", "half", "unequal", "stuck")
 """What can be wrong with a kill."""
 DATES = ("created_utc",)
+ANSWERS = (0, 1, 3)
+"""Exit codes of a command that came to its end: good, no, undecided."""
 LONGEST_S = 600.0
 SERVER = multiprocessing.get_context("forkserver")
 SERVER.set_forkserver_preload(
@@ -115,7 +117,7 @@ class Bench:
         self.wanted, self.after = self.results(), self.bytes()
 
     def reset(self) -> None:
-        """Make the folder what it was before the command."""
+        """Make the folder as it was before the command."""
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
         shutil.copytree(self.base, self.folder / RUN)
@@ -181,7 +183,7 @@ class Bench:
         said = ""
         for words in self.verb.then:
             code, said = self.finish(words)
-            if code == 0 or self.results() == self.wanted:
+            if code in ANSWERS or self.results() == self.wanted:
                 return self._unequal()
             if code != 2 or said.count("\n") != 1:
                 return [f"stuck: {' '.join(words)}: exit {code}: {said[-300:]}"]
@@ -277,11 +279,11 @@ def base() -> Path:
     return folder
 
 
-def main() -> None:
+def main(names: Sequence[str]) -> None:
     """Print a row a verb."""
     total: Counter[str] = Counter()
-    for name, share in SHARES.items():
-        bench, seen, kills = Bench(name, base()), Counter(), round(share * KILLS)
+    for name in names:
+        bench, seen, kills = Bench(name, base()), Counter(), round(SHARES[name] * KILLS)
         show(f"{name}: uninterrupted [s]", bench.duration)
         for number in range(kills):
             for line in bench.kill(number):
@@ -298,5 +300,5 @@ if __name__ == "__main__":
     match sys.argv[1:]:
         case ["replay", verb, number]:
             print(Bench(verb, base()).kill(int(number)))
-        case _:
-            main()
+        case names:
+            main(names or list(SHARES))

@@ -15,6 +15,7 @@ from safetensors.numpy import save
 
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays, read_tree, write_arrays, write_tree
+from neuralgaits.runs.arrays import packed
 
 
 class Net(eqx.Module):
@@ -123,3 +124,10 @@ def test_files_of_other_programs_have_no_sha256(tmp_path: Path) -> None:
     path.write_bytes(save({"a": np.ones(2)}, metadata={"of": "b"}))
     arrays, metadata = read_arrays(path)
     assert arrays["a"].tolist() == [1.0, 1.0] and metadata == {"of": "b"}
+
+
+def test_the_same_arrays_give_the_same_bytes() -> None:
+    arrays = {name: np.arange(3.0) for name in "abcdef"}
+    metadata = {name: name for name in "uvwxyz"}
+    turned = dict(reversed(arrays.items())), dict(reversed(metadata.items()))
+    assert len({packed(arrays, metadata) for _ in range(10)} | {packed(*turned)}) == 1

@@ -18,13 +18,21 @@ from neuralgaits.runs.atomic import write_bytes
 
 SHA256 = "sha256"
 """Text entry of a file: of all its arrays and other entries."""
+_LENGTH = 8
+"""Bytes that hold the length of a file's header, and what the header is padded to."""
 
 
 def packed(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
     """The content of a file. The same arrays and entries give the same bytes."""
     # safetensors writes the buffer as it lies in memory.
     kept = {name: np.array(array, order="C") for name, array in arrays.items()}
-    return save(kept, metadata=dict(metadata) | {SHA256: _digest(kept, metadata)})
+    data = save(kept, metadata=dict(metadata) | {SHA256: _digest(kept, metadata)})
+    # The library writes the entries in an order of its own, another one each time.
+    end = _LENGTH + int.from_bytes(data[:_LENGTH], "little")
+    table = json.loads(data[_LENGTH:end])
+    header = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
+    header += b" " * (-len(header) % _LENGTH)
+    return len(header).to_bytes(_LENGTH, "little") + header + data[end:]
 
 
 def _digest(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> str:

@@ -2,7 +2,7 @@
 
 import contextlib
 import fnmatch
-import json
+import functools
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -23,15 +23,24 @@ from neuralgaits.errors import InputError
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
-from neuralgaits.report.rounds import draw as draw_rounds
 from neuralgaits.report.shapes import RECORDED
 from neuralgaits.residual import stored
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import from_json, plain, read_arrays, resolve, to_json
 from neuralgaits.runs.shape import complaint
+from neuralgaits.workflows import (
+    certificate_reader,
+    figures,
+    fit,
+    gait_data,
+    report,
+    residual_data,
+    shown_walk,
+    train,
+)
 from neuralgaits.workflows import episodes as rounds
-from neuralgaits.workflows import figures, fit, gait_data, shown_walk, train
+from neuralgaits.workflows import run as runs
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.episode_folder import EpisodeFolder
@@ -130,6 +139,9 @@ def pictures(*names: str, rare: bool = False) -> Reader:
         source = figures.Source(open_run(place.root / RUN))
         if rare:
             _ = source.certificate, source.walk
+        if "residual-field" in names:
+            with _instead(gait_data, compute=lambda run: _computed(place)):
+                residual_data.residual_data(source.run)
         if rare and zlib.crc32(path.read_bytes()) % RARELY:
             return
         with _instead(gait_data, compute=lambda run: _computed(place)):
@@ -158,6 +170,17 @@ def _instead(module: Any, **functions: Callable[..., Any]) -> Iterator[None]:
     finally:
         for name, function in kept.items():
             setattr(module, name, function)
+
+
+def remember() -> None:
+    """Read robots and proofs of the same bytes once: of each case one file is new.
+
+    For processes that do nothing else, since it holds to their end.
+    """
+    robot = functools.lru_cache(64)(robot_from_text)
+    claims = functools.lru_cache(64)(lambda path, content: read_claims(path))
+    runs.robot_from_text = report.robot_from_text = robot
+    certificate_reader.read_claims = lambda path: claims(path, path.read_bytes())
 
 
 def resume_training(place: Place, path: Path) -> None:
@@ -217,7 +240,7 @@ def go_on_with_episodes(place: Place, path: Path) -> None:
     # These take half a second each, and read no file but the summary.
     anew["nominal_momentum"] = lambda run: 18.0
     if zlib.crc32(path.read_bytes()) % RARELY:
-        anew["draw_file"] = lambda summary, figure: draw_rounds(json.loads(summary.read_text()))
+        anew["draw_file"] = lambda summary, figure: complaint(from_json(summary.read_bytes()), {})
     with _instead(rounds, **anew):
         done = rounds.episodes(place.robot, resume=place.root / EPISODES, root=place.root)
     to_json(done.summary).encode()
@@ -253,10 +276,14 @@ _DOORS: dict[str, tuple[Reader, ...]] = {
     f"{RUN}/certificate/boxes-*.safetensors": (resume_proof,),
     f"{RUN}/simulation/summary.json": (page, pictures("walk-tiles", rare=True)),
     f"{RUN}/simulation/walk.csv": (pictures("walk-tiles", "stride", rare=True),),
-    f"{RUN}/residual/summary.json": (page, pictures("residual-field")),
-    f"{RUN}/residual/residual.safetensors": (read_residual, page, pictures("residual-field")),
+    f"{RUN}/residual/summary.json": (page, pictures("residual-field", rare=True)),
+    f"{RUN}/residual/residual.safetensors": (
+        read_residual,
+        page,
+        pictures("residual-field", rare=True),
+    ),
     f"{RUN}/figures/data.safetensors": (pictures("phase-portrait", "return-map", rare=True),),
-    f"{RUN}/figures/residual.safetensors": (pictures("residual-field"),),
+    f"{RUN}/figures/residual.safetensors": (pictures("residual-field", rare=True),),
     f"{RUN}/report/walk.json": (page,),
     f"{EPISODES}/episodes.json": (go_on_with_episodes, find_episodes, page_of_round),
     f"{EPISODES}/summary.json": (go_on_with_episodes, page_of_round),

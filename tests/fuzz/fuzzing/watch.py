@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fuzzing.cases import Answer, carry, case_of
-from fuzzing.doors import KINDS, inputs, readers
+from fuzzing.doors import KINDS, inputs, readers, remember
 from fuzzing.place import Place
 
 HANG_S, START_S = 10.0, 120.0
@@ -50,6 +50,7 @@ class Block:
 def work(folder: Path, run: Path, episodes: Path | None, block: Block) -> None:
     """Carry the cases of a block, telling of each on stdout."""
     place = Place.make(folder, run, episodes)
+    remember()
     for kind in KINDS:
         for name in inputs(place, kind):
             for reader in readers(name):
