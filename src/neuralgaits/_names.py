@@ -3,6 +3,9 @@
 A slash marks the premises of a theorem, as in set/inertia; a condition or region has none.
 """
 
+LONGEST_NAME = 200
+"""Characters: paths of robot files are names too."""
+
 
 def why_no_name(name: object) -> str | None:
     """What is wrong with the name of a condition or a region; None if nothing is."""
@@ -10,8 +13,12 @@ def why_no_name(name: object) -> str | None:
         return f"{name!r}, which is no text"
     if not name or name != name.strip():
         return f"{name!r}, which is empty or begins or ends with a space"
+    if len(name) > LONGEST_NAME or "  " in name:
+        return f"{name[:60]!r}, which is too long or has blanks in a row"
     if not name.isprintable():
         return f"{name!r}, which has characters that cannot be printed"
+    if "," in name:
+        return f"{name!r}, which has a comma: names stand in lists"
     if "/" in name:
         return f"{name!r}, which has a slash: names with one are premises of the theorems"
     return None

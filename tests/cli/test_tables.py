@@ -37,6 +37,7 @@ def _constant(name: str) -> dict:
         "value": 0.123456,
         "unit": "rad/rad^2",
         "meaning": "what it stands for, " * 4,
+        "side": "most" if name.endswith("radius") else "exact",
     }
 
 

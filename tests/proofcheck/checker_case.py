@@ -226,7 +226,7 @@ class SetCase(Case):
 
 def holds(answer) -> bool:
     """Whether all that a file states was confirmed; a file of some statements is undecided."""
-    last = answer.stdout.splitlines()[-1]
+    last = (answer.stdout.splitlines() or [""])[-1]
     part = answer.returncode == 3 and last.startswith("undecided: every statement holds")
     return part or (answer.returncode == 0 and last.startswith("proved "))
 

@@ -54,7 +54,7 @@ def test_both_checkers_draw_the_same_conclusions(proofcheck, proof_file):
     low, high = re.findall(r"multiplier is in \[(\S+), (\S+)\]", answer)[0]
     least, most = re.findall(r"orbit has z2 in \[(\S+), (\S+)\]", answer)[0]
     printed = {
-        "contraction_at_most": re.findall(r"mid-step contracts by (\S+) or less", answer)[0],
+        "contraction_at_most": re.findall(r"mid-step contracts to (\S+) or less", answer)[0],
         "multiplier_at_least": low,
         "multiplier_at_most": high,
         "z2_at_mid_step_at_least": least,

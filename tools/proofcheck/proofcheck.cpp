@@ -698,6 +698,10 @@ vector<string> names_of(const Json& value, const string& what) {
 void only_a_name(const string& name, const string& what) {
   if (name.empty() || name.front() == ' ' || name.back() == ' ')
     refuse("the name '" + name + "' of " + what + ", which is empty or ends in a space");
+  if (name.size() > 200 || name.find("  ") != string::npos)
+    refuse("the name '" + name.substr(0, 60) + "' of " + what + ", too long or with blanks in a row");
+  if (name.find(',') != string::npos)
+    refuse("the name '" + name + "' of " + what + ", which has a comma");
   if (name.find('/') != string::npos)
     refuse("the name '" + name + "' of " + what + ", which has a slash like a premise's");
 }
@@ -2872,7 +2876,7 @@ class Conclusions {
     if (o.nested) {
       why = nested(t, o, gain * exp(I(2.0) * ends * steepest), multiplier);
     } else if (slope.high() < 1.0) {
-      why = "the return map of the section at mid-step contracts by " + at_most(slope.high()) +
+      why = "the return map of the section at mid-step contracts to " + at_most(slope.high()) +
             " or less on all of T";
     } else {
       throw DoesNotFollow{"the return map is not shown to contract: |P'| <= " +
@@ -3008,7 +3012,7 @@ class Conclusions {
                           " at the impact"};
     return "outside a thin tube around the orbit every trajectory gets nearer to it along the "
            "step, and across the impact to " + at_most(factor.high()) +
-           " of its distance or less; inside it the return map contracts by " +
+           " of its distance or less; inside it the return map contracts to " +
            at_most(multiplier.high()) + " or less";
   }
 };
@@ -3019,6 +3023,9 @@ struct Named { string name, sha256; };
 
 Named named(const Json& table, const string& what) {
   only(table, what, {"name", "sha256"});
+  const string& name = text_of(field(table, what, "name"), "a name");
+  if (name.size() > 200 || name.find("  ") != string::npos)
+    refuse("the " + what + " name, too long or with blanks in a row");
   return {text_of(field(table, what, "name"), "a name"),
           text_of(field(table, what, "sha256"), "a sha256")};
 }
@@ -3453,7 +3460,8 @@ void say_model(const ProofFile& file) {
   for (const Layer& layer : policy.layers) layers += "-" + std::to_string(layer.rows);
   say("policy " + layers + (policy.softplus ? ", softplus" : ", tanh") +
       (policy.hybrid_invariant ? ", between postures before and after the impact" : "") +
-      (policy.z2_dependence ? "" : ", of z1 alone") + "; weights sha256 " + file.weights_sha256);
+      (policy.z2_dependence ? "" : ", of z1 alone") + "; the file says that its weights have the sha256 " + file.weights_sha256 +
+      ", which is not checked here");
   for (size_t j = 0; j < policy.lower.size(); ++j)
     say("  joint " + std::to_string(j) + ": outputs between " + brief(policy.lower[j]) + " and " +
         brief(policy.upper[j]) + " rad");

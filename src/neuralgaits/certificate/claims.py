@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits._names import why_no_name
+from neuralgaits._names import LONGEST_NAME, why_no_name
 from neuralgaits.certificate.coverage import Asked, premise_names
 from neuralgaits.certificate.json_fields import box_of, exactly, number_of, parse, text_of
 from neuralgaits.certificate.theorem_tables import Theorems
@@ -29,6 +29,8 @@ FIELDS = frozenset(
 STATEMENT_FIELDS = frozenset("conditions region scales bounds degree root tree".split())
 FIRST_PHASE, LAST_PHASE = -0.05, 1.05
 """Root boxes may reach this far: strips before the start of a step and behind its guard."""
+MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
+"""What a Program may have: elements of xi, of one value, and products of one matrix product."""
 MAX_DEPTH = 48
 """Deepest tree: further halving would exhaust the digits of a double."""
 
@@ -136,7 +138,7 @@ def read_claims(path: Path) -> Claims:
         raise InputError(f"expected a proof file at {path}, found none to read: {error}") from None
     try:
         return _claims(parse(text))
-    except (ValueError, RecursionError, OverflowError) as error:
+    except (ValueError, RecursionError, OverflowError, MemoryError) as error:
         raise InputError(
             f"expected a proof file of format {FORMAT}, found in {path}: {error}; write it again "
             "with `neuralgaits certify`"
@@ -155,6 +157,8 @@ def _claims(table: Any) -> Claims:
     program, theorems = _program(fields["program"]), Theorems.read(fields["theorems"])
     outputs = {output.name for output in program.outputs}
     _refuse_names(outputs, premise_names(theorems))
+    if (theorems.full is not None) is not (len(program.inputs) > 1):
+        raise ValueError(f"a Program of {FIBRE} without level 4, or level 4 without {FIBRE}")
     entries = fields["statements"]
     if not isinstance(entries, list) or not entries:
         raise ValueError("no statements")
@@ -205,7 +209,20 @@ def _program(given: Any) -> Program:
         raise ValueError(f"a Program that is no function of u, or of u and {FIBRE}")
     if any(0 in output.shape for output in program.outputs):
         raise ValueError("a Program with an output without elements")
+    _refuse_large(program)
     return program
+
+
+def _refuse_large(program: Program) -> None:
+    """A few lines can ask for more memory than there is: no gait's Program does."""
+    wide, known = max(program.sizes), program.sizes
+    if len(program.inputs) > 1 and program.inputs[1].shape[0] > MOST_FIBRES:
+        raise ValueError(f"{program.inputs[1].shape[0]} elements of {FIBRE}")
+    if wide > MOST_ELEMENTS:
+        raise ValueError(f"a value of {wide} elements")
+    for row in program.operations:
+        if row.kind == "affine" and row.size * known[row.operands[1]] > MOST_PRODUCTS * row.columns:
+            raise ValueError(f"a product of {known[row.operands[0]]} and more elements")
 
 
 def _statement(entry: Any, outputs: set[str]) -> Statement:
@@ -241,7 +258,11 @@ def _statement(entry: Any, outputs: set[str]) -> Statement:
 
 def _named_hash(table: Any, what: str) -> tuple[str, str]:
     fields = exactly(table, what, ("name", "sha256"))
-    return text_of(fields["name"], f"{what} name"), text_of(fields["sha256"], f"{what} sha256")
+    name = text_of(fields["name"], f"{what} name")
+    # Blanks could push words to the next line of a screen, where they look like ours.
+    if len(name) > LONGEST_NAME or "  " in name:
+        raise ValueError(f"the {what} name {name[:60]!r}, which is too long or has blanks in a row")
+    return name, text_of(fields["sha256"], f"{what} sha256")
 
 
 def _scales(table: Any, names: list[str]) -> dict[str, float]:

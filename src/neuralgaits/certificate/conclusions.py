@@ -4,6 +4,7 @@ The arguments are in docs/guarantees.md. Numbers come from the theorem's paramet
 bounds that were proved; a comparison holds only if it is certain.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
@@ -30,12 +31,18 @@ Bounds = Mapping[tuple[str, Corner, Corner], float]
 
 @dataclass(frozen=True)
 class Constant:
-    """One number of a theorem, for a report."""
+    """One number of a theorem, for a report.
+
+    Attributes:
+        name, value, unit, meaning: of it.
+        side: whether it is a bound, and from where: so it is rounded on a screen.
+    """
 
     name: str
     value: float
     unit: str
     meaning: str
+    side: Literal["least", "most", "exact"] = "exact"
 
 
 @dataclass(frozen=True)
@@ -203,16 +210,17 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         shrinking /= _half_width(orbit, shape.start_strip)
         figures["tubes_shrink_by_at_most"] = _above(shrinking)
         why = (
-            "outside a thin tube around the orbit every trajectory gets nearer to it along the "
-            f"step, and by {at_most(_above(shrinking), 4)} or less across the impact; inside it "
-            f"the return map contracts by {at_most(_above(high), 4)} or less"
+            "outside a thin tube around the orbit every trajectory gets nearer to it from phase "
+            f"{shape.start_strip!r} to {1.0 - shape.guard_strip!r}, and across the impact gets to "
+            f"{at_most(_above(shrinking), 4)} of its distance or less; inside it the return map "
+            f"contracts to {at_most(_above(high), 4)} or less"
         )
         if not shrinking < 1:
             reason = f"tubes around the orbit may widen by {_above(shrinking):.4g} at the impact"
             return Conclusion(3, "undecided", reason, (), figures)
     else:
         why = (
-            "the return map of the section at mid-step contracts by "
+            "the return map of the section at mid-step contracts to "
             f"{at_most(_above(contraction), 4)} or less on all of T"
         )
         if not contraction < 1:
@@ -280,8 +288,8 @@ def _value(series: Sequence[float], x: arb) -> arb:
 
 
 def _above(x: arb) -> float:
-    return float(x.upper()) * (1.0 + 2.0**-50)
+    return math.nextafter(float(x.upper()), math.inf)
 
 
 def _below(x: arb) -> float:
-    return float(x.lower()) * (1.0 - 2.0**-50)
+    return math.nextafter(float(x.lower()), -math.inf)

@@ -5,6 +5,8 @@ only if it is certain; where one does not, it is the obstacle, and by how much i
 argument is in docs/full_order.md. Needs no JAX.
 """
 
+import math
+from dataclasses import replace
 from typing import NamedTuple
 
 from flint import arb, fmpq
@@ -21,6 +23,8 @@ from neuralgaits.certificate.full_order_theorem import (
 )
 
 LEVEL = 4
+_LEAST, _MOST = ("gamma", "radius", "epsilon", "most sigma"), ("step factor", "r_end", "t")
+"""Constants that are bounds from below and from above, where their meaning does not say it."""
 SHOWN = 4
 """Premises that are named where more of them are not proved."""
 
@@ -111,8 +115,6 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
         ]
     tightened = tightening(barrier)
     lost = arb(barrier.coupling) ** 2 / (4 * sigma * (gamma - alpha))
-    moved = _size(barrier.reset_slope) * arb(shape.guard_radius)
-    inlet = arb(barrier.reset) - moved - tightened
     return [
         Inequality(f"{name}: 0 < alpha", zero, alpha),
         Inequality(f"{name}: alpha < gamma", alpha, gamma),
@@ -122,7 +124,9 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
             arb(barrier.epsilon),
         ),
         Inequality(
-            f"{name}: across impacts, sigma V+ < h(z+) - t", sigma * _after(shape) ** 2, inlet
+            f"{name}: across impacts, sigma V+ < h(z+) - t",
+            sigma * _after(shape) ** 2,
+            inlet(shape, barrier),
         ),
     ]
 
@@ -130,6 +134,12 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
 def tightening(barrier: BarrierConstants) -> arb:
     """The t = l_P^2 / (4 sigma) for which h >= t + sigma V keeps what the robot reads positive."""
     return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
+
+
+def inlet(shape: FullOrder, barrier: BarrierConstants) -> arb:
+    """What h - t is at least after any impact of the set."""
+    moved = _size(barrier.reset_slope) * arb(shape.guard_radius)
+    return arb(barrier.reset) - moved - tightening(barrier)
 
 
 def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
@@ -158,8 +168,21 @@ def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
         Constant("foot rises", shape.risen, "phase", "until here it rises; then it is up"),
     ]
     for barrier in shape.barriers:
-        found += _constants_of(barrier, after)
-    return found + ([] if bounds is None else _slacks(shape, bounds))
+        found += _constants_of(shape, barrier, after)
+    found += [] if bounds is None else _slacks(shape, bounds)
+    return [_sided(constant) for constant in found]
+
+
+def _sided(constant: Constant) -> Constant:
+    """With the side on which it is a bound: as its meaning says, or its name."""
+    if constant.meaning.endswith("at least"):
+        return replace(constant, side="least")
+    if constant.meaning.endswith("at most"):
+        return replace(constant, side="most")
+    name = constant.name.rpartition(": ")[2]
+    if name in _LEAST:
+        return replace(constant, side="least")
+    return replace(constant, side="most") if name in _MOST else constant
 
 
 def _slacks(shape: FullOrder, bounds: Bounds) -> list[Constant]:
@@ -180,7 +203,7 @@ def _slacks(shape: FullOrder, bounds: Bounds) -> list[Constant]:
     ]
 
 
-def _constants_of(barrier: BarrierConstants, after: float) -> list[Constant]:
+def _constants_of(shape: FullOrder, barrier: BarrierConstants, after: float) -> list[Constant]:
     name, unit = barrier.name, "1" if barrier.reading == 0.0 else "rad"
     least = _above(arb(barrier.epsilon)) if barrier.sigma <= 0.0 else barrier.epsilon
     found = [
@@ -193,7 +216,7 @@ def _constants_of(barrier: BarrierConstants, after: float) -> list[Constant]:
         Constant(f"{name}: L_h", barrier.reset_slope, f"{unit}/rad", "d h(z+)/d sqrt(V), at most"),
     ]
     if barrier.sigma > 0.0 and after > 0.0:
-        room = (barrier.reset - _above(tightening(barrier))) / after**2
+        room = _below(inlet(shape, barrier) / arb(after) ** 2)
         found += [
             Constant(
                 f"{name}: t", _above(tightening(barrier)), unit, "tightening, l_P^2/(4 sigma)"
@@ -286,8 +309,8 @@ def _tightened(barrier: BarrierConstants) -> str:
 
 
 def _below(x: arb) -> float:
-    return float(x.lower()) * (1.0 - 2.0**-50)
+    return math.nextafter(float(x.lower()), -math.inf)
 
 
 def _above(x: arb) -> float:
-    return float(x.upper()) * (1.0 + 2.0**-50)
+    return math.nextafter(float(x.upper()), math.inf)

@@ -127,4 +127,6 @@ def _items(given: Any, kinds: tuple[Any, ...], name: str) -> tuple:
     size = None if kinds[-1] is Ellipsis else len(kinds)
     if not isinstance(given, list) or (size is not None and len(given) != size):
         raise ValueError(f"{name} that is not a list of its length")
+    if kinds[0] is float and not given:
+        raise ValueError(f"{name} without numbers")
     return tuple(_value(item, kinds[0], name) for item in given)

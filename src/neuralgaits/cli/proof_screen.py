@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from neuralgaits._digits import at_least
+from neuralgaits._digits import at_least, at_most
 from neuralgaits.cli.tables import (
     ROWS,
     number,
@@ -40,7 +40,11 @@ def show_proof(result: Result) -> None:
         show_sentence(f"and {len(others)} more, {what}; --json has all")
     _show_levels(result)
     reason = f": {result['reason']}" if result.get("reason") else ""
-    show_sentence(verdict(result["verdict"]), f" at level {result['level']}{reason}")
+    asked = f" at level {result['level']}"
+    if result["verdict"] == "refuted" and result["level"] > 1:
+        # What is refuted is a condition; nothing above stands on it.
+        asked = f" at level 1, level {result['level']} was asked"
+    show_sentence(verdict(result["verdict"]), f"{asked}{reason}")
     facts = {"boxes": result["boxes"], "time": f"{result['wall_s']:.0f} s"}
     facts |= {name: result.get(name) for name in ("proof", "map")}
     if "full_order_proof" in result:
@@ -104,13 +108,13 @@ def _show_levels(result: Result) -> None:
 def _show_constants(constants: Sequence[Result]) -> None:
     """Those of the whole with their meanings, then those of each barrier side by side."""
     whole = [one for one in constants if ": " not in one["name"]]
-    rows = [(one["name"], number(one["value"]), one["unit"], one["meaning"]) for one in whole]
+    rows = [(one["name"], _rounded(one), one["unit"], one["meaning"]) for one in whole]
     show_table(("constant", "value", "unit", "meaning"), rows)
     each: dict[str, dict[str, str]] = {}
     for one in constants:
         barrier, colon, name = one["name"].partition(": ")
         if colon:
-            each.setdefault(barrier, {})[name] = number(one["value"])
+            each.setdefault(barrier, {})[name] = _rounded(one)
     barriers = list(each)
     for first in range(0, len(barriers), _TOGETHER):
         group = barriers[first : first + _TOGETHER]
@@ -119,3 +123,9 @@ def _show_constants(constants: Sequence[Result]) -> None:
             ("of each barrier", *group),
             [(name, *(each[barrier].get(name, "-") for barrier in group)) for name in names],
         )
+
+
+def _rounded(constant: Result) -> str:
+    """A constant in four digits, a bound to the side on which it stays true."""
+    rounds = {"least": at_least, "most": at_most}.get(constant["side"])
+    return number(constant["value"]) if rounds is None else rounds(constant["value"], 4)

@@ -79,7 +79,8 @@ def complaint(
         return f"{name} with an empty operand or result"
     fits = True
     if kind.elementwise:
-        fits = all(given in (1, size) for given in sizes)
+        # A result is as wide as its widest operand: algebras go by these, not by what is said.
+        fits = max(sizes) == size and all(given in (1, size) for given in sizes)
     elif name == "move":
         fits = len(index) == size and min(index) >= 0 and max(index) < sum(sizes)
     elif name == "affine":

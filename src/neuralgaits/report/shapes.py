@@ -124,7 +124,7 @@ _WALKS = {
     # Of a robot's own logs nobody says why it fell.
     "fall_reasons?": list_of(may(TEXT)),
     "speed_range_m_s": may(_PAIR),
-    "speed_m_s": may(NUMBER),
+    "speed_m_s?": may(NUMBER),
     "barriers": {"tube": may(NUMBER), "all": may(NUMBER), "conditions": table_of(may(NUMBER))},
 }
 WALKED: Shape = {**_WALKS, "logs": _TEXTS, "wall_s": NUMBER}

@@ -44,7 +44,10 @@ def resolve(run: str | Path, root: Path = RUNS_ROOT, *, finished: bool = True) -
 def unfinished(folder: RunFolder) -> str:
     """Why a run has no summary, as a clause about its training that says what to do."""
     if folder.ended_in_nan:
-        return f"ended in NaN, {folder.path}: train with another --seed"
+        return (
+            f"ended in NaN, {folder.path}: mend the condition whose formula is not finite, if "
+            "there is one, or train with another --seed"
+        )
     return f"has not ended, {folder.path}: continue it with `{resuming(folder.path)}`"
 
 
@@ -105,6 +108,12 @@ def _latest_unfinished(root: Path) -> Path:
 
 def _latest(root: Path) -> Path:
     pointer = root / LATEST
+    if not pointer.is_file() and (begun := _unfinished(root)):
+        last = RunFolder.open(max(begun, key=_started_ns))
+        raise RunError(
+            f"expected {pointer} to name a finished run, found one whose training "
+            f"{unfinished(last)}"
+        )
     if not pointer.is_file():
         raise RunError(
             f"expected {pointer} to name a finished run, found no such file: train one first, "

@@ -23,7 +23,8 @@ from neuralgaits.runs import RunFolder, from_json, plain
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.shape import complaint
 
-FILES = (ROBOT, SPEC, WEIGHTS, PROOF, FULL_ORDER)
+RESIDUAL = "residual.safetensors"
+FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF, FULL_ORDER)
 """What a certificate is about, and what it rests on."""
 MAP = "certificate/map.safetensors"
 """Data of a picture: without it there is no picture, and the certificate stands."""
@@ -111,6 +112,8 @@ def _claims(run: Path, file: str, asked: Asked) -> Claims | None:
     if claims.program.hash != claims.program_hash:
         wrong.append("its Program has another hash than it says")
     full = claims.theorems.full is not None
+    if (run / RESIDUAL).is_file() and (full or claims.model is not None):
+        wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
     wrong += contradictions(claims.statements, claims.theorems, None if full else asked)
     if wrong:
         raise _Unfit(f"{file} is not about this run: {wrong[0]}")
@@ -127,7 +130,7 @@ def _conditions(
     boxes = asked.boxes()
     for name, row in summary["conditions"].items():
         if row["verdict"] != "proved":
-            yield name, row
+            yield name, row | {"margin": None}
             continue
         own = [box for box in boxes if box[0] == name]
         if not all(box in bounds for box in own):
@@ -143,8 +146,13 @@ def _levels(
     for claims in (proof, full):
         if claims is not None:
             found |= {one.level: one for one in _concluded(claims, asked)}
+    below = True
     for entry in summary["levels"]:
         level = entry["level"]
+        # Level 4 rests on no other; level 3 on level 2.
+        if level == 3 and not below and entry["verdict"] == "proved":
+            raise _Unfit(f"{SUMMARY} calls level 3 proved, and level 2 not")
+        below = below and entry["verdict"] == "proved"
         if entry["verdict"] != "proved":
             yield entry | {"words": [], "figures": {}}
         elif level in found:

@@ -18,6 +18,8 @@ class Sureness(NamedTuple):
     """Whether there is a certificate of this very gait."""
     words: str
     """Markdown."""
+    map_fits: bool = False
+    """Whether the map of boxes was made with the proof."""
 
 
 def how_sure(run: Run) -> Sureness:
@@ -39,7 +41,7 @@ def how_sure(run: Run) -> Sureness:
             f"**There is no certificate of this gait**: {markdown.text(str(found.reason))}. "
             f"{again} looks for a new one.",
         )
-    return Sureness(True, "\n\n".join(_lines(run, found.summary)))
+    return Sureness(True, "\n\n".join(_lines(run, found.summary)), found.map_fits)
 
 
 def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:

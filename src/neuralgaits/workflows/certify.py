@@ -29,7 +29,7 @@ from neuralgaits.interpreters import Program
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certificate_figure import write_map
-from neuralgaits.workflows.certificate_reader import hashes
+from neuralgaits.workflows.certificate_reader import MAP, hashes
 from neuralgaits.workflows.certify_full_order import FILE, certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
 from neuralgaits.workflows.run import Run, open_run
@@ -113,7 +113,8 @@ def certify(
         program = trace_certificate(*parts)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
-        (trained.path / PROOF).unlink(missing_ok=True)
+        for stale in (PROOF, MAP):
+            (trained.path / stale).unlink(missing_ok=True)
         return _finish(trained, level, _no_program(trained), [], began, reason=str(error))
     task = _Task(trained, level, sets, program)
     problems = [

@@ -20,7 +20,7 @@ from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
 
-PROOF = "certificate/proof.json"
+PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
 FORMATS = ("c", "onnx")
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -96,13 +96,16 @@ def controller_files(design: Design, reference: Reference) -> dict[str, str]:
 
 def _origin(trained: Run) -> Origin:
     found = read_certificate(trained.folder)
-    about, verdict = found.summary, None
+    about, verdict, file = found.summary, None, PROOF
     if about is not None and found.proof is not None:
         verdict = f"{about['verdict']} at level {about['level']}"
+        if about["level"] == 4 and found.full is not None:
+            # The hash that is named is that of the file that says so; it rests on no other.
+            file = FULL_ORDER
     return Origin(
         robot_sha256=_sha256(trained.path / ROBOT),
         policy_sha256=_sha256(trained.path / WEIGHTS),
-        proof_sha256=None if verdict is None else _sha256(trained.path / PROOF),
+        proof_sha256=None if verdict is None else _sha256(trained.path / file),
         proof_verdict=verdict,
         spec=str(trained.folder.config["spec"]),
         version=__version__,

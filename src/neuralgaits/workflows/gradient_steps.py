@@ -109,7 +109,8 @@ class GradientSteps:
         self.folder.write_tree(NAN_STATE, kept)
         raise NonFiniteError(
             f"expected a finite loss and weights, found NaN or infinity at step {int(state.step)} "
-            f"(conditions: {', '.join(bad) or 'none: the sum or its gradient'}): train with "
-            f"another --seed; state of step {int(kept.step)} kept, reproduce with "
+            f"(conditions: {', '.join(bad) or 'none: the sum or its gradient'}): mend one "
+            "whose formula, or its slope, is not finite, if there is one, or train with another "
+            f"--seed; state of step {int(kept.step)} kept, reproduce with "
             f"`{resuming(self.folder.path)}`"
         )

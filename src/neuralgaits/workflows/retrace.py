@@ -79,6 +79,11 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
 
     opened = open_run(run)
     if theorems.full is not None:
+        if opened.learned is not None:
+            raise InputError(
+                "expected a run of the rigid model for a proof of level 4, found one whose "
+                f"dynamics carry a learned residual, {run}: level 4 is not about it"
+            )
         model = model_of(opened, theorems.full.bandwidth)
         found: dict[str, Any] = {"barriers": model.names, "program_hash": None}
         if [barrier.name for barrier in theorems.full.barriers] == model.names:

@@ -103,7 +103,7 @@ class LiveView:
             look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
             self.gait.look_with(look)
             sure = how_sure(run)
-            plane = portrait(run, look, certified=sure.certified)
+            plane = portrait(run, look, certified=sure.certified and sure.map_fits)
             with self._showing:
                 if not self._closed.is_set():
                     self._panel.tell_how_sure(sure.words)

@@ -94,7 +94,10 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
     if saved.nan is not None:
         line = again.another_seed(saved.folder)
         if line is not None:
-            yield "a training that does not end in NaN, as another seed may give", line
+            yield (
+                "a training that does not end in NaN: a formula mended, or another seed",
+                line,
+            )
         return
     if saved.summary is None:
         yield "the end of the training", resuming(saved.folder.path)

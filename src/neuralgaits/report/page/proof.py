@@ -118,7 +118,7 @@ def _level(entry: Mapping[str, Any]) -> Html:
         if name in entry["figures"]
     ]
     constants = [
-        (one["name"], number(one["value"]), one["unit"], one["meaning"])
+        (one["name"], _rounded(one), one["unit"], one["meaning"])
         for one in entry.get("constants") or ()
     ]
     parts = [paragraph("In the words of the theorem:"), items(entry["words"])]
@@ -128,6 +128,12 @@ def _level(entry: Mapping[str, Any]) -> Html:
         head = ("constant", "value", "unit", "meaning")
         parts.append(table(f"Constants of level {level}", head, constants, numbers=" n"))
     return tag("details", tag("summary", f"Level {level}: the statement and its numbers"), *parts)
+
+
+def _rounded(constant: Mapping[str, Any]) -> str:
+    """A constant, a bound to the side on which it stays true."""
+    side, value = constant.get("side"), constant["value"]
+    return bound(value, above=side == "most") if side in ("least", "most") else number(value)
 
 
 def _conditions(found: Mapping[str, Any]) -> Html:
@@ -164,17 +170,18 @@ def _files(saved: Saved) -> list[Html]:
         command("check-proof", named(saved.folder.path / file), "--run", saved.name)
         for file in proofs
     ]
-    proof = named(saved.folder.path / PROOF)
-    lines += ["make proofcheck", shlex.join(["build/proofcheck", proof])]
+    proof = saved.folder.path.resolve() / PROOF
     return [
         paragraph(
             "A proof file holds the statements, the boxes and the arithmetic they are about. "
-            "check-proof bounds every box anew in another arithmetic; build/proofcheck is a C++ "
+            "check-proof bounds every box anew in another arithmetic; proofcheck is a C++ "
             "program that shares no code with this one and derives the robot's dynamics again "
             "(levels 1 to 3)."
         ),
         table("Proof files", ("file", "sha256"), rows),
         shell(lines),
+        paragraph("In the folder with the source of this program, where its Makefile is:"),
+        shell(["make proofcheck", shlex.join(["build/proofcheck", str(proof)])]),
         paragraph(
             join(
                 [
