@@ -100,6 +100,14 @@ UNREADABLE = {
     "escapes in the robot's name": lambda t: t["robot"].__setitem__("name", "a\rproved"),
     "text that runs backwards": lambda t: t["spec"].__setitem__("name", "a\u202eb"),
     "model without conditions": lambda t: t.__setitem__("model", {}),
+    "blanks that fill a line": lambda t: t["robot"].__setitem__("name", "a" + " " * 60 + "proved"),
+    "comma in an output": lambda t: _renamed(t, "bowl", "bowl, wave"),
+    "width that no operand has": lambda t: t["program"]["operations"].__setitem__(
+        3, ["cos", [3], 6]
+    ),
+    "more elements than any gait has": lambda t: t["program"]["constants"].append(
+        [None, [1 << 20, 2], base64.b64encode(bytes(16 << 20)).decode()]
+    ),
 }
 
 

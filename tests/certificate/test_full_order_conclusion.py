@@ -195,6 +195,24 @@ def test_inequalities_use_the_edges_that_the_boxes_have(crossing):
     assert found["sqrt v_sym"] <= float(reach * 2**40) * (1.0 + 1e-14) + 1e-300
 
 
+def test_bounds_know_their_side_and_most_sigma_is_what_an_impact_leaves():
+    known = {c.name: c for c in constants(SHAPE, PROVED)}
+    sides = {name: known[name].side for name in ("inertia", "L_z", "r_bar", "gamma", "w")}
+    assert sides == {
+        "inertia": "least",
+        "L_z": "most",
+        "r_bar": "most",
+        "gamma": "least",
+        "w": "exact",
+    }
+    most = Fraction(known["torso-lower: most sigma"].value)
+    after = Fraction(known["r_bar"].value)
+    tightened = Fraction(TORSO.reading) ** 2 / (4 * Fraction(TORSO.sigma))
+    left = Fraction(TORSO.reset) - Fraction(TORSO.reset_slope) * Fraction(SHAPE.guard_radius)
+    assert most * after**2 <= left - tightened
+    assert float(most * after**2) == pytest.approx(float(left - tightened), rel=1e-9)
+
+
 def test_a_bandwidth_of_nothing_is_an_obstacle():
     for bandwidth in (0.0, -30.0):
         found = _verdict(replace(SHAPE, bandwidth=bandwidth))

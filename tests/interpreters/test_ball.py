@@ -246,3 +246,8 @@ def test_no_jax_is_imported():
     source = Path(__file__).parents[2] / "src"
     environment = os.environ | {"PYTHONPATH": str(source)}
     subprocess.run([sys.executable, "-c", "; ".join(lines)], check=True, env=environment)
+
+
+def test_a_value_without_terms_is_a_zero_of_every_box():
+    zero = BallAlgebra(2)._model(None)
+    assert zero.range().shape == (1, 1) and zero.range()[0, 0] == 0

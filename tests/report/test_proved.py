@@ -11,7 +11,8 @@ from neuralgaits.certificate.claims import read_claims
 from neuralgaits.certificate.full_order_theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.theorems import Orbit
 from neuralgaits.workflows import demo, proved
-from neuralgaits.workflows.certificate_reader import hashes
+from neuralgaits.workflows.certificate_reader import hashes, read_certificate
+from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.proved import certificate_of
 from neuralgaits.workflows.run import open_run
 
@@ -106,6 +107,45 @@ def test_a_proof_that_is_not_the_runs_own_proves_nothing(certified, other, what)
     assert (found.level == 3) is (what is None)
     if what is not None:
         assert what in str(found.reason) and found.orbit is None
+
+
+def test_a_proof_of_the_rigid_model_is_not_about_learned_dynamics(certified):
+    (certified.path / "residual.safetensors").write_bytes(b"learned")
+    found = certificate_of(certified)
+    assert "another residual.safetensors" in str(found.reason)
+    change(certified, "summary.json", lambda summary: summary | {"sha256": hashes(certified.path)})
+    found = certificate_of(certified)
+    assert found.level == 0
+    assert "dynamics carry a residual" in str(found.reason)
+
+
+def test_a_map_of_another_proof_is_not_shown(certified):
+    file = certified.path / "certificate" / "map.safetensors"
+    file.write_bytes(file.read_bytes() + b" ")
+    found = certificate_of(certified)
+    assert (found.level, found.map_fits) == (3, False)
+    assert not how_sure(certified).map_fits
+
+
+def test_margins_of_what_is_not_proved_are_none(certified):
+    def opened(summary):
+        summary["conditions"]["knee"] |= {"verdict": "undecided", "margin": 99.0}
+        return summary
+
+    change(certified, "summary.json", opened)
+    found = read_certificate(certified.folder)
+    assert found.summary is not None
+    assert found.summary["conditions"]["knee"]["margin"] is None
+    assert found.summary["verdict"] == "undecided"
+
+
+def test_level_3_stands_on_level_2(certified):
+    def opened(summary):
+        summary["levels"][0] |= {"verdict": "undecided", "reason": "no"}
+        return summary
+
+    change(certified, "summary.json", opened)
+    assert "calls level 3 proved, and level 2 not" in str(certificate_of(certified).reason)
 
 
 def test_a_file_that_was_exchanged_proves_nothing(certified):

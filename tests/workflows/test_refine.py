@@ -8,9 +8,12 @@ import numpy as np
 import planted_walk
 import pytest
 
+from neuralgaits.certificate.full_order_theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.model_data import model_data
+from neuralgaits.certificate.theorem_tables import Theorems
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.workflows import certificate_reader, retrace
 from neuralgaits.workflows.provable import trace_spec
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.run import (
@@ -54,6 +57,33 @@ def test_the_new_run_names_its_parent_and_carries_the_residual(refined, brief_ru
     assert (refined.path / START).read_bytes() == (brief_run.path / WEIGHTS).read_bytes()
     assert (root / "latest").read_text().strip() == "run"
     assert set(refined.summary) >= {"run", "robot", "spec", "seed", "steps", "loss", "conditions"}
+
+
+def test_a_proof_of_level_4_is_never_about_it(refined):
+    """That level is about the rigid model, and these dynamics are not."""
+    fence = BarrierConstants("level-lower", 2.0, 0.07, 38.0, 0.0, 0.07, 13.0, 130.0)
+    shape = FullOrder(
+        30.0,
+        0.01,
+        3.0,
+        1e-3,
+        0.1,
+        0.1,
+        0.1,
+        0.1,
+        (1.0, 2.0),
+        5.0,
+        0.0,
+        0.0,
+        2.0,
+        0.0,
+        0.0,
+        (fence,),
+    )
+    with pytest.raises(InputError, match="carry a learned residual"):
+        retrace.answer(refined.path, Theorems(full=shape, claimed=(4,)))
+    hashes = certificate_reader.hashes(refined.path)
+    assert hashes[RESIDUAL] is not None
 
 
 def test_training_starts_from_the_parent_s_gait(refined, brief_run):

@@ -3590,7 +3590,7 @@ int run(const vector<string>& arguments) {
     return bounds ? answer_bounds(file, std::cin) : check(file);
   } catch (const NotAProof& problem) {
     say("expected a proof file of format 2, found in " + path + ": " + problem.why +
-            "; write it again with `neuralgaits certify`",
+            "; certify its run again",
         stderr);
     return 2;
   } catch (const Inconsistent& problem) {

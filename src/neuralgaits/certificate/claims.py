@@ -140,8 +140,8 @@ def read_claims(path: Path) -> Claims:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:
         raise InputError(
-            f"expected a proof file of format {FORMAT}, found in {path}: {error}; write it again "
-            "with `neuralgaits certify`"
+            f"expected a proof file of format {FORMAT}, found in {path}: {error}; certify its "
+            "run again"
         ) from None
 
 

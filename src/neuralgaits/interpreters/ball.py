@@ -246,9 +246,9 @@ class BallAlgebra:
 
     def _model(self, *terms: Term) -> BallModel:
         """A model with all its terms in one shape; missing ones are zero."""
-        known = [term for term in terms if term is not None]
-        shape = np.broadcast_shapes(*(term.shape for term in known))
         first = _ZERO if terms[0] is None else terms[0]
+        known = [first, *(term for term in terms[1:] if term is not None)]
+        shape = np.broadcast_shapes(*(term.shape for term in known))
         full = (first, *terms[1:], *[None] * (_TERMS[self.degree] - len(terms)))
         return BallModel(tuple(None if t is None else np.broadcast_to(t, shape) for t in full))
 
