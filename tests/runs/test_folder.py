@@ -64,8 +64,11 @@ def test_out_never_overwrites(tmp_path: Path) -> None:
 
 
 def test_latest_names_the_run_that_finished_last(tmp_path: Path) -> None:
-    done, open_run = _create(tmp_path), _create(tmp_path)
     with pytest.raises(RunError, match="train one first"):
+        resolve("latest", tmp_path)
+    done, open_run = _create(tmp_path), _create(tmp_path)
+    # There is one that could be gone on with.
+    with pytest.raises(RunError, match=r"has not ended, .*continue it with `neuralgaits train"):
         resolve("latest", tmp_path)
     finish(done, {"loss": 0.0}, tmp_path)
     assert (tmp_path / "latest").read_text() == f"amber3m/{done.path.name}\n"
@@ -110,7 +113,7 @@ def test_what_is_said_of_latest(tmp_path: Path) -> None:
     assert told.endswith(f"; {later.path}, started later, has not finished")
     (later.path / NAN_STATE).touch()
     assert (about_latest(root) or "").endswith(f"{later.path}, started later, ended in NaN")
-    with pytest.raises(RunError, match=r"ended in NaN, .*: train with another --seed"):
+    with pytest.raises(RunError, match=r"ended in NaN, .*: mend the condition .* another --seed"):
         resolve(later.path, root)
 
 

@@ -283,7 +283,7 @@ def test_nan_is_caught_kept_and_reproduced(amber, tmp_path):
     out = tmp_path / "run"
     with pytest.raises(
         NonFiniteError,
-        match=r"at step \d+ \(conditions: root\): train with another --seed; state of step \d+",
+        match=r"at step \d+ \(conditions: root\): mend one .* another --seed; state of step \d+",
     ) as first:
         train(amber, f"{SMALL}:explosive", out=out, root=tmp_path)
     message = str(first.value)
