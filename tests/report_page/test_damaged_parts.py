@@ -72,6 +72,12 @@ def test_what_was_learned_is_told_of_its_own_residual_only(contents, shipped):
     assert page.saved.residual is None and "about another residual" in failures(page)
 
 
+def test_walks_of_different_numbers_are_no_simulation(contents, shipped):
+    _written(shipped, "simulation/summary.json", SIMULATED | {"fall_reasons": []})
+    page = contents()
+    assert document(page) and "have 1, 1, 0 entries" in failures(page)
+
+
 @pytest.mark.parametrize("changed", [{"loss": "low"}, {"conditions": []}, {"steps": -1}])
 def test_a_run_without_a_summary_that_can_be_read_is_refused(shipped, changed):
     summary = json.loads((shipped / "summary.json").read_text())
