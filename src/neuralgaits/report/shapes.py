@@ -122,9 +122,9 @@ LEARNED: Shape = {
 _WALKS = {
     "steps_walked": list_of(COUNT),
     "share_that_walks": may(NUMBER),
-    "fall_reasons": list_of(may(TEXT)),
+    "fall_reasons?": list_of(may(TEXT)),
     "speed_range_m_s": may(_PAIR),
-    "speed_m_s": may(NUMBER),
+    "speed_m_s?": may(NUMBER),
     "barriers": {"tube": may(NUMBER), "all": may(NUMBER), "conditions": table_of(may(NUMBER))},
 }
 WALKED: Shape = {**_WALKS, "logs": _TEXTS, "wall_s": NUMBER}
