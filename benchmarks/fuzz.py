@@ -7,7 +7,7 @@ through the C++ checker too, and through one built with sanitizers; a sample of 
 command line.
 
 Asked: 0 tracebacks, 0 hangs over 10 s, 0 files lost. `INPUTS=1000` alters so many;
-`fuzz.py replay KIND NUMBER` shows one again.
+`fuzz.py KIND ...` alters these alone; `fuzz.py replay KIND NUMBER` shows one again.
 """
 
 # pyright: reportMissingImports=false
@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from common import ROOT, show, trained
@@ -55,14 +56,14 @@ ENVIRONMENT = {
 }
 
 
-def main() -> None:
+def main(kinds: Sequence[str]) -> None:
     """Print a row a kind, and every input that something is wrong with."""
     os.environ.update(ENVIRONMENT)
     run, episodes = base()
     blocks = [
         Block(kind, first, min(first + BLOCK, count))
-        for kind, share in SHARES.items()
-        for count in [round(share * INPUTS)]
+        for kind in kinds
+        for count in [round(SHARES[kind] * INPUTS)]
         for first in range(0, count, BLOCK)
     ]
     command = [sys.executable, __file__, "work", str(run), str(episodes)]
@@ -158,5 +159,5 @@ if __name__ == "__main__":
             work(Path(folder), Path(run), Path(episodes), Block(kind, int(first), int(last)))
         case ["replay", kind, number]:
             replay(kind, int(number))
-        case _:
-            main()
+        case kinds:
+            main(kinds or list(SHARES))

@@ -237,13 +237,13 @@ def _end(process: ForkServerProcess) -> None:
 
 
 def small(words: Words, folder: Path, said: Path) -> None:
-    """The command line, with less to do: shorter fits, fewer and shorter walks of a round."""
+    """The command line, with less to do: shorter fits, fewer walks, fewer comparisons."""
     os.setsid()
     os.chdir(folder)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
     from neuralgaits.cli import environment, main
-    from neuralgaits.workflows import episode_walks, episodes, fit
+    from neuralgaits.workflows import episode_walks, episodes, export, fit
 
     environment.prepare()
     if words[0] in ("fit", "episodes"):
@@ -253,6 +253,8 @@ def small(words: Words, folder: Path, said: Path) -> None:
         episode_walks.LOGGED_S = 20.0
         for verb in ("train", "refine"):
             setattr(episodes, verb, partial(_few_steps, getattr(episodes, verb)))
+    if words[0] == "export":
+        export.export_controller = partial(export.export_controller, states=1000)
     sys.exit(main.main([*words]))
 
 

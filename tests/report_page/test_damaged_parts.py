@@ -72,6 +72,33 @@ def test_what_was_learned_is_told_of_its_own_residual_only(contents, shipped):
     assert page.saved.residual is None and "about another residual" in failures(page)
 
 
+def test_rounds_of_a_robots_own_logs_know_of_no_falls(contents, shipped):
+    entry = {
+        "round": 0,
+        "loss": 0.1,
+        "steps_walked": [12, 7],
+        "share_that_walks": None,
+        "speed_range_m_s": None,
+        "barriers": {"tube": 1.0, "all": 0.9, "conditions": {"torso-lower": 0.9}},
+        "heldout_error": None,
+        "nominal_heldout_error": None,
+        "binned_floor": None,
+    }
+    told = {"robot": "amber3m", "plant": None, "controller": "pd", "logs": "/robot/logs"}
+    (shipped.parent / "episodes.json").write_text("{}")
+    (shipped.parent / "summary.json").write_text(json.dumps(told | {"rounds": [entry]}))
+    page = contents()
+    assert page.saved.damaged == {} and "7 to 12" in document(page)
+    (shipped.parent / "summary.json").write_text(json.dumps(told | {"rounds": [{"round": 0}]}))
+    assert "in rounds: in entry 1: there is no loss" in failures(contents())
+
+
+def test_walks_of_different_numbers_are_no_simulation(contents, shipped):
+    _written(shipped, "simulation/summary.json", SIMULATED | {"fall_reasons": []})
+    page = contents()
+    assert document(page) and "have 1, 1, 0 entries" in failures(page)
+
+
 @pytest.mark.parametrize("changed", [{"loss": "low"}, {"conditions": []}, {"steps": -1}])
 def test_a_run_without_a_summary_that_can_be_read_is_refused(shipped, changed):
     summary = json.loads((shipped / "summary.json").read_text())

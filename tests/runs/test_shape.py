@@ -11,6 +11,7 @@ from neuralgaits.runs.shape import (
     list_of,
     may,
     one_of,
+    same_length,
     table_of,
     whole,
 )
@@ -55,6 +56,13 @@ def test_what_its_writer_puts_there_fits() -> None:
 def test_what_does_not_fit_is_named(changed: dict, told: str) -> None:
     found = complaint(WHOLE | changed, SHAPE)
     assert found is not None and told in found
+
+
+def test_lists_about_the_same_things_are_of_one_length() -> None:
+    shape = same_length({"fell": list_of(FLAG), "steps": list_of(COUNT)}, "fell", "steps")
+    assert complaint({"fell": [True], "steps": [3]}, shape) is None
+    assert complaint({"fell": [True], "steps": []}, shape) == "fell, steps have 1, 0 entries"
+    assert complaint({"fell": [True]}, shape) == "there is no steps"
 
 
 def test_no_object_at_all_does_not_fit() -> None:

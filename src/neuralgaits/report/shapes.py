@@ -9,6 +9,7 @@ from neuralgaits.runs.shape import (
     list_of,
     may,
     one_of,
+    same_length,
     table_of,
 )
 
@@ -59,7 +60,7 @@ CERTIFIED: Shape = {
 }
 """`certificate/summary.json`."""
 
-SIMULATED: Shape = {
+_SIMULATED: Shape = {
     "plant": TEXT,
     "controller": TEXT,
     "start": TEXT,
@@ -95,6 +96,7 @@ SIMULATED: Shape = {
         )
     },
 }
+SIMULATED: Shape = same_length(_SIMULATED, "steps_walked", "fell", "fall_reasons")
 """`simulation/summary.json`."""
 
 ERRORS: Shape = {

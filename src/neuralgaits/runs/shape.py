@@ -97,6 +97,19 @@ def list_of(shape: Shape, *lengths: int) -> Callable[[Any], str | None]:
     return check
 
 
+def same_length(shape: Shape, *names: str) -> Callable[[Any], str | None]:
+    """An object of a shape some of whose lists are about the same things."""
+
+    def check(value: Any) -> str | None:
+        if wrong := complaint(value, shape):
+            return wrong
+        counts = [len(value[name]) for name in names]
+        different = ", ".join(map(str, counts))
+        return None if len(set(counts)) == 1 else f"{', '.join(names)} have {different} entries"
+
+    return check
+
+
 def table_of(shape: Shape) -> Callable[[Any], str | None]:
     """An object whose values all have a shape, under any names."""
 

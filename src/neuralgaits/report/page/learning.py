@@ -62,7 +62,7 @@ def _rounds(saved: Saved) -> list[Html]:
         stayed = "–" if share is None else f"{number(100.0 * share)} %"
         own = entry["round"] == _round_of(saved)
         name = f"{entry['round']} (this run)" if own else str(entry["round"])
-        rows.append((name, span, stayed, number(entry["speed_m_s"]), number(entry["loss"])))
+        rows.append((name, span, stayed, number(entry.get("speed_m_s")), number(entry["loss"])))
     where = found.get("plant") or f"a robot with logs in {found.get('logs')}"
     changed = ", ".join(["", *words.changes(found.get("disturb"))])
     said = (
