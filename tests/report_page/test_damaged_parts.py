@@ -93,6 +93,16 @@ def test_rounds_of_a_robots_own_logs_know_of_no_falls(contents, shipped):
     assert "in rounds: in entry 1: there is no loss" in failures(contents())
 
 
+@pytest.mark.parametrize("gone", ["speed_m_s", "step_time_s"])
+def test_a_figure_that_a_simulation_lacks_is_not_told(contents, shipped, gone):
+    figures = {"speed_m_s": 0.625, "step_time_s": 0.4375}
+    kept = {name: value for name, value in figures.items() if name != gone}
+    _written(shipped, "simulation/summary.json", SIMULATED | {"fell": [False]} | kept)
+    page = contents()
+    assert page.saved.damaged == {} and document(page)
+    assert ("at 0.62 m/s" in document(page)) == (gone == "step_time_s")
+
+
 def test_walks_of_different_numbers_are_no_simulation(contents, shipped):
     _written(shipped, "simulation/summary.json", SIMULATED | {"fall_reasons": []})
     page = contents()

@@ -94,9 +94,10 @@ def _counted(done: Mapping[str, Any]) -> str:
         said = f"{stayed} of {count} walks stayed up to their last step"
         reasons = sorted({reason for reason in done["fall_reasons"] if reason})
         said += f" (falls: {', '.join(reasons)})" if reasons else ""
-    if done.get("speed_m_s") is not None:
-        speed, time = number(done["speed_m_s"], 2), number(done["step_time_s"], 2)
-        said += f", at {speed} m/s with a step every {time} s"
+    speed, time = done.get("speed_m_s"), done.get("step_time_s")
+    if speed is not None:
+        said += f", at {number(speed, 2)} m/s"
+        said += "" if time is None else f" with a step every {number(time, 2)} s"
     return said
 
 
