@@ -5,7 +5,8 @@ What the user has set stays.
 """
 
 import os
-from pathlib import Path
+
+from neuralgaits._cache import cache_folder
 
 
 def prepare() -> None:
@@ -21,9 +22,3 @@ def prepare() -> None:
     }
     for name, value in defaults.items():
         os.environ.setdefault(name, value)
-
-
-def cache_folder() -> Path:
-    """The user's cache folder for this program; it may be deleted at any time."""
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "neuralgaits"

@@ -22,6 +22,7 @@ from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.gauge import Gauge
 from neuralgaits.simulation.plant import CONTROL_SPEC, SUBSTEPS, Plant
 from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.terrain import Terrain
 from neuralgaits.simulation.tick import Reading, Record
 
@@ -46,6 +47,8 @@ class Episodes(NamedTuple):
     """MuJoCo steps taken, all episodes together."""
     wall_s: float
     """Time of the loop [s], compilation left out."""
+    records: list[Record]
+    """Of every episode, as many ticks as were asked for, with a leading axis of ticks."""
 
 
 Watch = Callable[[Record, Int[np.ndarray, " a"]], None]
@@ -79,6 +82,7 @@ def run(
     noise: Noise,
     threads: int,
     record: bool = False,
+    longest: int = 0,
     watch: Watch | None = None,
 ) -> Episodes:
     """Run every episode to its end.
@@ -92,6 +96,7 @@ def run(
         noise: of the sensors.
         threads: at most this many threads step MuJoCo.
         record: keep records and states of episode 0.
+        longest: keep records of the first so many ticks of every episode.
         watch: called after each control tick.
 
     Returns: `Episodes`.
@@ -100,6 +105,7 @@ def run(
     carry, endings = batch.carry, np.zeros(len(states), dtype=int)
     kept = np.array(carry)
     records, seen, levels = [], [], []
+    recorder = Recorder(longest) if longest else None
     # The first call compiles; its result is thrown away.
     batch.tick(batch.arrays, carry, pack(world.reading(terrain.levels, noise.next())))
     began = clock.perf_counter()
@@ -108,6 +114,8 @@ def run(
         reading = pack(world.reading(terrain.levels, noise.next()))
         carry, packed, found = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
+        if recorder is not None:
+            recorder(batch.record_of(found), active)
         if watch is not None:
             watch(batch.record_of(found), active)
         if record and endings[0] == Ending.RUNNING:
@@ -132,6 +140,7 @@ def run(
         np.array(levels),
         world.steps,
         wall,
+        [] if recorder is None else [recorder.record(i) for i in range(len(states))],
     )
 
 

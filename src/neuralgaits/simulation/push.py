@@ -19,6 +19,7 @@ class Push:
 
     Attributes:
         force: forward force while the push lasts [N].
+        steps_before: touchdowns before the push.
     """
 
     def __init__(self, impulse: float, steps: int, seed: int, episodes: int):
@@ -27,10 +28,17 @@ class Push:
         `steps` is the length of the episodes: a short one is pushed half-way.
         """
         self.force = impulse / DURATION_S
-        self._before = min(STEPS_BEFORE, steps // 2)
+        self.steps_before = min(STEPS_BEFORE, steps // 2)
         draws = [np.random.default_rng([seed, i, 2]).uniform() for i in range(episodes)]
         self._wait = WINDOW_S * np.array(draws)
-        self._start = np.where(self._before == 0, self._wait, np.inf)
+        self._start = np.where(self.steps_before == 0, self._wait, np.inf)
+
+    def moments(self, episode: int) -> tuple[float, float]:
+        """Time from its touchdown to an episode's push, and when that begins as far as is known.
+
+        Returns: both (s), the second infinite before that touchdown.
+        """
+        return float(self._wait[episode]), float(self._start[episode])
 
     def at(
         self, time: float, touchdown: Bool[np.ndarray, " B"], count: Float[np.ndarray, " B"]
@@ -38,7 +46,7 @@ class Push:
         """Forward force on each robot at this time. Returns: [B] (N)."""
         if not self.force:
             return np.zeros(len(touchdown))
-        due = touchdown & (count == self._before)
+        due = touchdown & (count == self.steps_before)
         self._start[due] = time + self._wait[due]
         pushing = (time >= self._start) & (time < self._start + DURATION_S)
         return self.force * pushing

@@ -1,4 +1,4 @@
-"""Keeps what every episode of a walk recorded: `walk` calls it after each tick."""
+"""Keeps what every episode of a walk recorded: the loop calls it after each tick."""
 
 import jax
 import numpy as np
@@ -8,17 +8,17 @@ from neuralgaits.simulation.tick import Record
 
 
 class Recorder:
-    """Records of all episodes, given to `walk` as its `watch`."""
+    """Records of all episodes."""
 
-    def __init__(self, longest: int | None = None):
-        """Keep the first `longest` ticks of each episode, all of them if None."""
+    def __init__(self, longest: int):
+        """Keep the first `longest` ticks of each episode."""
         self._longest = longest
         self._ticks: list[Record] = []
         self._active: list[Int[np.ndarray, " a"]] = []
 
     def __call__(self, record: Record, active: Int[np.ndarray, " a"]) -> None:
         """Keep one tick of all episodes, `active` being those that are still running."""
-        if self._longest is None or len(self._ticks) < self._longest:
+        if len(self._ticks) < self._longest:
             self._ticks.append(record)
             self._active.append(active)
 

@@ -26,6 +26,15 @@ class Terrain:
         self._pending = np.zeros(episodes, dtype=bool)
         self._draws = [np.random.default_rng([seed, i, 1]) for i in range(episodes)]
 
+    @property
+    def uneven(self) -> bool:
+        """Whether levels change at all."""
+        return self._height != 0.0
+
+    def rises(self, steps: int) -> Float[np.ndarray, "B steps"]:
+        """What the next touchdowns of every episode draw, all at once (m). Returns: [B, steps]."""
+        return self._height * np.array([draw.integers(-1, 2, steps) for draw in self._draws])
+
     def advance(
         self,
         touchdown: Bool[np.ndarray, " B"],

@@ -213,7 +213,7 @@ def account(
         pitch=truth.pitch,
         since_touchdown=age,
         steps_left=scene.steps - gauge.steps,
-        finite=jnp.all(jnp.isfinite(reading.state)),
+        finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(command.torque)),
     )
     ahead, up = swing_foot(robot, command.q)
     return (
@@ -227,7 +227,13 @@ def account(
             z1=command.z[0],
             clearance=up - scene.slope * ahead,
         ),
-        Record(time, command, truth.pitch, truth.dpitch, _true_z(scene, truth, command)),
+        Record(
+            time,
+            command,
+            truth.pitch,
+            truth.dpitch,
+            true_z(scene.plant_robot, truth, command.leg),
+        ),
     )
 
 
@@ -255,8 +261,8 @@ def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
     return measured._replace(pitch=counted(measured.pitch), angles=counted(measured.angles))
 
 
-def _true_z(scene: Scene, truth: Measurement, command: Command) -> ZeroState:
-    robot = scene.plant_robot
-    q, dq = coordinates(robot, truth, command.leg)
+def true_z(robot: PlanarBiped, truth: Measurement, leg: Int[Array, ""]) -> ZeroState:
+    """z of a robot standing on `leg` (m, kg m^2/s). Returns: [2]."""
+    q, dq = coordinates(robot, truth, leg)
     z, _ = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, truth))
     return z

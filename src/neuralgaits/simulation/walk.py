@@ -14,11 +14,12 @@ from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation import lockstep
+from neuralgaits.simulation import lockstep, native
 from neuralgaits.simulation.batch import compile_batch
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.falls import FallConfig
 from neuralgaits.simulation.lockstep import Episodes, Noise, Watch
+from neuralgaits.simulation.native import Library
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.remote import Remote
@@ -37,12 +38,14 @@ class Walk:
         robot: the model the controller believed in.
         plant: what it walked on.
         law: of control.
+        engine: `native`, `jax`, or `process` where the torques came from a controller process.
         episodes: outcome of every episode.
     """
 
     robot: PlanarBiped
     plant: Plant
     law: AbstractLaw
+    engine: str
     episodes: Episodes
 
 
@@ -69,9 +72,11 @@ def walk(
     seed: int = 0,
     falls: FallConfig | None = None,
     record: bool = False,
+    longest: int = 0,
     watch: Watch | None = None,
     threads: int | None = None,
     remote: Remote | None = None,
+    library: Library | None = None,
 ) -> Walk:
     """Walk from each start.
 
@@ -88,9 +93,12 @@ def walk(
         seed: of everything random.
         falls: thresholds of a fall.
         record: keep records and states of episode 0.
+        longest: keep records of the first so many ticks of every episode.
         watch: called after each control tick, see `lockstep`.
         threads: threads that step MuJoCo, all cores if None.
         remote: asked for the torques instead of the law; all episodes then share a policy.
+        library: compiled for this robot and one policy: walks natively; else the loop is in JAX,
+            as it is with `remote`, `watch`, or a law that is not of this package.
 
     Raises: InputError if something does not fit.
     """
@@ -106,22 +114,45 @@ def walk(
     field = build(robot if plant is None else plant, disturbance)
     controllers = [_controller(robot, policy, law, field, z2_range) for policy in each]
     one = controllers[0] if shared else _stacked(controllers)
-    scene = Scene.of(field, one, steps, FallConfig() if falls is None else falls)
+    falls = FallConfig() if falls is None else falls
+    terrain = Terrain(field.disturbance.floor_height, seed, count)
+    pushes = Push(push, steps, seed, count)
+    threads = _cores() if threads is None else threads
+    if library is not None and shared and remote is None and watch is None and native.knows(law):
+        episodes = native.run(
+            library,
+            field,
+            one,
+            _states(field, starts),
+            steps=steps,
+            falls=falls,
+            terrain=terrain,
+            push=pushes,
+            seed=seed,
+            noisy=not _silent(field),
+            threads=threads,
+            record=record,
+            longest=longest,
+        )
+        return Walk(robot, field, law, "native", episodes)
+    scene = Scene.of(field, one, steps, falls)
     batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
     if remote is not None:
         batch = remote.batch(scene, batch)
+    noise_shape = (2, 1 + field.wires.joints.size)
     episodes = lockstep.run(
         field,
         batch,
         _states(field, starts),
-        terrain=Terrain(field.disturbance.floor_height, seed, count),
-        push=Push(push, steps, seed, count),
-        noise=_noise(field, seed, count),
-        threads=_cores() if threads is None else threads,
+        terrain=terrain,
+        push=pushes,
+        noise=Noise(noise_shape, seed, count, silent=_silent(field)),
+        threads=threads,
         record=record,
+        longest=longest,
         watch=watch,
     )
-    return Walk(robot, field, law, episodes)
+    return Walk(robot, field, law, "jax" if remote is None else "process", episodes)
 
 
 def _controller(
@@ -141,9 +172,8 @@ def _controller(
     )
 
 
-def _noise(plant: Plant, seed: int, episodes: int) -> Noise:
-    silent = not (plant.disturbance.encoder_noise or plant.disturbance.rate_noise)
-    return Noise((2, 1 + plant.wires.joints.size), seed, episodes, silent=silent)
+def _silent(plant: Plant) -> bool:
+    return not (plant.disturbance.encoder_noise or plant.disturbance.rate_noise)
 
 
 def _states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:

@@ -1,0 +1,370 @@
+/* See walk.h. */
+#include "walk.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SENSORS (1 + NG_LEGS * NG_LEG_JOINTS)
+#define MICROSECONDS 1.0e6
+
+/* What there is to measure. */
+typedef struct {
+    ng_measurement reading;
+    double hip[2]; /* in the world [m] */
+} truth_of_tick;
+
+static __thread jmp_buf *way_out;
+static __thread char complaint[256];
+static void (*before_us)(const char *);
+
+static void on_error(const char *text)
+{
+    if (way_out != NULL) {
+        snprintf(complaint, sizeof complaint, "%s", text);
+        longjmp(*way_out, 1);
+    }
+    if (before_us != NULL) {
+        before_us(text);
+    } else {
+        fprintf(stderr, "MuJoCo: %s\n", text);
+    }
+    exit(EXIT_FAILURE);
+}
+
+void ng_walk_catch(void (**user_error)(const char *))
+{
+    if (*user_error != on_error) {
+        before_us = *user_error;
+        *user_error = on_error;
+    }
+}
+
+const char *ng_walk_error(void) { return complaint; }
+
+void ng_walk_sizes(int sizes[3])
+{
+    sizes[0] = (int)sizeof(ng_scene);
+    sizes[1] = (int)sizeof(ng_walk);
+    sizes[2] = (int)sizeof(ng_record);
+}
+
+static double larger(double a, double b) { return a > b ? a : b; }
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+static ng_extremes no_extremes(void)
+{
+    const ng_extremes none = {0.0, 0.0, 0.0, 0.0, INFINITY};
+    return none;
+}
+
+static void widen(ng_extremes *of, const ng_extremes *other)
+{
+    of->output_error = larger(of->output_error, other->output_error);
+    of->settled_torque = larger(of->settled_torque, other->settled_torque);
+    of->torque = larger(of->torque, other->torque);
+    of->joint_rate = larger(of->joint_rate, other->joint_rate);
+    of->normal_force = smaller(of->normal_force, other->normal_force);
+}
+
+void ng_walk_start(ng_walk *walk, int leg)
+{
+    const ng_walk fresh = {0};
+    *walk = fresh;
+    ng_start(&walk->controller, leg);
+    walk->push_start = INFINITY;
+    walk->steady = walk->running = no_extremes();
+    walk->ending = NG_RUNNING;
+}
+
+/* What sensors would say of the plant. */
+static void look(const ng_scene *scene, const ng_walk *walk, const mjData *data,
+                 truth_of_tick *truth)
+{
+    ng_measurement *reading = &truth->reading;
+    const double turn = scene->pitch_sign * data->qpos[scene->root[2]];
+    const double sine = ng_sin(turn), cosine = ng_cos(turn);
+    const double arm_x = scene->root_to_hip[0] * cosine - scene->root_to_hip[1] * sine;
+    const double arm_z = scene->root_to_hip[0] * sine + scene->root_to_hip[1] * cosine;
+    reading->time_us = walk->time_us;
+    reading->pitch = turn + scene->root_angle;
+    reading->dpitch = scene->pitch_sign * data->qvel[scene->root[2]];
+    reading->hip_velocity[0] = data->qvel[scene->root[0]] - reading->dpitch * arm_z;
+    reading->hip_velocity[1] = data->qvel[scene->root[1]] + reading->dpitch * arm_x;
+    truth->hip[0] = data->qpos[scene->root[0]] + scene->root_origin[0] + arm_x;
+    truth->hip[1] = data->qpos[scene->root[1]] + scene->root_origin[1] + arm_z;
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        reading->normal_force[leg] = walk->touch[leg];
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            const int at = scene->joints[leg][i];
+            const double sign = scene->joint_sign[leg][i];
+            reading->angles[leg][i] = sign * data->qpos[at] + scene->joint_offset[leg][i];
+            reading->rates[leg][i] = sign * data->qvel[at];
+        }
+    }
+}
+
+/* To the nearest whole number, halves to the even one. */
+static double counted(double angle, double step)
+{
+    volatile double shifted = angle / step + NG_ROUNDER;
+    return step * (shifted - NG_ROUNDER);
+}
+
+/* Noise, then rounding. */
+static void blur(const ng_scene *scene, const double *noise, ng_measurement *reading)
+{
+    if (noise != NULL) {
+        const double *of_angles = noise, *of_rates = noise + SENSORS;
+        reading->pitch += scene->angle_noise * *of_angles++;
+        reading->dpitch += scene->rate_noise * *of_rates++;
+        for (int leg = 0; leg < NG_LEGS; ++leg) {
+            for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+                reading->angles[leg][i] += scene->angle_noise * *of_angles++;
+                reading->rates[leg][i] += scene->rate_noise * *of_rates++;
+            }
+        }
+    }
+    if (scene->encoder_step > 0.0) {
+        reading->pitch = counted(reading->pitch, scene->encoder_step);
+        for (int leg = 0; leg < NG_LEGS; ++leg) {
+            for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+                reading->angles[leg][i] = counted(reading->angles[leg][i], scene->encoder_step);
+            }
+        }
+    }
+}
+
+static double largest(const double values[NG_ACTUATED])
+{
+    double found = 0.0;
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        found = larger(found, ng_abs(values[i]));
+    }
+    return found;
+}
+
+/* Account for one tick. */
+static void gauge(const ng_scene *scene, ng_walk *walk, const ng_command *command, double time,
+                  double hip)
+{
+    ng_extremes now = no_extremes();
+    double power = 0.0, errors[NG_ACTUATED];
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        power += ng_abs(command->actuated[i] * command->dq[i + 1]);
+        errors[i] = command->q[i + 1] - command->y_d[i];
+    }
+    now.torque = largest(command->actuated);
+    if (command->since_touchdown >= scene->settling_s) {
+        now.output_error = largest(errors);
+        now.settled_torque = now.torque;
+        now.joint_rate = largest(command->dq + 1);
+        now.normal_force = walk->touch[command->leg];
+    }
+    if (command->touchdown) {
+        const ng_milestone here = {time, hip, walk->energy};
+        if (walk->steps >= scene->start_up_steps) {
+            widen(&walk->steady, &walk->running);
+        }
+        walk->running = no_extremes();
+        walk->steps += 1;
+        if (walk->steps == scene->start_up_steps) {
+            walk->first = here;
+        }
+        walk->last = here;
+    }
+    widen(&walk->running, &now);
+    walk->energy += NG_PERIOD * power;
+    walk->peak_torque = larger(walk->peak_torque, now.torque);
+    walk->saturated += command->saturated;
+    walk->ticks += 1;
+}
+
+/* Whether time, positions and rates are finite. */
+static int all_state_finite(const ng_scene *scene, const mjData *data)
+{
+    int all = ng_finite(data->time);
+    for (int i = 0; i < scene->model->nq; ++i) {
+        all &= ng_finite(data->qpos[i]);
+    }
+    for (int i = 0; i < scene->model->nv; ++i) {
+        all &= ng_finite(data->qvel[i]);
+    }
+    return all;
+}
+
+static ng_ending judge(const ng_scene *scene, const ng_walk *walk, const mjData *data,
+                       const truth_of_tick *truth, const ng_command *command)
+{
+    const double floor = walk->floor[command->leg] + scene->slope * truth->hip[0];
+    if (command->fault != NG_NO_FAULT || !all_state_finite(scene, data)) {
+        return NG_NOT_FINITE;
+    }
+    if (truth->hip[1] - floor < scene->lowest_hip) {
+        return NG_LOW_HIP;
+    }
+    if (ng_abs(truth->reading.pitch) > scene->largest_pitch) {
+        return NG_TORSO;
+    }
+    if (walk->age > scene->patience_s) {
+        return NG_STALLED;
+    }
+    return walk->steps >= scene->steps ? NG_WALKED : NG_RUNNING;
+}
+
+static void keep(const ng_walk *walk, const mjData *data, const truth_of_tick *truth,
+                 const ng_command *command, ng_record *record)
+{
+    record->time = data->time;
+    memcpy(record->torque, command->torque, sizeof record->torque);
+    memcpy(record->actuated, command->actuated, sizeof record->actuated);
+    memcpy(record->q, command->q, sizeof record->q);
+    memcpy(record->dq, command->dq, sizeof record->dq);
+    memcpy(record->y_d, command->y_d, sizeof record->y_d);
+    memcpy(record->dy_d, command->dy_d, sizeof record->dy_d);
+    memcpy(record->z, command->z, sizeof record->z);
+    record->leg = command->leg;
+    record->since_touchdown = command->since_touchdown;
+    record->touchdown = command->touchdown;
+    record->saturated = command->saturated;
+    record->pitch = truth->reading.pitch;
+    record->dpitch = truth->reading.dpitch;
+    memcpy(record->angles, truth->reading.angles, sizeof record->angles);
+    memcpy(record->rates, truth->reading.rates, sizeof record->rates);
+    memcpy(record->hip_velocity, truth->reading.hip_velocity, sizeof record->hip_velocity);
+    memcpy(record->normal_force, walk->touch, sizeof record->normal_force);
+    memcpy(record->floor, walk->floor, sizeof record->floor);
+}
+
+void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, const double *noise,
+                  double *controls, ng_command *command, ng_record *record)
+{
+    truth_of_tick truth;
+    look(scene, walk, data, &truth);
+    ng_measurement seen = truth.reading;
+    blur(scene, noise, &seen);
+    ng_step(&scene->config, &walk->controller, &seen, command);
+    walk->time_us += (uint32_t)(NG_PERIOD * MICROSECONDS + 0.5);
+    walk->age = command->touchdown ? 0.0 : walk->age + NG_PERIOD;
+    gauge(scene, walk, command, data->time, truth.hip[0]);
+    walk->ending = judge(scene, walk, data, &truth, command);
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            controls[scene->motors[leg][i]] = command->torque[leg][i] / scene->gear[leg][i];
+        }
+    }
+    if (record != NULL) {
+        keep(walk, data, &truth, command, record);
+    }
+}
+
+/* Draw the next foothold's level at a touchdown, and move its plane once the foot is above. */
+static void lay_floors(const ng_scene *scene, ng_walk *walk, const ng_command *command)
+{
+    if (!scene->uneven) {
+        return;
+    }
+    if (command->touchdown) {
+        walk->next_rise = walk->rises[walk->rises_used++];
+        walk->rise_pending = 1;
+    }
+    if (!walk->rise_pending || !(command->z[0] > 0.0)) {
+        return;
+    }
+    double swing_foot[2], hip[2];
+    ng_feet(command->q, swing_foot, hip);
+    const double clearance = swing_foot[1] - scene->slope * swing_foot[0];
+    if (clearance > walk->next_rise + scene->room_under_foot) {
+        walk->floor[1 - command->leg] = walk->floor[command->leg] + walk->next_rise;
+        walk->rise_pending = 0;
+    }
+}
+
+/* Forward force of the push at this time. */
+static double push(const ng_scene *scene, ng_walk *walk, const ng_command *command)
+{
+    if (command->touchdown && walk->steps == scene->push_after) {
+        walk->push_start = walk->clock + walk->push_wait;
+    }
+    const int pushing = walk->clock >= walk->push_start &&
+                        walk->clock < walk->push_start + scene->push_s;
+    return pushing ? scene->push_force : 0.0;
+}
+
+/* The controls that are due: a ring as long as the delay. */
+static const double *due(const ng_scene *scene, const ng_walk *walk)
+{
+    const int rows = scene->delay_ticks + 1;
+    return walk->late + scene->model->nu * (walk->ticks % rows);
+}
+
+/* Through one tick. A bad state that MuJoCo has put right ends its steps, as in its rollouts. */
+static void advance(const ng_scene *scene, ng_walk *walk, mjData *data, double force)
+{
+    const mjModel *model = scene->model;
+    const double *controls = due(scene, walk);
+    memset(data->qacc_warmstart, 0, sizeof(double) * (size_t)model->nv);
+    for (int i = 0; i < mjNWARNING; ++i) {
+        data->warning[i].number = 0;
+    }
+    for (int step = 0; step < scene->substeps; ++step) {
+        int warned = 0;
+        for (int i = 0; i < mjNWARNING; ++i) {
+            warned |= data->warning[i].number;
+        }
+        if (warned) {
+            break;
+        }
+        memcpy(data->ctrl, controls, sizeof(double) * (size_t)model->nu);
+        data->qfrc_applied[scene->root[0]] = force;
+        for (int leg = 0; leg < NG_LEGS; ++leg) {
+            data->mocap_pos[3 * leg] = data->mocap_pos[3 * leg + 1] = 0.0;
+            data->mocap_pos[3 * leg + 2] = walk->floor[leg];
+        }
+        scene->step(model, data);
+    }
+    walk->plant_steps += scene->substeps;
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        walk->touch[leg] = data->sensordata[model->nsensordata - NG_LEGS + leg];
+    }
+    walk->clock += scene->substeps * model->opt.timestep;
+}
+
+int ng_walk_run(const ng_scene *scene, ng_walk *walk, mjData *data, int ticks,
+                const double *noise, ng_record *records, double *states)
+{
+    const mjModel *model = scene->model;
+    const int size = 1 + model->nq + model->nv;
+    volatile int done = 0; /* keeps its value through longjmp */
+    jmp_buf here;
+    if (setjmp(here) != 0) {
+        way_out = NULL;
+        walk->ending = NG_REFUSED;
+        return done;
+    }
+    way_out = &here;
+    while (done < ticks && walk->ending == NG_RUNNING) {
+        const int tick = done;
+        ng_command command;
+        double *controls = walk->late + model->nu * (walk->ticks % (scene->delay_ticks + 1));
+        if (states != NULL) {
+            double *row = states + (size_t)tick * (size_t)size;
+            row[0] = data->time;
+            memcpy(row + 1, data->qpos, sizeof(double) * (size_t)model->nq);
+            memcpy(row + 1 + model->nq, data->qvel, sizeof(double) * (size_t)model->nv);
+        }
+        ng_walk_tick(scene, walk, data, noise == NULL ? NULL : noise + (size_t)tick * 2 * SENSORS,
+                     controls, &command, records == NULL ? NULL : records + tick);
+        done = tick + 1;
+        if (walk->ending != NG_RUNNING) {
+            break;
+        }
+        const double force = push(scene, walk, &command);
+        lay_floors(scene, walk, &command);
+        advance(scene, walk, data, force);
+    }
+    way_out = NULL;
+    return done;
+}

@@ -1,0 +1,158 @@
+/*
+ * Walks in MuJoCo without anything in between: the exported controller and mj_step in one loop.
+ *
+ * What a tick means is written twice, here and in neuralgaits.simulation.tick and lockstep; tests
+ * compare the two tick by tick. The caller owns all memory and fills the structures; a scene may
+ * be shared by threads, a walk and its mjData belong to one.
+ */
+#ifndef NG_WALK_H
+#define NG_WALK_H
+
+#include <mujoco/mjdata.h>
+#include <mujoco/mjmodel.h>
+
+#include "controller.h"
+
+#ifdef NG_FLOAT
+#error "walks are compared with double precision"
+#endif
+
+/* What has become of a walk. */
+typedef enum {
+    NG_RUNNING,
+    NG_WALKED,
+    NG_LOW_HIP,
+    NG_TORSO,
+    NG_NOT_FINITE,
+    NG_STALLED,
+    NG_REFUSED = -1 /* MuJoCo gave up; see ng_walk_error */
+} ng_ending;
+
+/* What stays fixed during a simulation. */
+typedef struct {
+    const mjModel *model;
+    void (*step)(const mjModel *, mjData *); /* mj_step, from the library that is loaded already */
+    /* Where the robot is in the model, and the signs and zeros of its file. */
+    int root[3];                      /* slide x, slide z, pitch */
+    int joints[NG_LEGS][NG_LEG_JOINTS];
+    int motors[NG_LEGS][NG_LEG_JOINTS];
+    double pitch_sign;
+    double root_angle;                /* [rad] */
+    double root_to_hip[2];            /* at pitch 0 [m] */
+    double root_origin[2];            /* [m] */
+    double joint_sign[NG_LEGS][NG_LEG_JOINTS];
+    double joint_offset[NG_LEGS][NG_LEG_JOINTS]; /* [rad] */
+    double gear[NG_LEGS][NG_LEG_JOINTS];         /* [N m] */
+    /* Sensors and motors. */
+    double angle_noise;               /* standard deviation [rad] */
+    double rate_noise;                /* [rad/s] */
+    double encoder_step;              /* resolution of angles, 0 for exact ones [rad] */
+    int delay_ticks;                  /* from a reading to its torque */
+    int substeps;                     /* MuJoCo steps a tick */
+    /* Floor and push. */
+    double slope;                     /* rise per metre forward */
+    int uneven;                       /* whether floors change their height */
+    double room_under_foot;           /* a floor rises only below a foot that is higher [m] */
+    double push_force;                /* [N] */
+    double push_s;                    /* how long it lasts [s] */
+    int push_after;                   /* touchdowns */
+    /* The end of a walk. */
+    int steps;                        /* touchdowns asked for */
+    double lowest_hip;                /* above the floor [m] */
+    double largest_pitch;             /* [rad] */
+    double patience_s;                /* between two touchdowns [s] */
+    /* Figures. */
+    int start_up_steps;               /* left out of steady figures */
+    double settling_s;                /* after a touchdown, left out likewise [s] */
+    ng_law law;
+    ng_config config;                 /* its law is the one above */
+} ng_scene;
+
+/* Largest and smallest values over some time. */
+typedef struct {
+    double output_error;  /* [rad] */
+    double settled_torque;/* [N m] */
+    double torque;        /* [N m] */
+    double joint_rate;    /* [rad/s] */
+    double normal_force;  /* smallest [N] */
+} ng_extremes;
+
+/* Where a walk was at a touchdown. */
+typedef struct {
+    double time;   /* [s] */
+    double hip;    /* forward [m] */
+    double energy; /* mechanical work so far [J] */
+} ng_milestone;
+
+/* One walk. */
+typedef struct {
+    ng_state controller;
+    uint32_t time_us;
+    double age;               /* since the last touchdown or the start [s] */
+    double clock;             /* ticks times their length, added up [s] */
+    double touch[NG_LEGS];    /* normal force on each foot [N] */
+    double floor[NG_LEGS];    /* level under each foot at x = 0 [m] */
+    const double *rises;      /* of the next floors, drawn beforehand: one a step [m] */
+    int rises_used;
+    int rise_pending;
+    double next_rise;         /* [m] */
+    double push_start;        /* [s] */
+    double push_wait;         /* from its touchdown to the push [s] */
+    double *late;             /* controls under way: delay_ticks + 1 rows of nu */
+    int ticks;
+    int steps;
+    int saturated;            /* ticks */
+    int ending;               /* an ng_ending */
+    int plant_steps;
+    double energy;
+    double peak_torque;
+    ng_milestone first, last;
+    ng_extremes steady, running;
+} ng_walk;
+
+/* What a log holds of a tick. */
+typedef struct {
+    double time;                                 /* [s] */
+    double torque[NG_LEGS][NG_LEG_JOINTS];       /* [N m] */
+    double actuated[NG_ACTUATED];                /* [N m] */
+    double q[NG_COORDINATES], dq[NG_COORDINATES];/* measured [rad], [rad/s] */
+    double y_d[NG_ACTUATED], dy_d[NG_ACTUATED];  /* [rad], [rad/s] */
+    double z[2];                                 /* measured (m, kg m^2/s) */
+    double leg, since_touchdown, touchdown, saturated;
+    double pitch, dpitch;                        /* without noise [rad], [rad/s] */
+    double angles[NG_LEGS][NG_LEG_JOINTS], rates[NG_LEGS][NG_LEG_JOINTS]; /* likewise */
+    double hip_velocity[2];                      /* [m/s] */
+    double normal_force[NG_LEGS];                /* [N] */
+    double floor[NG_LEGS];                       /* [m] */
+} ng_record;
+
+/* Sizes of ng_scene, ng_walk and ng_record, for hosts in other languages. */
+void ng_walk_sizes(int sizes[3]);
+
+/* Before the first tick, standing on `leg`; then the caller sets rises, late and the push. */
+void ng_walk_start(ng_walk *walk, int leg);
+
+/*
+ * Walk on for up to `ticks` ticks, or to the end. `data` holds the walk's state.
+ *
+ * noise: standard normal draws, one row of 2 (1 + NG_LEGS NG_LEG_JOINTS) numbers a tick: of
+ * angles and of rates, pitch first; or NULL. records, states (time, qpos, qvel): a row a tick, or
+ * NULL. Returns the number of ticks decided, the last one of an ended walk included.
+ */
+int ng_walk_run(const ng_scene *scene, ng_walk *walk, mjData *data, int ticks,
+                const double *noise, ng_record *records, double *states);
+
+/*
+ * One tick without MuJoCo: what is decided at a state, and the controls it asks for. For hosts
+ * that step the plant themselves.
+ */
+void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, const double *noise,
+                  double *controls, ng_command *command, ng_record *record);
+
+/* Tell MuJoCo where its errors go: the address of mju_user_error. Once, before any walk. */
+void ng_walk_catch(void (**user_error)(const char *));
+
+/* The error that ended a walk of this thread as NG_REFUSED. */
+const char *ng_walk_error(void);
+
+#endif
