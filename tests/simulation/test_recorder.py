@@ -7,7 +7,6 @@ from neuralgaits import logs
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.episode_log import log_of
-from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.walk import walk
 
 STEP = 2.0 * np.pi / 4096.0
@@ -28,12 +27,11 @@ EVERYTHING = Disturbance(
 
 def walked(robot, gait, *, episodes=2, **settings):
     policy, start = gait
-    recorder = Recorder()
     starts = np.tile(start, (episodes, 1))
     # The second one starts faster, so that the episodes differ.
     starts[1:, robot.n :] *= 1.02
-    done = walk(robot, policy, starts, controller="fblin", watch=recorder, **settings)
-    return done, recorder
+    done = walk(robot, policy, starts, controller="fblin", longest=10**6, **settings)
+    return done, done.episodes.records
 
 
 def through_a_file(robot, record, path):
@@ -43,9 +41,9 @@ def through_a_file(robot, record, path):
 
 def test_every_episode_has_the_record_it_would_have_alone(amber, slow):
     policy, start = slow
-    done, recorder = walked(amber, slow, steps=2)
+    done, records = walked(amber, slow, steps=2)
     alone = walk(amber, policy, start[None], controller="fblin", steps=2, record=True)
-    first, second = recorder.record(0), recorder.record(1)
+    first, second = records[0], records[1]
     assert alone.episodes.record is not None
     np.testing.assert_allclose(first.command.q, alone.episodes.record.command.q, atol=1e-12)
     ticks = [int(count) for count in done.episodes.gauge.ticks]
@@ -54,10 +52,10 @@ def test_every_episode_has_the_record_it_would_have_alone(amber, slow):
 
 
 def test_a_log_reads_back_exactly_with_everything_disturbed_at_once(amber, slow, tmp_path):
-    done, recorder = walked(amber, slow, steps=4, disturbance=EVERYTHING, seed=3)
+    done, records = walked(amber, slow, steps=4, disturbance=EVERYTHING, seed=3)
     assert min(done.episodes.gauge.steps) > 0
     for episode in range(2):
-        record = recorder.record(episode)
+        record = records[episode]
         found = through_a_file(amber, record, tmp_path / "walk.csv")
         kept = log_of(amber, record, "episode")
         assert len(found.log) + found.left_out["outliers"] == len(kept)
@@ -67,8 +65,8 @@ def test_a_log_reads_back_exactly_with_everything_disturbed_at_once(amber, slow,
 
 
 def test_angles_are_counted_and_the_plant_knows_better(amber, slow):
-    _, recorder = walked(amber, slow, steps=2, disturbance=Disturbance(encoder_step=STEP))
-    record = recorder.record(0)
+    _, records = walked(amber, slow, steps=2, disturbance=Disturbance(encoder_step=STEP))
+    record = records[0]
     counts = record.command.q[:, 1:] / STEP
     np.testing.assert_allclose(counts, np.round(counts), atol=1e-9)
     assert np.abs(record.command.dq[:, 1:] / STEP % 1.0 - 0.5).min() < 0.4
@@ -89,10 +87,10 @@ def test_rounding_leaves_the_walk_where_it_was(amber, slow):
 def test_falls_are_logged_to_their_end_and_their_strides_can_be_learned_from(
     amber, slow, tmp_path, plant, disturbance
 ):
-    done, recorder = walked(amber, slow, steps=30, plant=load_robot(plant), disturbance=disturbance)
+    done, records = walked(amber, slow, steps=30, plant=load_robot(plant), disturbance=disturbance)
     assert all(ending.fell for ending in done.episodes.endings)
     for episode, steps in enumerate(done.episodes.gauge.steps):
-        record = recorder.record(episode)
+        record = records[episode]
         if not steps:
             continue
         found = through_a_file(amber, record, tmp_path / f"fall-{episode}.csv")

@@ -67,6 +67,9 @@ class Simulate:
     """How to reach controller c, as in law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
     steps: Annotated[int, arg(metavar="N")] = 50
     """Walking steps an episode."""
+    engine: Literal["native", "jax"] | None = None
+    """Compiled code or JAX, which is the reference and many times slower; native if it is not
+    given and there is a C compiler."""
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
     push: Annotated[float | None, arg(metavar="NS")] = None

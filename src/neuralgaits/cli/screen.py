@@ -87,7 +87,9 @@ def show_walks(result: Result) -> None:
     if "link" in result:
         _link(result["link"])
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]
-    asked = {name: result.get(name) for name in ("plant", "controller", "start", "push", "run")}
+    asked = {
+        name: result.get(name) for name in ("plant", "controller", "engine", "start", "push", "run")
+    }
     known = {name: value for name, value in asked.items() if value is not None}
     show_facts((known | ({"disturb": ", ".join(changed)} if changed else {})).items())
 

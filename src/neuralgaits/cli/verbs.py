@@ -142,7 +142,10 @@ def _simulate(verb: Simulate) -> Outcome:
             log=verb.log,
             video=verb.video,
             link=verb.link,
+            engine=verb.engine,
         )
+    if done.summary["engine_note"] is not None and not verb.output.json:
+        print(done.summary["engine_note"], file=sys.stderr)
     return Outcome(done.summary, not any(done.summary["fell"]), screen.show_walks)
 
 

@@ -156,7 +156,7 @@ def run(
 
     Raises: NonFiniteError if MuJoCo gives up.
     """
-    scene = _scene(library, plant, controller, steps, falls, push)
+    scene = scene_of(library, plant, controller, steps, falls, push)
     rises = terrain.rises(steps) if terrain.uneven else None
     scene.uneven = int(terrain.uneven)
     course = _Course(states, rises, push, seed, noisy, longest, record)
@@ -244,7 +244,7 @@ def _episode(
     return kept
 
 
-def _scene(
+def scene_of(
     library: Library,
     plant: Plant,
     controller: Controller,
@@ -299,9 +299,7 @@ def _set_law(law: Any, wanted: AbstractLaw) -> None:
 def _set_config(scene: Any, types: Layout, controller: Controller) -> None:
     """The limits of the robot and no others: a simulation shows what a law does."""
     config = scene.config
-    config.law = ctypes.cast(
-        ctypes.addressof(scene) + types.scene.law.offset, POINTER(types.law)
-    )
+    config.law = ctypes.cast(ctypes.addressof(scene) + types.scene.law.offset, POINTER(types.law))
     _fill(config.torque_limit, controller.torque_limit)
     for name in ("torque_rate", "largest_pitch", "angle_margin", "largest_rate", "largest_speed"):
         setattr(config, name, np.inf)

@@ -262,7 +262,7 @@ def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
 
 
 def true_z(robot: PlanarBiped, truth: Measurement, leg: Int[Array, ""]) -> ZeroState:
-    """z of a robot standing on `leg` (m, kg m^2/s). Returns: [2]."""
+    """Z of a robot standing on `leg` (m, kg m^2/s). Returns: [2]."""
     q, dq = coordinates(robot, truth, leg)
     z, _ = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, truth))
     return z

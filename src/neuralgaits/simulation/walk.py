@@ -38,7 +38,7 @@ class Walk:
         robot: the model the controller believed in.
         plant: what it walked on.
         law: of control.
-        engine: `native`, `jax`, or `process` where the torques came from a controller process.
+        engine: what ran the loop: `native` or `jax`.
         episodes: outcome of every episode.
     """
 
@@ -123,7 +123,7 @@ def walk(
             library,
             field,
             one,
-            _states(field, starts),
+            plant_states(field, starts),
             steps=steps,
             falls=falls,
             terrain=terrain,
@@ -143,7 +143,7 @@ def walk(
     episodes = lockstep.run(
         field,
         batch,
-        _states(field, starts),
+        plant_states(field, starts),
         terrain=terrain,
         push=pushes,
         noise=Noise(noise_shape, seed, count, silent=_silent(field)),
@@ -152,7 +152,7 @@ def walk(
         longest=longest,
         watch=watch,
     )
-    return Walk(robot, field, law, "jax" if remote is None else "process", episodes)
+    return Walk(robot, field, law, "jax", episodes)
 
 
 def _controller(
@@ -176,7 +176,7 @@ def _silent(plant: Plant) -> bool:
     return not (plant.disturbance.encoder_noise or plant.disturbance.rate_noise)
 
 
-def _states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
+def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
     """MuJoCo states of the starts, the stance foot resting on the floor at x = 0."""
     q, dq = np.split(starts, 2, axis=1)
     # On a slope the sphere touches beside its lowest point.

@@ -26,9 +26,9 @@ from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
-from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import walk
+from neuralgaits.workflows.native_walk import Engine, engine_of_run
 from neuralgaits.workflows.run import Run
 
 STARTS, STEPS = 10, 200
@@ -83,10 +83,12 @@ def walk_round(
     shares = sorted({*SPEEDS, *BEYOND})
     anywhere = full_states(run.zero_dynamics, run.gait, "region", seed=seed, episodes=STARTS)
     longest = LOGGED_S / (STARTS + len(shares))
-    tried, found = _walk(run, field, anywhere, steps=STEPS, seed=seed, longest_s=longest)
+    engine = engine_of_run(run)
+    tried, found = _walk(run, field, engine, anywhere, steps=STEPS, seed=seed, longest_s=longest)
     sped, more = _walk(
         run,
         field,
+        engine,
         _at_speeds(run, momentum, shares),
         steps=SPEED_STEPS,
         # Noise and floors of its own.
@@ -123,6 +125,7 @@ def walk_round(
 def _walk(
     run: Run,
     field: Field,
+    engine: Engine,
     starts: Float[np.ndarray, "k two_n"],
     *,
     steps: int,
@@ -130,7 +133,6 @@ def _walk(
     longest_s: float,
 ) -> tuple[dict[str, Any], list[Log]]:
     """Figures of walks, and the logs of the first seconds of each."""
-    recorder = Recorder(int(longest_s / (SUBSTEPS * TIMESTEP_S)))
     walked = walk(
         run.robot,
         run.gait.policy,
@@ -141,9 +143,10 @@ def _walk(
         z2_range=momentum_range(run.gait),
         disturbance=field.disturbance,
         seed=seed,
-        watch=recorder,
+        longest=int(longest_s / (SUBSTEPS * TIMESTEP_S)),
+        library=engine.library,
     )
-    records = [recorder.record(number) for number in range(len(starts))]
+    records = walked.episodes.records
     return summary(walked), [log_of(run.robot, record, "walk") for record in records]
 
 

@@ -26,7 +26,9 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.source import gait_files
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native import Library, NativeError
+from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
+from neuralgaits.workflows.run import Run
 
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")
@@ -37,9 +39,7 @@ _COMPILERS = ("cc", "gcc", "clang")
 _COMPILE_S = 300.0
 _UNKNOWN = "0" * 64
 _SHOWN = 200
-NO_COMPILER = (
-    "there is no C compiler: install gcc or clang, or pip install 'neuralgaits[compiler]'"
-)
+NO_COMPILER = "there is no C compiler: install gcc or clang, or pip install 'neuralgaits[compiler]'"
 
 
 @dataclass(frozen=True)
@@ -73,12 +73,16 @@ def engine_of(
     if choice == "jax":
         return Engine(None, None)
     try:
-        path, note = _compiled(_sources(robot, gait, z2_range))
-        return Engine(Library(path, robot), note)
+        return _engine(sources(robot, gait, z2_range), robot)
     except NativeError as error:
         if choice == "native":
             raise InputError(f"--engine native: expected a compiled walk, but {error}") from None
         return Engine(None, f"walking with JAX, many times slower, because {error}")
+
+
+def engine_of_run(run: Run, choice: Choice | None = None) -> Engine:
+    """The same for the gait of a run."""
+    return engine_of(run.robot, run.gait, momentum_range(run.gait), choice)
 
 
 def compiler() -> list[str] | None:
@@ -94,9 +98,7 @@ def compiler() -> list[str] | None:
     return None
 
 
-def _sources(
-    robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float]
-) -> dict[str, str]:
+def sources(robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float]) -> dict[str, str]:
     """Every file that is compiled. Raises: NativeError for a policy that C cannot express."""
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
@@ -110,45 +112,48 @@ def _sources(
     return own | loop | {name: shipped[name] for name in (*_HEADERS, "controller.c")}
 
 
-def _compiled(sources: Mapping[str, str]) -> tuple[Path, str | None]:
-    """The library of these sources, made now or before, and a note. Raises: NativeError."""
+def _engine(texts: Mapping[str, str], robot: PlanarBiped) -> Engine:
+    """The walk of these sources, compiled now or before. Raises: NativeError."""
     command = compiler()
     if command is None:
         raise NativeError(NO_COMPILER)
-    key = hashlib.sha256()
-    about = (*command, _version(tuple(command)), *FLAGS, mujoco.__version__, platform.machine())
-    for text in (*about, *(part for item in sorted(sources.items()) for part in item)):
-        key.update(f"{len(text)}:{text}".encode())
-    folder = cache_folder() / "walks"
-    kept = folder / f"walk-{key.hexdigest()[:32]}.so"
-    if kept.is_file():
-        return kept, None
+    kept = _place(command, texts)
+    # One that is kept and does not load is damaged, and made anew.
+    with contextlib.suppress(NativeError):
+        if kept.is_file():
+            return Engine(Library(kept, robot), None)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix="compiling-", dir=folder) as place:
-            made = _compile(command, Path(place), sources)
-            os.replace(made, kept)
-        return kept, None
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix="compiling-", dir=kept.parent) as place:
+            os.replace(_compile(command, Path(place), texts), kept)
+        return Engine(Library(kept, robot), None)
     except OSError as error:
-        made = _compile(command, _own_folder(), sources)
-        return made, (
-            f"compiled the walk for this command alone, because {folder} cannot be written "
+        note = (
+            f"compiled the walk for this command alone, because {kept.parent} cannot be written "
             f"({error.strerror})"
         )
+        return Engine(Library(_compile(command, _own_folder(), texts), robot), note)
 
 
-def _compile(command: Sequence[str], place: Path, sources: Mapping[str, str]) -> Path:
+def _place(command: Sequence[str], texts: Mapping[str, str]) -> Path:
+    """Where a library is kept: named after everything it is made of and with."""
+    key = hashlib.sha256()
+    about = (*command, _version(tuple(command)), *FLAGS, mujoco.__version__, platform.machine())
+    for text in (*about, *(part for item in sorted(texts.items()) for part in item)):
+        key.update(f"{len(text)}:{text}".encode())
+    return cache_folder() / "walks" / f"walk-{key.hexdigest()[:32]}.so"
+
+
+def _compile(command: Sequence[str], place: Path, texts: Mapping[str, str]) -> Path:
     """Compile into a folder. Returns: the library. Raises: NativeError."""
-    for name, text in sources.items():
+    for name, text in texts.items():
         (place / name).write_text(text)
     made = place / "walk.so"
     headers = Path(mujoco.__file__).parent / "include"
     files = [str(place / name) for name in SOURCES]
     line = [*command, *FLAGS, *files, "-I", str(place), "-isystem", str(headers), "-o", str(made)]
     try:
-        done = subprocess.run(
-            line, capture_output=True, text=True, timeout=_COMPILE_S, check=False
-        )
+        done = subprocess.run(line, capture_output=True, text=True, timeout=_COMPILE_S, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NativeError(f"{command[0]} does not run ({error})"[:_SHOWN]) from None
     if done.returncode != 0 or not made.is_file():

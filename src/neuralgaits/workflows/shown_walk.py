@@ -24,6 +24,7 @@ from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, Walk, walk
 from neuralgaits.workflows.episode_folder import EpisodeFolder
+from neuralgaits.workflows.native_walk import engine_of_run
 from neuralgaits.workflows.run import WEIGHTS, Run
 
 FILE = "report/walk.json"
@@ -173,6 +174,7 @@ def _walked(run: Run, asked: Asked) -> Walk:
         push=asked.push,
         seed=asked.seed,
         record=True,
+        library=engine_of_run(run).library,
     )
 
 

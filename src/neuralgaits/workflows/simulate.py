@@ -17,18 +17,21 @@ from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot, registry
 from neuralgaits.runs import plain, write_text
 from neuralgaits.runs.folder import file_hashes
+from neuralgaits.simulation import native
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.link_config import LinkConfig, parse_link
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
-from neuralgaits.simulation.walk import Walk, walk
+from neuralgaits.simulation.walk import Walk, law_named, walk
 from neuralgaits.workflows.connect import connected
+from neuralgaits.workflows.native_walk import Choice, Engine, engine_of_run
 from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
 
 SUMMARY, PLANT = "simulation/summary.json", "simulation/plant.xml"
+_ALL = 2**31 - 1
+"""Ticks of a log: all there are."""
 REMOTE = "c"
 """Name of the controller that is a process of its own."""
 
@@ -59,6 +62,7 @@ def simulate(
     episodes: int = 1,
     log: str | Path | None = None,
     video: str | Path | None = None,
+    engine: Choice | None = None,
     link: str | Mapping[str, Any] | LinkConfig | None = None,
 ) -> Simulation:
     """Walk a trained gait in MuJoCo.
@@ -77,6 +81,8 @@ def simulate(
         episodes: number of walks.
         log: CSV file for the first walk; of further walks, FILE-1.csv, FILE-2.csv, ... beside it.
         video: MP4 file for the first walk; needs the `video` extra.
+        engine: `native` to insist on compiled code, `jax` for the reference loop, None for native
+            where it works; `engine` of the summary says which it was.
         link: to the controller `c`: `NAME=VALUE,...` or a mapping; see `simulation.link_config`.
 
     Returns: `Simulation`; its summary is also in the run folder.
@@ -91,7 +97,7 @@ def simulate(
         raise InputError(f"expected a seed of at least 0, found {seed!r}")
     _check_outputs(log, video)
     files = [] if log is None else log_files(Path(log), episodes)
-    recorder = Recorder() if files else None
+    walks = _engine(trained, controller, engine)
     wire = parse_link(link) if controller == REMOTE else _no_link(link)
     with nullcontext() if wire is None else connected(trained, wire, episodes, seed) as remote:
         walked = walk(
@@ -106,10 +112,12 @@ def simulate(
             push=0.0 if push is None else push,
             seed=seed,
             record=video is not None,
-            watch=recorder,
+            longest=_ALL if files else 0,
             remote=remote,
+            library=walks.library,
         )
     settings = _settings(trained, walked, controller, start, push, seed)
+    settings |= {"engine": walked.engine, "engine_note": walks.note}
     settings |= {"steps": steps, "logs": [str(file) for file in files]}
     settings["sha256"] = file_hashes(trained.path, (ROBOT, WEIGHTS))
     settings["plant_given"] = _kept_plant(trained, plant, walked)
@@ -118,12 +126,22 @@ def simulate(
     result = plain(settings | summary(walked, periodic_orbit(trained.zero_dynamics, gait)))
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     trained.folder.write_json(SUMMARY, result)
-    if recorder is not None:
-        for number, file in enumerate(files):
-            logs.write(file, log_of(robot, recorder.record(number), f"episode {number}"))
+    for number, (file, record) in enumerate(zip(files, walked.episodes.records, strict=True)):
+        logs.write(file, log_of(robot, record, f"episode {number}"))
     if video is not None:
         films.write(Path(video), walked.plant, walked.episodes.states, walked.episodes.floors)
     return Simulation(walked, result)
+
+
+def _engine(trained: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
+    """What walks. Raises: InputError if native was insisted on where it cannot be."""
+    law = None if controller == REMOTE else law_named(controller)
+    if law is not None and native.knows(law):
+        return engine_of_run(trained, choice)
+    if choice == "native":
+        other = f"controller {REMOTE}" if law is None else f"a law of type {type(law).__name__}"
+        raise InputError(f"--engine native: expected pd, fblin or paper, found {other}")
+    return Engine(None, None)
 
 
 def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | None:

@@ -1,0 +1,302 @@
+"""Compiled walks: tick by tick those of the loop in JAX; and where none can be made."""
+
+import ctypes
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import equinox as eqx
+import jax
+import mujoco
+import numpy as np
+import pytest
+
+import neuralgaits
+from neuralgaits.cli.main import main
+from neuralgaits.control import Controller, Fblin, Pd
+from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.robots import load_robot
+from neuralgaits.runs import from_json
+from neuralgaits.simulation import native
+from neuralgaits.simulation.disturbance import parse
+from neuralgaits.simulation.falls import Ending, FallConfig
+from neuralgaits.simulation.plant import build
+from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.walk import LAWS, plant_states, walk
+from neuralgaits.workflows.native_walk import compiler, engine_of_run, sources
+from neuralgaits.workflows.run import open_run
+from neuralgaits.workflows.simulate import simulate
+
+SHIPPED = Path(neuralgaits.__file__).parent / "demo_run"
+RELATIVE = 1e-9
+"""How far the two may be apart over three steps, in units of the largest value of a signal."""
+PLANTS = {
+    "as modelled": "",
+    "uneven": "floor_height=0.01,slope_deg=2",
+    "noisy": "encoder_noise=0.002,rate_noise=0.02",
+    "coarse": "encoder_step=0.001",
+    "late and weak": "delay_ms=3,torque_limit=30,friction=0.4",
+    "another robot": "mass_scale=1.1,torso_shift_m=0.02,joint_friction=0.5",
+}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("native") / "run"
+    shutil.copytree(SHIPPED, folder)
+    return open_run(folder)
+
+
+@pytest.fixture(scope="module")
+def library(run):
+    found = engine_of_run(run, "native")
+    assert found.library is not None and found.note is None
+    return found.library
+
+
+def walked(run, *, episodes=2, start="region", seed=3, **settings):
+    starts = full_states(run.zero_dynamics, run.gait, start, seed=seed, episodes=episodes)
+    return walk(
+        run.robot,
+        run.gait.policy,
+        starts,
+        z2_range=momentum_range(run.gait),
+        seed=seed,
+        **settings,
+    )
+
+
+def apart(tree, other):
+    """Largest difference of two trees of arrays, leaf by leaf in units of the leaf's size."""
+    worst = 0.0
+    for one, two in zip(jax.tree.leaves(tree), jax.tree.leaves(other), strict=True):
+        one, two = np.asarray(one, dtype=float), np.asarray(two, dtype=float)
+        assert one.shape == two.shape
+        known = np.isfinite(one)
+        np.testing.assert_array_equal(one[~known], two[~known])
+        if known.any():
+            size = max(1e-6, float(np.abs(one[known]).max()))
+            worst = max(worst, float(np.abs(one[known] - two[known]).max()) / size)
+    return worst
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+@pytest.mark.parametrize("law", ["pd", "fblin", "paper"])
+def test_every_tick_is_that_of_the_reference(run, library, law, plant):
+    """Records, states, floors and figures over three steps, with a push in their middle."""
+    settings = {"disturbance": parse(PLANTS[plant]), "push": 3.0, "steps": 3, "controller": law}
+    settings |= {"record": True, "longest": 700}
+    one, two = walked(run, **settings), walked(run, library=library, **settings)
+    assert (one.engine, two.engine) == ("jax", "native")
+    a, b = one.episodes, two.episodes
+    assert a.endings == b.endings and a.plant_steps == b.plant_steps
+    assert len(b.records) == 2 and len(b.records[0].time) == 700
+    for ours, theirs in ((a.record, b.record), (a.records, b.records), (a.states, b.states)):
+        assert apart(ours, theirs) <= RELATIVE
+    np.testing.assert_array_equal(a.floors, b.floors)
+    assert apart(a.gauge, b.gauge) <= RELATIVE
+
+
+def test_every_kind_of_end_is_that_of_the_reference(run, library):
+    """Pushed so hard that some fall, each at its own time."""
+    settings = {"episodes": 6, "steps": 9, "disturbance": parse("friction=0.5,delay_ms=2")}
+    seen = set()
+    for push in (4.0, 30.0, -25.0):
+        one = walked(run, push=push, **settings).episodes
+        two = walked(run, push=push, library=library, **settings).episodes
+        assert one.endings == two.endings
+        np.testing.assert_array_equal(one.gauge.steps, two.gauge.steps)
+        seen |= set(one.endings)
+    assert Ending.WALKED in seen and len(seen) > 1
+
+
+def test_a_start_that_no_number_holds_is_not_walked_on(run, library):
+    """Rates that overflow, and rates that MuJoCo refuses, upon which it begins anew by itself."""
+    policy, settings = run.gait.policy, {"z2_range": momentum_range(run.gait), "steps": 2}
+    for rate in (1e200, 1e12, -1e12, 1e6):
+        start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1).copy()
+        start[:, run.robot.n :] = rate
+        one = walk(run.robot, policy, start, **settings).episodes
+        two = walk(run.robot, policy, start, library=library, **settings).episodes
+        assert one.endings == two.endings and one.endings[0].fell
+        assert one.plant_steps == two.plant_steps
+
+
+def test_another_plant_with_other_signs_and_gains(run, library):
+    """The controller's robot is not the plant's; gains are numbers of the scene, not of the C."""
+    plant = load_robot("amber3m-tail")
+    for law in (Pd(stiffness=1200.0, damping=40.0, hold_ticks=3), Fblin(bandwidth=25.0)):
+        settings = {"plant": plant, "controller": law, "steps": 2, "record": True}
+        one, two = walked(run, **settings), walked(run, library=library, **settings)
+        assert two.engine == "native"
+        assert apart(one.episodes.record, two.episodes.record) <= RELATIVE
+
+
+def test_threads_and_company_change_nothing(run, library):
+    settings = {"steps": 4, "disturbance": parse(PLANTS["noisy"] + ",floor_height=0.005")}
+    settings |= {"z2_range": momentum_range(run.gait), "seed": 3, "library": library}
+    starts = full_states(run.zero_dynamics, run.gait, "region", seed=3, episodes=5)
+
+    def of(starts, threads):
+        policy = run.gait.policy
+        return walk(run.robot, policy, starts, threads=threads, **settings).episodes
+
+    many, again, alone = of(starts, 3), of(starts, 1), of(starts[:1], 1)
+    assert apart(many.gauge, again.gauge) == 0.0
+    first = jax.tree.map(lambda leaf: leaf[:1], many.gauge)
+    assert apart(first, alone.gauge) == 0.0
+
+
+def test_what_needs_python_in_a_tick_walks_in_jax(run, library):
+    class Own(Pd):
+        """A law that no C is written for."""
+
+    ticks = []
+    watched = walked(run, steps=1, library=library, watch=lambda *_: ticks.append(1))
+    assert watched.engine == "jax" and ticks
+    assert walked(run, steps=1, library=library, controller=Own()).engine == "jax"
+    policies = [run.gait.policy] * 2
+    starts = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=2)
+    assert walk(run.robot, policies, starts, steps=1, library=library).engine == "jax"
+
+
+def test_an_error_of_mujoco_ends_the_walk_and_not_the_process(run, library, monkeypatch):
+    engine = ctypes.CDLL(str(native.mujoco_library()))
+    monkeypatch.setattr(library, "mj_step", native.address(engine.mju_error))
+    with pytest.raises(NonFiniteError, match="MuJoCo gave up in episode 0"):
+        walked(run, steps=1, library=library)
+
+
+def test_the_summary_says_what_walked(run, capfd):
+    for engine in ("native", "jax"):
+        done = simulate(run, steps=1, engine=engine).summary
+        assert (done["engine"], done["engine_note"]) == (engine, None)
+    assert simulate(run, steps=1).summary["engine"] == "native"
+    assert main(["simulate", str(run.path), "--engine", "native", "--steps", "1", "--json"]) == 0
+    assert from_json(capfd.readouterr().out.encode())["engine"] == "native"
+    with pytest.raises(InputError, match="expected native or jax, found 'fast'"):
+        simulate(run, steps=1, engine="fast")  # pyright: ignore[reportArgumentType]
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    return tmp_path / "neuralgaits" / "walks"
+
+
+@pytest.mark.parametrize(
+    ("environment", "why"),
+    [
+        ({"PATH": "", "CC": ""}, "there is no C compiler: install gcc or clang"),
+        ({"CC": "no-such-compiler"}, "no-such-compiler does not run"),
+        ({"CC": sys.executable}, "fails ("),
+        ({"CC": "true"}, "true fails"),
+    ],
+)
+def test_without_a_compiler_that_works_the_walk_goes_on_in_jax(
+    run, cache, monkeypatch, capfd, environment, why
+):
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    found = engine_of_run(run)
+    assert found.library is None
+    assert found.note is not None and why in found.note and "\n" not in found.note
+    with pytest.raises(InputError, match="--engine native: expected a compiled walk, but"):
+        engine_of_run(run, "native")
+    assert engine_of_run(run, "jax").note is None
+    assert main(["simulate", str(run.path), "--steps", "1"]) == 0
+    assert "walking with JAX, many times slower, because" in capfd.readouterr().err
+    assert main(["simulate", str(run.path), "--steps", "1", "--engine", "native"]) == 2
+    assert not cache.exists() or not list(cache.iterdir())
+
+
+def test_a_cache_that_cannot_be_written_costs_a_compilation(run, tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    found = engine_of_run(run)
+    assert found.library is not None
+    assert found.note is not None and "cannot be written (Not a directory)" in found.note
+    assert walked(run, steps=1, library=found.library).engine == "native"
+
+
+def test_a_library_is_made_once_and_a_damaged_one_again(run, cache):
+    first = engine_of_run(run).library
+    assert first is not None
+    (kept,) = cache.iterdir()
+    made = kept.stat().st_mtime_ns
+    assert engine_of_run(run, "native").library is not None
+    assert kept.stat().st_mtime_ns == made
+    # A file that is loaded is exchanged, not written to.
+    kept.unlink()
+    kept.write_bytes(b"no library")
+    found = engine_of_run(run, "native").library
+    assert found is not None and walked(run, steps=1, library=found).engine == "native"
+
+
+def test_a_policy_is_part_of_what_is_compiled(run, cache):
+    other = eqx.tree_at(lambda r: r.gait.policy, _Open(run), _scaled(run.gait.policy))
+    engine_of_run(run, "native")
+    engine_of_run(other, "native")
+    assert len(list(cache.iterdir())) == 2
+
+
+class _Open:
+    """A run whose policy may be exchanged."""
+
+    def __init__(self, run):
+        self.robot, self.gait = run.robot, run.gait
+
+
+jax.tree_util.register_pytree_node(
+    _Open,
+    lambda run: ((run.gait,), run.robot),
+    lambda robot, children: _made(robot, children[0]),
+)
+
+
+def _made(robot, gait):
+    run = object.__new__(_Open)
+    run.robot, run.gait = robot, gait
+    return run
+
+
+def _scaled(policy):
+    return jax.tree.map(lambda leaf: leaf * 1.001 if eqx.is_inexact_array(leaf) else leaf, policy)
+
+
+@pytest.mark.parametrize("law", ["pd", "fblin"])
+def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law):
+    """The loop as a program of its own, under the sanitizers of addresses and of behaviour."""
+    command = compiler()
+    assert command is not None
+    plant = build(run.robot, parse(f"{PLANTS['uneven']},{PLANTS['noisy']},delay_ms=2"))
+    starts = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=3)
+    limits = {"z2_range": momentum_range(run.gait), "period_s": 1e-3}
+    controller = Controller.init(run.robot, run.gait.policy, LAWS[law], **limits)
+    scene = native.scene_of(library, plant, controller, 7, FallConfig(), Push(5.0, 7, 0, 3))
+    scene.uneven = 1
+    mujoco.mj_saveModel(plant.model, str(tmp_path / "model.mjb"))
+    (tmp_path / "scene").write_bytes(bytes(scene))
+    (tmp_path / "starts").write_bytes(plant_states(plant, starts).tobytes())
+    for name, text in sources(run.robot, run.gait, limits["z2_range"]).items():
+        (tmp_path / name).write_text(text)
+    folder, loaded = Path(mujoco.__file__).parent, native.mujoco_library()
+    flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-Wall", "-Wextra"]
+    files = [str(tmp_path / name) for name in ("walk.c", "controller.c", "gait.c")]
+    files += [str(Path(__file__).parent / "walk_main.c"), "-o", str(tmp_path / "walk_main")]
+    linked = ["-I", str(tmp_path), "-isystem", str(folder / "include")]
+    linked += [str(loaded), f"-Wl,-rpath,{folder}"]
+    subprocess.run(
+        [*command, "-std=gnu99", "-O1", "-g1", "-Werror", *flags, *files, *linked],
+        check=True,
+    )
+    done = subprocess.run(
+        [str(tmp_path / name) for name in ("walk_main", "model.mjb", "scene", "starts")] + ["3"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout.split("\n")[:3] == [f"{int(Ending.WALKED)} 7"] * 3
