@@ -71,7 +71,7 @@ def test_angles_are_counted_and_the_plant_knows_better(amber, slow):
     np.testing.assert_allclose(counts, np.round(counts), atol=1e-9)
     assert np.abs(record.command.dq[:, 1:] / STEP % 1.0 - 0.5).min() < 0.4
     _, exact = walked(amber, slow, steps=2)
-    before, after = exact.record(0).command.q[0], record.command.q[0]
+    before, after = exact[0].command.q[0], record.command.q[0]
     assert 0.0 < np.abs(before - after)[1:].max() <= 0.5 * STEP + 1e-12
 
 
