@@ -16,8 +16,11 @@ os.environ["JAX_PLATFORMS"] = "cpu"
 
 # Compiling is most of what the tests do. Workers must not write into one another's cache.
 _worker = os.environ.get("PYTEST_XDIST_WORKER", "main")
-_cache = Path(__file__).parents[1] / ".cache" / "jax" / _worker
+_caches = Path(__file__).parents[1] / ".cache"
+_cache = _caches / "jax" / _worker
 os.environ["JAX_COMPILATION_CACHE_DIR"] = str(_cache)
+# Compiled walks are put there whole, so all workers share them.
+os.environ["XDG_CACHE_HOME"] = str(_caches)
 os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
 
 import pytest  # noqa: E402

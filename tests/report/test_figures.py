@@ -26,7 +26,8 @@ from neuralgaits.report import (
     return_map,
 )
 from neuralgaits.report.data import MeasuredWalk
-from neuralgaits.report.figure import Drawn, Missing, png, svg, write
+from neuralgaits.report.drawn import Drawn, Missing
+from neuralgaits.report.figure import png, svg, write
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.residual_field import ResidualData
 from neuralgaits.report.return_map import Proved

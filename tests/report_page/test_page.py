@@ -12,7 +12,7 @@ import pytest
 
 from neuralgaits.cli.words import read as read_words
 from neuralgaits.report.certificate import proved_level
-from neuralgaits.report.figure import Missing
+from neuralgaits.report.drawn import Missing
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
 from neuralgaits.report.page.document import document

@@ -6,16 +6,20 @@ ahead of the foot (z1 > 0) and the foot is falling.
 
 from typing import NamedTuple
 
-import diffrax
 import equinox as eqx
+import jax
 import jax.numpy as jnp
-import optimistix as optx
 
-from neuralgaits._types import Array, Bool, Scalar, ZeroState
+from neuralgaits._types import Array, Bool, Int, Scalar, ZeroState
+from neuralgaits.gait.runge_kutta import DOPRI5, step
 from neuralgaits.gait.zero_dynamics import ZeroDynamics
 
-STEP_S = 2e-3
-"""Step of the fifth-order integrator [s]: errors of a stance phase stay near 1e-11."""
+STEP_S = 1e-3
+"""Step of the fifth-order integrator [s]: errors of a stance phase stay near 1e-12."""
+EVENT_S = 1e-15
+"""How closely an event is placed [s]."""
+_MOST_TRIES = 10_000
+"""Evaluations of a step, whole ones and those that look for the event."""
 LONGEST_STEP_S = 5.0
 """A stance phase longer than this has fallen back [s]."""
 
@@ -42,31 +46,71 @@ def to_section(zd: ZeroDynamics, z: ZeroState, z1: float = 0.0) -> Flow:
     return _flow(zd, jnp.asarray(z, dtype=float), jnp.asarray(False), section)
 
 
-# One compiled function for both events: tracing the integrator is what takes time.
+class _March(NamedTuple):
+    """Where the integration is: at the beginning of a step, and inside which part of it to look."""
+
+    z: ZeroState
+    """At the beginning of the step. [2]"""
+    time: Scalar
+    """Likewise [s]."""
+    above: Scalar
+    """The event's function at `low`."""
+    low: Scalar
+    """The event comes later in the step than this [s]."""
+    high: Scalar
+    """And, once it is known to be in this step, before this [s]."""
+    below: Scalar
+    """The event's function at `high`."""
+    inside: Bool[Array, ""]
+    """Whether the event is in this step."""
+    tries: Int[Array, ""]
+    """Evaluations so far."""
+    ended: Bool[Array, ""]
+
+
+# One compiled function for both events: tracing the rate is what takes time, so a step of the
+# march and a try within the last step are the same line of code.
 @eqx.filter_jit
 def _flow(zd: ZeroDynamics, z: ZeroState, to_guard: Bool[Array, ""], section: Scalar) -> Flow:
-    def rate(t, y, args):
-        del t, args
-        return zd.zdot(y)
+    def falling(z: ZeroState) -> Scalar:
+        """Falls through zero at the event."""
+        height = jnp.where(z[0] > 0.0, zd.guard(z), 1.0)
+        return jnp.where(to_guard, height, section - z[0])
 
-    def falling(t, y, args, **kwargs):
-        del t, args, kwargs
-        height = jnp.where(y[0] > 0.0, zd.guard(y), 1.0)
-        return jnp.where(to_guard, height, section - y[0])
+    def trial(at: _March) -> Scalar:
+        """A whole step, or where a line through both ends says that the event is (s)."""
+        share = at.above / (at.above - at.below)
+        # Every other try halves, so that a crooked function is no harder than a straight one.
+        share = jnp.where(at.tries % 2 == 0, 0.5, share)
+        return jnp.where(at.inside, at.low + share * (at.high - at.low), STEP_S)
 
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(rate),
-        diffrax.Tsit5(),
-        t0=0.0,
-        t1=LONGEST_STEP_S,
-        dt0=STEP_S,
-        y0=z,
-        event=diffrax.Event(falling, optx.Newton(1e-12, 1e-12), direction=False),
-        max_steps=round(LONGEST_STEP_S / STEP_S) + 1,
-        adjoint=diffrax.ForwardMode(),
-        throw=False,
-    )
-    assert solution.ys is not None
-    assert solution.ts is not None
-    ended = solution.result == diffrax.RESULTS.event_occurred
-    return Flow(solution.ys[-1], solution.ts[-1], ended)
+    def advance(at: _March) -> _March:
+        span = trial(at)
+        after = step(DOPRI5, zd.zdot, at.z, span)
+        found = falling(after)
+        passed = (at.above > 0.0) & (found <= 0.0)
+        onward = ~at.inside & ~passed
+        inside = at.inside | passed
+        later = at.inside & (found > 0.0)
+        return _March(
+            z=jnp.where(onward, after, at.z),
+            time=at.time + jnp.where(onward, span, 0.0),
+            above=jnp.where(onward | later, found, at.above),
+            low=jnp.where(later, span, at.low),
+            high=jnp.where(inside & ~later, span, at.high),
+            below=jnp.where(inside & ~later, found, at.below),
+            inside=inside,
+            tries=at.tries + 1,
+            ended=inside & (at.high - at.low <= EVENT_S),
+        )
+
+    def going(at: _March) -> Bool[Array, ""]:
+        known = jnp.all(jnp.isfinite(at.z))
+        return ~at.ended & known & (at.time < LONGEST_STEP_S) & (at.tries < _MOST_TRIES)
+
+    zero, no = jnp.zeros(()), jnp.asarray(False)
+    none = jnp.zeros((), jnp.int32)
+    start = _March(z, zero, falling(z), zero, jnp.asarray(STEP_S), zero, no, none, no)
+    at = jax.lax.while_loop(going, advance, start)
+    last = step(DOPRI5, zd.zdot, at.z, at.high)
+    return Flow(jnp.where(at.ended, last, at.z), at.time + at.ended * at.high, at.ended)

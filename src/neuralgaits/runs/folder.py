@@ -30,7 +30,7 @@ NAN, NAN_STATE = "nan.json", "nan.safetensors"
 """Of a training that ended in NaN: where it did, and the last good state before."""
 _LAYOUT = {"copies": table_of(TEXT), "written_by": may(table_of(TEXT)), "created_utc": may(TEXT)}
 """Of a config: what is written here. The rest is the business of the stages."""
-LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "diffrax", "mujoco", "numpy")
+LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "mujoco", "numpy")
 
 Tree = TypeVar("Tree")
 

@@ -28,7 +28,6 @@ from neuralgaits.errors import InputError, SpecError
 from neuralgaits.interpreters import Program
 from neuralgaits.interpreters.prune import prune
 from neuralgaits.runs import plain
-from neuralgaits.workflows.certificate_figure import write_map
 from neuralgaits.workflows.certificate_reader import MAP, hashes
 from neuralgaits.workflows.certify_full_order import FILE, certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
@@ -240,6 +239,9 @@ def _written(
         margin = min(claimed) if len(claimed) == len(roots) else None
         verdicts[condition.name] = judge(condition.name, roots, margin)
         own += [pair for pair in roots if pair not in own]
+    # Drawing takes longer to import than small proofs take.
+    from neuralgaits.workflows.certificate_figure import write_map
+
     more: dict[str, Any] = {
         "map": write_map(run, [p for p, _ in own], [s for _, s in own], run.path / FOLDER),
         "proof": proof if statements else None,

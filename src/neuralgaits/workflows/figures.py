@@ -25,7 +25,8 @@ from neuralgaits.report import (
     stride,
 )
 from neuralgaits.report.data import GaitData, MeasuredWalk
-from neuralgaits.report.figure import Drawn, Missing, write
+from neuralgaits.report.drawn import Drawn, Missing
+from neuralgaits.report.figure import write
 from neuralgaits.report.shapes import ROUNDS
 from neuralgaits.runs.commands import command, learning, named
 from neuralgaits.runs.folder import refuse_misshapen

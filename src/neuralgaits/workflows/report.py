@@ -8,7 +8,7 @@ from typing import Any
 
 from neuralgaits.certificate.check import ASSUMPTIONS
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.report.figure import Drawn, Missing
+from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import MOST_BYTES, document
 from neuralgaits.report.page.saved import Contents, Saved, read

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from neuralgaits.report import again
-from neuralgaits.report.figure import Drawn, Missing
+from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,

@@ -12,7 +12,7 @@ from neuralgaits.report.certificate import (
     SUMMARY,
     proved_level,
 )
-from neuralgaits.report.figure import Drawn, Missing
+from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, learning, named, resuming

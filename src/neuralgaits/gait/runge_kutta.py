@@ -1,0 +1,58 @@
+"""One step of an explicit Runge-Kutta method, the rate traced once however many stages it has."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Float, Scalar, ZeroState
+
+
+class Tableau(NamedTuple):
+    """Coefficients of a method for rates that do not depend on time."""
+
+    stages: Float[np.ndarray, "s s"]
+    """What each stage takes of the slopes before it. [s, s]"""
+    weights: Float[np.ndarray, " s"]
+    """What the step takes of all slopes. [s]"""
+
+
+def _lower(*rows: tuple[float, ...]) -> Float[np.ndarray, "s s"]:
+    """A lower triangular matrix with a first row of zeros."""
+    size = len(rows) + 1
+    return np.array([[0.0] * size, *([*row, *[0.0] * (size - len(row))] for row in rows)])
+
+
+RK4 = Tableau(
+    _lower((0.5,), (0.0, 0.5), (0.0, 0.0, 1.0)),
+    np.array([1.0, 2.0, 2.0, 1.0]) / 6.0,
+)
+"""The classical method of fourth order."""
+DOPRI5 = Tableau(
+    _lower(
+        (1 / 5,),
+        (3 / 40, 9 / 40),
+        (44 / 45, -56 / 15, 32 / 9),
+        (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+        (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    ),
+    np.array([35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84]),
+)
+"""Fifth order. Source: Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26."""
+
+
+def step(
+    method: Tableau, rate: Callable[[ZeroState], ZeroState], z: ZeroState, span: Scalar
+) -> ZeroState:
+    """The state after a time `span` (s). Returns: [2]."""
+
+    def stage(slopes, given):
+        number, taken = given
+        return slopes.at[number].set(rate(z + span * (taken @ slopes))), None
+
+    numbers = jnp.arange(len(method.weights))
+    none = jnp.zeros((len(method.weights), z.shape[0]), z.dtype)
+    slopes, _ = jax.lax.scan(stage, none, (numbers, jnp.asarray(method.stages, z.dtype)))
+    return z + span * (jnp.asarray(method.weights, z.dtype) @ slopes)
