@@ -53,7 +53,7 @@ def caption(data: GaitData, walk: MeasuredWalk | None, level: int) -> str:
     elif level == 2:
         text += f"No such walk that begins in {where} leaves it: that is proved"
     else:
-        text += "The gait is made for the blue tube; that nothing leaves it is not proved yet"
+        text += "The gait is made for the blue tube; that nothing leaves it is not proved"
     return text + (f". Black dots were measured ({walk.source})." if walk else ".")
 
 

@@ -120,5 +120,5 @@ def _video() -> Finding:
 
 def _compiler() -> Finding:
     path = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
-    fix = "only if you want to compile C: install gcc or clang"
+    fix = "for walks at MuJoCo's own speed, install gcc or clang, or what the extra `compiler` has"
     return _finding(path is not None, path or "no C compiler", fix, needed=False)

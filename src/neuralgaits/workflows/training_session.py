@@ -1,6 +1,7 @@
 """One training on disk: checkpoints while it runs, a whole run folder when it ends."""
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -69,9 +70,12 @@ class TrainingSession:
         )
         state = self._start(trainer, gait)
         compiling = time.perf_counter()
-        trainer.validate(state)
-        if not trainer.done(state):
-            jax.block_until_ready(trainer.step(state))
+        # Two programs to compile and at least two cores: results are thrown away.
+        with ThreadPoolExecutor(1) as beside:
+            validated = beside.submit(trainer.validate, state)
+            if not trainer.done(state):
+                jax.block_until_ready(trainer.step(state))
+            validated.result()
         training = time.perf_counter()
         steps = GradientSteps(self.folder, self.spec, self.progress)
         steps.forget_after(int(state.step))
