@@ -40,18 +40,23 @@ def statements_taken_as_checked() -> Iterator[None]:
 def traced_once(known: Traced) -> Iterator[None]:
     """Runs are traced in this process, each with its parameters once for all forgeries.
 
-    And a Program is read once: most forgeries leave it as it was, to the last character. Not for a
-    run whose code is hostile.
+    And a Program is read once, which most forgeries leave as it was. Not for a run whose code is
+    hostile.
     """
     traces = {sets: "trace_certificate", full_order: "trace_full_order"}
     with ExitStack() as stack:
-        stack.enter_context(
-            mock.patch.object(claims, "_program", _read_once(claims._program, known))
-        )
+        stack.enter_context(programs_read_once(known))
         stack.enter_context(mock.patch.object(retrace, "ask", _here))
         for module, name in traces.items():
             trace = _once(getattr(module, name), known)
             stack.enter_context(mock.patch.object(module, name, trace))
+        yield
+
+
+@contextmanager
+def programs_read_once(known: Traced) -> Iterator[None]:
+    """Proofs that have the same Program, to the last character, share the one that was read."""
+    with mock.patch.object(claims, "_program", _read_once(claims._program, known)):
         yield
 
 
