@@ -12,6 +12,7 @@ import pytest
 from batched import batched
 from floating_base import FloatingBase, motor_controls
 
+from neuralgaits._types import Array
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped, dynamics
 
@@ -30,7 +31,7 @@ def assert_close(ours: np.ndarray, reference: np.ndarray, scale: float | None = 
 
 
 @batched
-def in_mujoco(robot: PlanarBiped, q: jax.Array, dq: jax.Array) -> tuple[jax.Array, ...]:
+def in_mujoco(robot: PlanarBiped, q: Array, dq: Array) -> tuple[Array, ...]:
     """What MuJoCo knows as well."""
     return (
         robot.mass_matrix(q),
@@ -44,16 +45,14 @@ def in_mujoco(robot: PlanarBiped, q: jax.Array, dq: jax.Array) -> tuple[jax.Arra
 
 
 @batched
-def forced(
-    robot: PlanarBiped, q: jax.Array, dq: jax.Array, torque: jax.Array
-) -> tuple[jax.Array, jax.Array]:
+def forced(robot: PlanarBiped, q: Array, dq: Array, torque: Array) -> tuple[Array, Array]:
     """Acceleration, and the ground's force with it."""
     ddq = robot.acceleration(q, dq, torque)
     return ddq, robot.ground_reaction_force(q, dq, ddq)
 
 
 @batched
-def held_and_slope(robot: PlanarBiped, q: jax.Array) -> tuple[jax.Array, jax.Array]:
+def held_and_slope(robot: PlanarBiped, q: Array) -> tuple[Array, Array]:
     """The bias at rest, and the slope of potential energy."""
     return robot.bias(q, jnp.zeros(robot.n)), jax.grad(robot.potential_energy)(q)
 
@@ -62,7 +61,7 @@ mass_matrix = batched(PlanarBiped.mass_matrix)
 
 
 @batched
-def power(robot: PlanarBiped, position: jax.Array, rate: jax.Array) -> tuple[jax.Array, jax.Array]:
+def power(robot: PlanarBiped, position: Array, rate: Array) -> tuple[Array, Array]:
     """What dD/dt gives and what the bias takes."""
     _, mass_rate = jax.jvp(robot.mass_matrix, (position,), (rate,))
     return rate @ (mass_rate @ rate), 2.0 * rate @ robot.bias(position, rate)
