@@ -1,6 +1,7 @@
 """Derivative of the return map and the orbit, against integration and finite differences."""
 
 from dataclasses import replace
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -17,6 +18,9 @@ from neuralgaits.certificate.return_map import slope
 from neuralgaits.workflows.sets import fences_of, look_at
 
 STEPS = 200
+QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+"""Compiling takes longer than the runs."""
+quick = partial(jax.jit, compiler_options=QUICK)
 
 
 @pytest.fixture(scope="module")
@@ -56,21 +60,29 @@ def test_the_derivative_is_that_of_the_integrated_return_map(trained, flow):
     gait, zd = trained.gait, trained.zero_dynamics
     low, high = gait.tube.fences(jnp.array(0.5))
 
+    @quick
+    def landed(zeta):
+        """At the guard: phase and zeta after the robot's own reset, and what is said of it."""
+        z = return_map.state(gait, jnp.array(1.0), zeta)
+        after = zd.reset(z)
+        said = return_map.landing(gait, zd, jnp.stack([jnp.array(1.0), gait.level(z)]))
+        return gait.phase(after[0]), 0.5 * after[1] ** 2, said
+
     def stride(zeta):
-        """From mid-step to the next: the robot's own reset, where the foot meets the ground."""
-        after = zd.reset(return_map.state(gait, jnp.array(1.0), flow(0.5, 1.0, zeta)[0]))
-        return float(flow(gait.phase(after[0]), 0.5, 0.5 * after[1] ** 2)[0])
+        """From mid-step to the next, where the foot meets the ground."""
+        phase, after, _ = landed(flow(0.5, 1.0, zeta)[0])
+        return float(flow(phase, 0.5, after)[0])
+
+    def derivative(zeta):
+        before = flow(0.5, 1.0, zeta)
+        said = landed(before[0])[2]
+        parting = before[1] + flow(said.phase, 0.5, said.zeta)[1]
+        return float(said.gain * jnp.exp(parting))
 
     for level in (0.2, 0.8):
         zeta, step = low + level * (high - low), 1e-3 * (high - low)
         difference = (stride(zeta + step) - stride(zeta - step)) / (2.0 * float(step))
-        before = flow(0.5, 1.0, zeta)
-        u = jnp.stack(
-            [jnp.array(1.0), gait.level(return_map.state(gait, jnp.array(1.0), before[0]))]
-        )
-        landed = return_map.landing(gait, zd, u)
-        parting = before[1] + flow(landed.phase, 0.5, landed.zeta)[1]
-        assert float(landed.gain * jnp.exp(parting)) == pytest.approx(difference, rel=1e-5)
+        assert derivative(zeta) == pytest.approx(difference, rel=1e-5)
 
 
 def test_the_gain_does_not_depend_on_where_the_guard_lies_in_phase(trained):
@@ -80,10 +92,11 @@ def test_the_gain_does_not_depend_on_where_the_guard_lies_in_phase(trained):
     gait = Gait(policy, Tube.between_energies(robot, (0.3, 0.6), height=0.9, span=(-0.17, 0.17)))
     zd = ng.ZeroDynamics(robot, policy)
     u = jnp.array([0.97, 0.4])
-    point = zd.point(gait.z(u))
-    target = point.foot[1]  # A guard {foot height = target} through this very point.
-    start = jnp.stack([u[0], 0.5 * gait.z(u)[1] ** 2])
+    # A guard {foot height = target} through this very point.
+    target, z = quick(lambda u: (zd.point(gait.z(u)).foot[1], gait.z(u)))(u)
+    start = jnp.stack([u[0], 0.5 * z[1] ** 2])
 
+    @quick
     def after_crossing(zeta):
         """Reset of where the trajectory through (u[0], zeta) meets that guard, at one phase."""
         pair = jnp.stack([start[0], zeta])
@@ -98,11 +111,12 @@ def test_the_gain_does_not_depend_on_where_the_guard_lies_in_phase(trained):
         return gait.phase(z[0]), 0.5 * z[1] ** 2
 
     phase, zeta = after_crossing(start[1])
-    behind = return_map.slope(gait, zd.point(return_map.state(gait, phase, zeta)))
+    state = partial(return_map.state, gait)
+    behind = quick(lambda *at: return_map.slope(gait, zd.point(state(*at))))(phase, zeta)
     step = 1e-4 * start[1]
     up, down = after_crossing(start[1] + step), after_crossing(start[1] - step)
     moved = [(a - b) / (2 * step) for a, b in zip(up, down, strict=True)]
-    gain = return_map.landing(gait, zd, u).gain
+    gain = quick(lambda u: return_map.landing(gait, zd, u).gain)(u)
     assert float(gain) == pytest.approx(float(moved[1] - behind * moved[0]), rel=1e-5)
 
 
@@ -141,12 +155,20 @@ def test_nested_tubes_narrow_as_fast_as_the_flow_says(trained, look):
         low, high = thin.tube.fences(phase)
         return (2.0 * zeta - low - high) / (high - low)
 
+    @quick
+    def both(u):
+        """By side of the orbit: the rate by differences, and what is said of it."""
+        rates = []
+        for side in (0, 1):
+            fence, far = thin.tube.fences(u[0])[side], gait.tube.fences(u[0])[side]
+            zeta = fence + u[1] * (far - fence)
+            f = slope(gait, zd.point(return_map.state(gait, u[0], zeta)))
+            step = 1e-5
+            logs = [jnp.log(jnp.abs(distance(u[0] + h, zeta + h * f))) for h in (step, -step)]
+            rates.append((logs[1] - logs[0]) / (2 * step))
+        said = margins(gait, zd, orbit, u)
+        return rates, (said["orbit/nested-below"], said["orbit/nested-above"])
+
     for u, side in ((jnp.array([0.3, 0.7]), 1), (jnp.array([0.8, 0.2]), 0)):
-        fence, far = thin.tube.fences(u[0])[side], gait.tube.fences(u[0])[side]
-        zeta = fence + u[1] * (far - fence)
-        f = slope(gait, zd.point(return_map.state(gait, u[0], zeta)))
-        step = 1e-5
-        logs = [jnp.log(jnp.abs(distance(u[0] + h, zeta + h * f))) for h in (step, -step)]
-        rate = float(logs[1] - logs[0]) / (2 * step)
-        name = "orbit/nested-above" if side else "orbit/nested-below"
-        assert float(margins(gait, zd, orbit, u)[name]) == pytest.approx(rate, rel=1e-5)
+        rates, said = both(u)
+        assert float(said[side]) == pytest.approx(float(rates[side]), rel=1e-5)

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 import neuralgaits
+from neuralgaits.cli.main import main
 
 TRAIN_FIELDS = {"run", "robot", "spec", "seed", "steps", "loss", "conditions"}
 TRAIN_FIELDS |= {"compile_s", "train_s", "wall_s"}
@@ -65,13 +66,20 @@ def test_simulate_answers_by_its_exit_code(
     assert (result["steps_walked"] == [3]) is not falls
 
 
-def test_a_second_run_does_not_touch_the_first(trained: tuple[Path, dict[str, Any]]) -> None:
+def test_a_second_run_does_not_touch_the_first(
+    trained: tuple[Path, dict[str, Any]],
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """Asked in this process: exit codes of refusals in one of their own are tested beside this."""
     folder, result = trained
+    monkeypatch.chdir(folder)
     run = folder / result["run"]
     before = {path.name: path.read_bytes() for path in run.iterdir() if path.is_file()}
     for words in (("--out", str(run)), ("--resume", str(run))):
-        code, nothing, errors = _call(folder, "train", "amber3m", *words)
-        assert (code, nothing) == (2, None)
-        assert errors.count("\n") == 1
+        code = main(["train", "amber3m", *words, "--json"])
+        told = capfd.readouterr()
+        assert (code, told.out) == (2, "")
+        assert told.err.count("\n") == 1
     after = {path.name: path.read_bytes() for path in run.iterdir() if path.is_file()}
     assert after == before

@@ -1,3 +1,5 @@
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,6 +9,10 @@ from neuralgaits.control import PAPER, Fblin, Pd
 from neuralgaits.control.law import Reading
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait import BezierPolicy
+
+QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+"""Compiling takes longer than the runs."""
+quick = partial(jax.jit, compiler_options=QUICK)
 
 
 def reading_of(robot, q, dq):
@@ -37,13 +43,16 @@ def test_fblin_makes_the_outputs_a_critically_damped_oscillator(robot, rng):
 
     for _ in range(2):
         policy, q, dq = a_case(robot, rng)
-        reading = reading_of(robot, q, dq)
-        torque = law.torque(robot, reading, law.desired(robot, policy, reading))
-        ddq = robot.acceleration(q, dq, torque)
-        # The outputs' acceleration, by differentiating along the full dynamics.
-        (y, dy), (moved, ddy) = jax.jvp(
-            lambda q, dq, policy=policy: rates(policy, q, dq), (q, dq), (dq, ddq)
-        )
+
+        @quick
+        def along(q, dq, policy=policy):
+            """The outputs' acceleration, by differentiating along the full dynamics."""
+            reading = reading_of(robot, q, dq)
+            torque = law.torque(robot, reading, law.desired(robot, policy, reading))
+            ddq = robot.acceleration(q, dq, torque)
+            return ddq, *jax.jvp(lambda *at: rates(policy, *at), (q, dq), (dq, ddq))
+
+        ddq, (y, dy), (moved, ddy) = along(q, dq)
         np.testing.assert_allclose(moved, dy, atol=1e-9)
         scale = 1.0 + float(jnp.max(jnp.abs(ddq)))
         np.testing.assert_allclose(ddy, -49.0 * y - 14.0 * dy, atol=1e-9 * scale)

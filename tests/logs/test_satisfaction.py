@@ -1,6 +1,7 @@
 """Conditions judged on logs: against states whose place in the tube is known from the chart."""
 
 from dataclasses import replace
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +13,12 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Log
 from neuralgaits.logs.satisfaction import satisfaction
 
+QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+"""Compiling takes longer than the runs."""
+quick = partial(jax.jit, compiler_options=QUICK)
 COUNT = 40
+MOST = 4 * COUNT
+"""Charts of a log at most."""
 
 
 @pytest.fixture(scope="module")
@@ -25,13 +31,25 @@ def gait(amber, spec):
     return spec.new_gait(jax.random.key(0), "posture", None)
 
 
-@pytest.fixture
-def log_at(amber, gait):
-    """A log, long after any touchdown, whose rows are the zero dynamics states at these charts."""
+@pytest.fixture(scope="module")
+def state_at(amber, gait):
+    """Full states at charts, by one compiled shape."""
     zd = ZeroDynamics(amber, gait.policy)
+    lift = quick(jax.vmap(lambda u: zd.phi_inv(gait.z(u))))
+
+    def at(charts):
+        padding = ((0, MOST - len(charts)), (0, 0))
+        return np.asarray(lift(np.pad(np.asarray(charts), padding, mode="edge")))[: len(charts)]
+
+    return at
+
+
+@pytest.fixture
+def log_at(amber, state_at):
+    """A log, long after any touchdown, whose rows are the zero dynamics states at these charts."""
 
     def make(charts):
-        x = np.asarray(jax.vmap(lambda u: zd.phi_inv(gait.z(u)))(np.asarray(charts)))
+        x = state_at(charts)
         # The first rows settle and are not judged.
         x = np.concatenate([np.repeat(x[:1], 30, axis=0), x])
         rows, m = len(x), amber.n - 1
@@ -78,16 +96,20 @@ def test_a_condition_is_judged_as_on_the_zero_dynamics_where_the_robot_is_on_the
     zd = ZeroDynamics(amber, device.policy)
     judged = log.t >= 0.02
     charts = np.concatenate([np.repeat(charts[:1], 30, axis=0), charts])[judged]
-    for name in ("foot-ceiling", "forward", "foot-rises"):
-        condition = next(c for c in spec.conditions if c.name == name)
+    names = ("foot-ceiling", "forward", "foot-rises")
+    chosen = [next(c for c in spec.conditions if c.name == name) for name in names]
+
+    def held(u):
+        point = zd.point(device.z(u))
+        return jnp.stack([jnp.all(c.margins(device, zd, point) >= 0.0) for c in chosen])
+
+    judgement = np.asarray(quick(jax.vmap(held))(jnp.asarray(charts)))
+    for condition, holds in zip(chosen, judgement.T, strict=True):
         (box,) = spec.regions[condition.region]
         due = (charts[:, 0] >= box.low[0]) & (charts[:, 0] <= box.high[0])
-
-        def held(u, condition=condition):
-            return jnp.all(condition.margins(device, zd, zd.point(device.z(u))) >= 0.0)
-
-        expected = float(np.mean(jax.vmap(held)(jnp.asarray(charts[due]))))
-        assert found.conditions[name] == pytest.approx(expected, abs=1e-12), name
+        expected = float(np.mean(holds[due]))
+        found_there = found.conditions[condition.name]
+        assert found_there == pytest.approx(expected, abs=1e-12), condition.name
 
 
 def test_forces_and_impacts_are_not_judged_because_no_log_holds_them(amber, gait, spec, log_at):

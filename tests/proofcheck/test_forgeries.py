@@ -24,13 +24,14 @@ LEAST_KINDS = 45
 
 
 @pytest.fixture(scope="module")
-def base(tmp_path_factory):
-    return runs.make(tmp_path_factory.mktemp("forgeries"))
+def traced():
+    return {}
 
 
 @pytest.fixture(scope="module")
-def traced():
-    return {}
+def base(traced, tmp_path_factory):
+    with traced_once(traced):
+        return runs.make(tmp_path_factory.mktemp("forgeries"))
 
 
 def test_what_is_forged_is_true(proofcheck, base, traced, tmp_path):

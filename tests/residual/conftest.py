@@ -43,9 +43,10 @@ def walked(zd):
 
     def make(epsilon, starts, samples=3):
         times, states, owners = [], [], []
+        missing = jax.jit(epsilon)
         for owner, start in enumerate(starts):
             solution = solve_ivp(
-                lambda t, z: np.asarray(omega(z)) + np.asarray(epsilon(z)),
+                lambda t, z: np.asarray(omega(z)) + np.asarray(missing(z)),
                 (0.0, 1.0),
                 start,
                 method="DOP853",

@@ -33,7 +33,7 @@ def test_a_planted_residual_is_recovered_in_the_region_visited(zd, data, walked)
     config = FitConfig(steps=1500)
     epsilon, _ = fit(Fitter.build(zd, train, validation, SCALE, config=config))
     visited = walked(planted, fresh).z[:, 0]
-    true, found = jax.vmap(planted)(visited), jax.vmap(epsilon)(visited)
+    true, found = jax.jit(jax.vmap(lambda z: (planted(z), epsilon(z))))(visited)
     error = np.sqrt(np.mean((found - true) ** 2, axis=0))
     size = np.sqrt(np.mean(true**2, axis=0))
     assert np.all(error <= 0.05 * size)
@@ -63,7 +63,7 @@ def test_what_a_residual_leaves_is_bounded_by_the_largest_defect(zd, data):
     # Three quarters of the planted rate are known: a quarter is left.
     train = data[0]
     left = largest_defects(missed(zd, lambda z: 0.75 * planted(z), train))
-    size = np.abs(jax.vmap(planted)(train.z[:, 0])).max(axis=0)
+    size = np.abs(jax.jit(jax.vmap(planted))(train.z[:, 0])).max(axis=0)
     np.testing.assert_allclose(left, 0.25 * size, rtol=0.05)
 
 

@@ -14,6 +14,7 @@ import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
+from batched import batched
 
 from neuralgaits._types import Coordinates
 from neuralgaits.control.measurement import coordinates, leg_joints
@@ -52,9 +53,9 @@ class FloatingBase:
         mujoco.mj_fwdVelocity(self.model, self.data)
 
     def mass_matrix(self) -> np.ndarray:
-        columns = np.zeros((self.model.nv, self.model.nv))
+        columns, axes = np.zeros((self.model.nv, self.model.nv)), np.eye(self.model.nv)
         for i in range(self.model.nv):
-            mujoco.mj_mulM(self.model, self.data, columns[i], np.eye(self.model.nv)[i])
+            mujoco.mj_mulM(self.model, self.data, columns[i], axes[i])
         return columns
 
     def resistance(self) -> np.ndarray:
@@ -88,9 +89,10 @@ class FloatingBase:
     def pinned(self, q: np.ndarray, dq: np.ndarray, stance: int) -> Pinned:
         """Dynamics with the stance foot pinned: qvel = E dq, qacc = E ddq + drift."""
         n = len(q)
-        _, columns = self.states.to_mjcf(np.tile(q, (n, 1)), np.eye(n), stance)
-        embedding = columns.T
-        self.place(*self.states.to_mjcf(q, dq, stance))
+        rates = np.concatenate([np.eye(n), dq[None]])
+        qpos, qvel = self.states.to_mjcf(np.tile(q, (n + 1, 1)), rates, stance)
+        embedding = qvel[:n].T
+        self.place(qpos[n], qvel[n])
         mass = self.mass_matrix()
         drift = np.zeros(self.model.nv)
         drift[self.states.root[:2]] = -self.foot(stance)[2]
@@ -106,22 +108,28 @@ def read_back(
     robot: PlanarBiped, states: StateMap, qpos: np.ndarray, qvel: np.ndarray, stance: Any
 ) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and rates as the controller reads them. States may have one batch axis."""
+    if qpos.ndim == 1:
+        q, dq = read_back(robot, states, qpos[None], qvel[None], stance)
+        return q[0], dq[0]
+    legs = np.broadcast_to(np.asarray(stance), len(qpos))
+    return _coordinates(robot, states.sensors(qpos, qvel), legs)
 
-    def one(sensors: Sensors, leg: Any) -> tuple[Coordinates, Coordinates]:
-        still = jnp.zeros(2)
-        return coordinates(robot, measure(sensors, still, jnp.zeros(()), still), leg)
 
-    read = jax.vmap(one) if qpos.ndim > 1 else one
-    q, dq = read(jax.tree.map(jnp.asarray, states.sensors(qpos, qvel)), jnp.asarray(stance))
-    return np.asarray(q), np.asarray(dq)
+@batched
+def _coordinates(robot: PlanarBiped, sensors: Sensors, leg: Any) -> tuple[Coordinates, Coordinates]:
+    still = jnp.zeros(2)
+    return coordinates(robot, measure(sensors, still, jnp.zeros(()), still), leg)
 
 
 def motor_controls(
-    robot: PlanarBiped, states: StateMap, torque: np.ndarray, stance: int
+    robot: PlanarBiped, states: StateMap, torque: np.ndarray, stance: np.ndarray
 ) -> np.ndarray:
-    """Controls as the simulation sets them for torques on the actuated coordinates. [nu]."""
-    by_leg = leg_joints(robot, jnp.asarray(torque), jnp.asarray(stance))
-    return np.asarray(controls(states, by_leg))
+    """Controls as the simulation sets them for torques on the actuated coordinates. [..., nu]."""
+    by_leg = _leg_joints(robot, torque, stance)
+    return np.asarray(jax.vmap(lambda row: controls(states, row))(jnp.asarray(by_leg)))
+
+
+_leg_joints = batched(leg_joints)
 
 
 def plastic_impact(

@@ -9,8 +9,10 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
+from batched import batched
 from floating_base import FloatingBase, motor_controls
 
+from neuralgaits._types import Array
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped, dynamics
 
@@ -28,17 +30,46 @@ def assert_close(ours: np.ndarray, reference: np.ndarray, scale: float | None = 
     assert np.max(np.abs(ours - reference)) <= TOLERANCE * largest
 
 
+@batched
+def in_mujoco(robot: PlanarBiped, q: Array, dq: Array) -> tuple[Array, ...]:
+    """What MuJoCo knows as well."""
+    return (
+        robot.mass_matrix(q),
+        robot.bias(q, dq),
+        robot.swing_foot(q),
+        robot.centre_of_mass(q),
+        dynamics.swing_foot_velocity(robot, q, dq),
+        dynamics.centre_of_mass_velocity(robot, q, dq),
+        dynamics.angular_momentum(robot, q, dq),
+    )
+
+
+@batched
+def forced(robot: PlanarBiped, q: Array, dq: Array, torque: Array) -> tuple[Array, Array]:
+    """Acceleration, and the ground's force with it."""
+    ddq = robot.acceleration(q, dq, torque)
+    return ddq, robot.ground_reaction_force(q, dq, ddq)
+
+
+@batched
+def held_and_slope(robot: PlanarBiped, q: Array) -> tuple[Array, Array]:
+    """The bias at rest, and the slope of potential energy."""
+    return robot.bias(q, jnp.zeros(robot.n)), jax.grad(robot.potential_energy)(q)
+
+
+mass_matrix = batched(PlanarBiped.mass_matrix)
+
+
+@batched
+def power(robot: PlanarBiped, position: Array, rate: Array) -> tuple[Array, Array]:
+    """What dD/dt gives and what the bias takes."""
+    _, mass_rate = jax.jvp(robot.mass_matrix, (position,), (rate,))
+    return rate @ (mass_rate @ rate), 2.0 * rate @ robot.bias(position, rate)
+
+
 def test_agrees_with_mujoco(robot: PlanarBiped) -> None:
     q, dq = random_states(robot, STATES)
-    mass = np.asarray(jax.vmap(robot.mass_matrix)(q))
-    bias = np.asarray(jax.vmap(robot.bias)(q, dq))
-    foot = np.asarray(jax.vmap(robot.swing_foot)(q))
-    com = np.asarray(jax.vmap(robot.centre_of_mass)(q))
-    foot_rate = np.asarray(jax.vmap(lambda a, b: dynamics.swing_foot_velocity(robot, a, b))(q, dq))
-    com_rate = np.asarray(
-        jax.vmap(lambda a, b: dynamics.centre_of_mass_velocity(robot, a, b))(q, dq)
-    )
-    momentum = np.asarray(jax.vmap(lambda a, b: dynamics.angular_momentum(robot, a, b))(q, dq))
+    mass, bias, foot, com, foot_rate, com_rate, momentum = in_mujoco(robot, q, dq)
     base = FloatingBase.of(robot)
     for i in range(STATES):
         stance = i % 2
@@ -60,17 +91,17 @@ def test_forward_dynamics_and_ground_force_solve_the_floating_base(robot: Planar
     count = 50
     q, dq = random_states(robot, count, seed=1)
     torque = np.random.default_rng(2).normal(0.0, 30.0, (count, robot.n - 1))
-    ddq = np.asarray(jax.vmap(robot.acceleration)(q, dq, torque))
-    force = np.asarray(jax.vmap(robot.ground_reaction_force)(q, dq, ddq))
+    ddq, force = forced(robot, q, dq, torque)
     base = FloatingBase.of(robot)
     # The file's own torque limits are not what is tested here.
     base.model.actuator_ctrllimited[:] = 0
     base.model.actuator_forcelimited[:] = 0
+    ctrl = motor_controls(robot, base.states, torque, np.arange(count) % 2)
     for i in range(count):
         stance = i % 2
         pinned = base.pinned(q[i], dq[i], stance)
         acceleration = pinned.embedding @ ddq[i] + pinned.drift
-        base.data.ctrl[:] = motor_controls(robot, base.states, torque[i], stance)
+        base.data.ctrl[:] = ctrl[i]
         needed = base.mass_matrix() @ acceleration + base.resistance()
         pushed = actuator_force(base) + base.foot(stance)[1].T @ force[i]
         assert_close(pushed, needed)
@@ -83,7 +114,7 @@ def actuator_force(base: FloatingBase) -> np.ndarray:
 
 def test_mass_matrix_is_symmetric_positive_definite(robot: PlanarBiped) -> None:
     q, _ = random_states(robot, 200)
-    mass = np.asarray(jax.vmap(robot.mass_matrix)(q))
+    mass = mass_matrix(robot, q)
     assert np.max(np.abs(mass - mass.transpose(0, 2, 1))) <= 1e-14 * np.max(mass)
     assert np.min(np.linalg.eigvalsh(mass)) > 0.0
 
@@ -92,20 +123,12 @@ def test_coriolis_terms_do_no_work(robot: PlanarBiped) -> None:
     """The power dq . (dD/dt - 2 C) dq is 0, with C dq the bias without gravity and friction."""
     bare = eqx.tree_at(lambda r: (r.gravity, r.damping), robot, (np.zeros(()), np.zeros(robot.n)))
     q, dq = random_states(robot, 100)
-
-    def power(position: jax.Array, rate: jax.Array) -> tuple[jax.Array, jax.Array]:
-        _, mass_rate = jax.jvp(bare.mass_matrix, (position,), (rate,))
-        return rate @ (mass_rate @ rate), 2.0 * rate @ bare.bias(position, rate)
-
-    gained, spent = jax.vmap(power)(jnp.asarray(q), jnp.asarray(dq))
-    assert_close(np.asarray(gained), np.asarray(spent))
+    assert_close(*power(bare, q, dq))
 
 
 def test_gravity_is_the_slope_of_potential_energy(robot: PlanarBiped) -> None:
     q, _ = random_states(robot, 100)
-    slope = np.asarray(jax.vmap(jax.grad(robot.potential_energy))(jnp.asarray(q)))
-    held = np.asarray(jax.vmap(lambda a: robot.bias(a, jnp.zeros(robot.n)))(q))
-    assert_close(held, slope)
+    assert_close(*held_and_slope(robot, q))
 
 
 def test_energy_is_conserved_and_the_step_has_order_four(few: PlanarBiped) -> None:

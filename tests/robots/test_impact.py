@@ -6,18 +6,22 @@
 import json
 from pathlib import Path
 
-import jax
 import mujoco
 import numpy as np
 import pytest
+from batched import batched
 from floating_base import FloatingBase, plastic_impact, read_back
 
-from neuralgaits._types import Array
 from neuralgaits.robots import PlanarBiped, dynamics, load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.robots.mjcf_state import StateMap
 
 GAITS = json.loads((Path(__file__).parents[1] / "data" / "amber3m_gaits.json").read_text())["gaits"]
+IMPACT = batched(PlanarBiped.impact)
+FOOT = batched(PlanarBiped.swing_foot)
+ENERGY = batched(PlanarBiped.kinetic_energy)
+MOMENTUM = batched(dynamics.angular_momentum)
+VELOCITY = batched(dynamics.centre_of_mass_velocity)
 
 
 def gait_robot(gait: dict) -> PlanarBiped:
@@ -41,46 +45,38 @@ def test_equals_the_floating_base_solve(robot: PlanarBiped) -> None:
     """State and impulse against a KKT solve of MuJoCo's mass matrix, legs relabelled by name."""
     count = 50
     q, dq = random_states(robot, count)
-    after = jax.vmap(robot.impact)(q, dq)
+    after = IMPACT(robot, q, dq)
     base = FloatingBase.of(robot)
-    for i in range(count):
-        stance = i % 2
-        qpos, qvel = base.states.to_mjcf(q[i], dq[i], stance)
-        qvel_after, impulse = plastic_impact(base, qpos, qvel, 1 - stance)
-        q_after, dq_after = read_back(robot, base.states, qpos, qvel_after, 1 - stance)
-        np.testing.assert_allclose(after.q[i], q_after, atol=1e-13)
-        np.testing.assert_allclose(after.dq[i], dq_after, atol=1e-10 * np.max(np.abs(dq_after)))
+    stance = np.arange(count) % 2
+    qpos, qvel = base.states.to_mjcf(q, dq, stance)
+    solved = [plastic_impact(base, qpos[i], qvel[i], 1 - stance[i]) for i in range(count)]
+    qvel_after = np.stack([velocity for velocity, _ in solved])
+    q_after, dq_after = read_back(robot, base.states, qpos, qvel_after, 1 - stance)
+    np.testing.assert_allclose(after.q, q_after, atol=1e-13)
+    for i, (_, impulse) in enumerate(solved):
+        largest = np.max(np.abs(dq_after[i]))
+        np.testing.assert_allclose(after.dq[i], dq_after[i], atol=1e-10 * largest)
         np.testing.assert_allclose(after.impulse[i], impulse, atol=1e-10 * np.max(np.abs(impulse)))
 
 
 def test_momentum_balances_and_energy_is_lost(robot: PlanarBiped) -> None:
     q, dq = random_states(robot, 200)
-    after = jax.vmap(robot.impact)(q, dq)
-
-    def momentum(position: Array, rate: Array) -> Array:
-        return dynamics.angular_momentum(robot, position, rate)
-
-    def velocity(position: Array, rate: Array) -> Array:
-        return dynamics.centre_of_mass_velocity(robot, position, rate)
-
-    before_z2 = np.asarray(jax.vmap(momentum)(q, dq))
-    after_z2 = np.asarray(jax.vmap(momentum)(after.q, after.dq))
-    foot = np.asarray(jax.vmap(robot.swing_foot)(q))
-    v_com = np.asarray(jax.vmap(velocity)(q, dq))
+    after = IMPACT(robot, q, dq)
+    before_z2, after_z2 = MOMENTUM(robot, q, dq), MOMENTUM(robot, after.q, after.dq)
+    foot, v_com = FOOT(robot, q), VELOCITY(robot, q, dq)
     moved = robot.mass * (foot[:, 0] * v_com[:, 1] - foot[:, 1] * v_com[:, 0])
     np.testing.assert_allclose(after_z2, before_z2 + moved, atol=1e-11 * np.max(np.abs(after_z2)))
-    gained = robot.mass * (np.asarray(jax.vmap(velocity)(after.q, after.dq)) - v_com)
+    gained = robot.mass * (VELOCITY(robot, after.q, after.dq) - v_com)
     np.testing.assert_allclose(after.impulse, gained, atol=1e-12 * np.max(np.abs(gained)))
-    energy = np.asarray(jax.vmap(robot.kinetic_energy)(q, dq))
-    assert np.all(np.asarray(jax.vmap(robot.kinetic_energy)(after.q, after.dq)) <= energy + 1e-12)
+    energy = ENERGY(robot, q, dq)
+    assert np.all(ENERGY(robot, after.q, after.dq) <= energy + 1e-12)
 
 
 def test_relabelling_swaps_legs_and_undoes_itself(robot: PlanarBiped) -> None:
     swap = robot.relabel
     np.testing.assert_array_equal(swap @ swap, np.eye(robot.n))
     q, _ = random_states(robot, 20)
-    there = np.asarray(jax.vmap(robot.swing_foot)(q))
-    back = np.asarray(jax.vmap(robot.swing_foot)(q @ swap.T))
+    there, back = FOOT(robot, q), FOOT(robot, q @ swap.T)
     np.testing.assert_allclose(back, -there, atol=1e-14)
 
 

@@ -1,13 +1,14 @@
 """The map between MuJoCo states and coordinates, against MuJoCo's own kinematics."""
 
-import jax
 import numpy as np
 import pytest
+from batched import batched
 from floating_base import FloatingBase, motor_controls, read_back
 
 from neuralgaits.robots import PlanarBiped
 
 COUNT = 20
+CENTRE = batched(PlanarBiped.centre_of_mass)
 
 
 def random_batch(robot: PlanarBiped) -> tuple[np.ndarray, ...]:
@@ -41,7 +42,7 @@ def test_changing_the_stance_leg_is_relabelling(robot: PlanarBiped) -> None:
 def test_agrees_with_mujoco_kinematics(robot: PlanarBiped) -> None:
     base = FloatingBase.of(robot)
     q, dq, stance, foot, velocity = random_batch(robot)
-    com = foot + np.asarray(jax.vmap(robot.centre_of_mass)(q))
+    com = foot + CENTRE(robot, q)
     qpos, qvel = base.states.to_mjcf(q, dq, stance, foot, velocity)
     sensors = base.states.sensors(qpos, qvel)
     for leg in (0, 1):
@@ -72,8 +73,7 @@ def test_controls_push_the_coordinates_they_name(robot: PlanarBiped) -> None:
     base = FloatingBase.of(robot)
     q, dq, stance, *_ = random_batch(robot)
     torque = np.random.default_rng(12).normal(size=(COUNT, robot.n - 1))
-    pairs = zip(torque, stance, strict=True)
-    ctrl = np.array([motor_controls(robot, base.states, *pair) for pair in pairs])
+    ctrl = motor_controls(robot, base.states, torque, stance)
     _, qvel = base.states.to_mjcf(q, dq, stance)
     gear = base.model.actuator_gear[:, 0]
     joint = base.model.actuator_trnid[:, 0]

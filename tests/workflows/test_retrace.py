@@ -27,16 +27,23 @@ print('{"verdict": "proved"}')
 """
 
 
-@pytest.fixture
-def certified_own(trained, tmp_path):
+@pytest.fixture(scope="module")
+def patching(trained, tmp_path_factory):
     """A run of a spec that holds, with its proof; then the spec is made to patch the checker."""
-    run = run_with(trained, tmp_path / "run", TEXT)
+    run = run_with(trained, tmp_path_factory.mktemp("own") / "run", TEXT)
     certify(run, level=1)
     file = run / "certificate" / "proof.json"
     table = json.loads(file.read_text())
     table["spec"]["sha256"] = replace_spec(run, TEXT + PATCH)
     file.write_text(json.dumps(table))
-    return run, file, table
+    return run, file
+
+
+@pytest.fixture
+def certified_own(patching):
+    """Run and proof, which nobody changes, and a table to change."""
+    run, file = patching
+    return run, file, json.loads(file.read_text())
 
 
 def test_a_spec_that_patches_the_checker_patches_nothing(certified_own, tmp_path, capfd):

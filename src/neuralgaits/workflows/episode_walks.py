@@ -178,13 +178,14 @@ def _at_speeds(run: Run, momentum: float, shares: Sequence[float]) -> Float[np.n
     """Full states of the model's zero dynamics at z1 = 0 with these shares of the momentum."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
     z = np.array([[0.0, share * momentum] for share in shares])
-    return np.asarray(jax.vmap(zd.phi_inv)(z))
+    return np.asarray(jax.jit(jax.vmap(zd.phi_inv))(z))
 
 
 def _speeds(run: Run, momentum: float, shares: Sequence[float]) -> list[float]:
     """dz1 at z1 = 0 with these shares of the momentum (m/s)."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
-    return [float(zd.zdot(np.array([0.0, share * momentum]))[0]) for share in shares]
+    z = np.array([[0.0, share * momentum] for share in shares])
+    return [float(speed) for speed in np.asarray(jax.jit(jax.vmap(zd.zdot))(z))[:, 0]]
 
 
 def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, float] | None:

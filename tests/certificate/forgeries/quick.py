@@ -1,5 +1,6 @@
 """What makes the Python checker quick where a forgery is one of structure."""
 
+import hashlib
 import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -10,6 +11,7 @@ from unittest import mock
 import jax
 import numpy as np
 
+from neuralgaits.certificate import claims
 from neuralgaits.certificate.statement_check import StatementCheck
 from neuralgaits.certificate.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError
@@ -38,14 +40,23 @@ def statements_taken_as_checked() -> Iterator[None]:
 def traced_once(known: Traced) -> Iterator[None]:
     """Runs are traced in this process, each with its parameters once for all forgeries.
 
-    Not for a run whose code is hostile.
+    And a Program is read once, which most forgeries leave as it was. Not for a run whose code is
+    hostile.
     """
     traces = {sets: "trace_certificate", full_order: "trace_full_order"}
     with ExitStack() as stack:
+        stack.enter_context(programs_read_once(known))
         stack.enter_context(mock.patch.object(retrace, "ask", _here))
         for module, name in traces.items():
             trace = _once(getattr(module, name), known)
             stack.enter_context(mock.patch.object(module, name, trace))
+        yield
+
+
+@contextmanager
+def programs_read_once(known: Traced) -> Iterator[None]:
+    """Proofs that have the same Program, to the last character, share the one that was read."""
+    with mock.patch.object(claims, "_program", _read_once(claims._program, known)):
         yield
 
 
@@ -55,6 +66,18 @@ def _here(run: Path, theorems: Theorems) -> dict[str, Any]:
         return json.loads(json.dumps(retrace.answer(run, theorems)))
     except (NeuralGaitsError, OSError) as error:
         raise InputError(str(error)) from None
+
+
+def _read_once(read: Callable, known: Traced) -> Callable:
+    """By a file's very text; what is refused is read and refused again."""
+
+    def program(given):
+        key = ("program", hashlib.sha256(repr(given).encode(errors="surrogatepass")).digest())
+        if key not in known:
+            known[key] = read(given)
+        return known[key]
+
+    return program
 
 
 def _once(trace: Callable, known: Traced) -> Callable:

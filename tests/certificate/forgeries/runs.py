@@ -12,16 +12,11 @@ from neuralgaits.certificate.full_order_theorem import premises
 from neuralgaits.certificate.proof import Proof
 from neuralgaits.certificate.theorem_tables import Theorems
 from neuralgaits.runs import plain
+from neuralgaits.workflows import full_order
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.certify_full_order import certify_full_order
 from neuralgaits.workflows.demo import FOLDER
-from neuralgaits.workflows.full_order import (
-    BANDWIDTH,
-    SHARES,
-    looks_of,
-    model_of,
-    trace_full_order,
-)
+from neuralgaits.workflows.full_order import BANDWIDTH, SHARES, looks_of, model_of
 from neuralgaits.workflows.proof_of import proof_of
 from neuralgaits.workflows.run import Run, open_run
 
@@ -98,7 +93,7 @@ def full_order_table(run: Run) -> Table:
     model = model_of(run)
     shape = find_full_order(looks_of(model), model.names, BANDWIDTH, SHARES[0])
     assert not isinstance(shape, str), shape
-    program = trace_full_order(model, shape)
+    program = full_order.trace_full_order(model, shape)
     theorems = Theorems(full=shape, claimed=(4,))
     proof: Proof = proof_of(run, program, (), theorems, None)
     place = run.path / FULL_ORDER

@@ -1,0 +1,31 @@
+"""Functions of a robot and a state over many states, compiled once for all robots of a size."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any, cast
+
+import jax
+import numpy as np
+
+from neuralgaits.robots import PlanarBiped
+
+QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+"""Compiling takes longer than the runs."""
+
+
+def batched(function: Callable[..., Any]) -> Callable[..., Any]:
+    """`function(robot, *one state)` as a function of states with one batch axis, in NumPy."""
+
+    def many(robot: PlanarBiped, *states: Any) -> Any:
+        return jax.vmap(partial(function, robot))(*states)
+
+    run = jax.jit(many, compiler_options=QUICK)
+    return lambda robot, *states: jax.tree.map(np.asarray, run(unnamed(robot), *states))
+
+
+def unnamed(robot: PlanarBiped) -> PlanarBiped:
+    """The robot's numbers: names and the file's layout are in no formula, and differ."""
+    blank = ("",) * robot.n
+    nowhere = cast(Any, None)
+    return replace(robot, name="", link_names=blank, joint_names=blank, layout=nowhere)
