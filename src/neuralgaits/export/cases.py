@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Array, Float, Int
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, joint_ranges
@@ -256,7 +257,7 @@ def _lifted(
     gait = design.gait
     zd = ZeroDynamics(design.robot, gait.policy)
 
-    @jax.jit
+    @quick_jit
     @jax.vmap
     def lift(u, error):
         low, high = gait.tube.fences(u[0])
@@ -275,7 +276,7 @@ def _clear(design: Design, cases: Cases) -> np.ndarray:
 
     robot, stance = design.robot, design.controller.stance
 
-    @jax.jit
+    @quick_jit
     @jax.vmap
     def ahead(measurement, leg):
         q, _ = coordinates(robot, measurement, leg)

@@ -3,11 +3,11 @@
 from dataclasses import fields, replace
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Array
 from neuralgaits.control import ControllerState, step
 from neuralgaits.control.controller import Controller
@@ -84,7 +84,7 @@ class Reference:
 def policy_path(design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray) -> np.ndarray:
     """Outputs, rates, slopes and drift of the policy. Returns: [N, 4, m]."""
 
-    @jax.jit
+    @quick_jit
     @jax.vmap
     def ask(*points):
         found = path(design.gait.policy)(*points)
@@ -93,7 +93,7 @@ def policy_path(design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray) 
     return np.asarray(ask(z, dz, ddz))
 
 
-@eqx.filter_jit
+@quick_jit
 def _ticks(
     controller: Controller,
     safeguard: SafeguardConfig,

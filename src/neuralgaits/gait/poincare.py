@@ -6,10 +6,10 @@ section, a scalar map of z2. Source: paper section 2.2; CERTIFICATE.md section 6
 
 from typing import NamedTuple
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.flow import stance_phase, to_section
@@ -73,7 +73,7 @@ def return_map(zd: ZeroDynamics, z2: float) -> Return:
     )
 
 
-@eqx.filter_jit
+@quick_jit
 def _reset(zd: ZeroDynamics, z: ZeroState) -> tuple[ZeroState, Scalar]:
     """State after the impact, and the step length."""
     return zd.reset(z), zd.point(z).foot[0]

@@ -15,13 +15,14 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
+from neuralgaits._compiler import QUICK
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Windows
 from neuralgaits.residual.nero import balanced, nero
 from neuralgaits.residual.network import Residual
-from neuralgaits.residual.shooting import COMPILER, model_rate, shoot
+from neuralgaits.residual.shooting import model_rate, shoot
 from neuralgaits.residual.trajectories import missed
 
 Optimizer = Literal["adam", "adamw", "nero"]
@@ -229,5 +230,5 @@ def _make_step(zd: ZeroDynamics, template: Residual, optimizer) -> Callable:
         change, state = optimizer.update(gradient, state, parameters)
         return optax.apply_updates(parameters, change), state, value
 
-    compiled = jax.jit(step, compiler_options=COMPILER)
+    compiled = jax.jit(step, compiler_options=QUICK)
     return lambda *inputs: compiled(arrays, numbers, *inputs)

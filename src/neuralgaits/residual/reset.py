@@ -7,18 +7,18 @@ Slopes are shrunk as if one more touchdown had shown that there are none.
 from collections.abc import Callable
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.activations import tanh
 from neuralgaits.gait.network import scaled_inputs
 from neuralgaits.gait.reset_residual import AbstractResetResidual, ImpactCorrection
 from neuralgaits.logs import Touchdowns
-from neuralgaits.residual.shooting import COMPILER, Rate, model_rate, shoot
+from neuralgaits.residual.shooting import Rate, model_rate, shoot
 
 LEAST_TOUCHDOWNS = 4
 """Fewer touchdowns say nothing about the next one."""
@@ -158,9 +158,8 @@ def _want(
     return (jax.vmap(one)(z, missed, eta),)
 
 
-# The options go on to jax.jit; equinox's overloads leave them out.
-_predicted = eqx.filter_jit(_predict, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]
-_wanted = eqx.filter_jit(_want, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]
+_predicted = quick_jit(_predict)
+_wanted = quick_jit(_want)
 
 
 def _flow(zd: ZeroDynamics) -> Rate:

@@ -14,8 +14,6 @@ from neuralgaits.gait.runge_kutta import RK4, step
 
 Rate = Callable[[ZeroState], ZeroState]
 """dz/dt as a function of z (m/s, N m)."""
-# As in training: passes that cost seconds and gain nothing on kernels of microseconds.
-COMPILER = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 1}
 
 
 def model_rate(zd: ZeroDynamics) -> Rate:

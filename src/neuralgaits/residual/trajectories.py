@@ -2,14 +2,14 @@
 
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import numpy as np
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Windows
-from neuralgaits.residual.shooting import COMPILER, Rate, model_rate, shoot
+from neuralgaits.residual.shooting import Rate, model_rate, shoot
 
 BLOCK = 256
 """Windows integrated at once: one compiled shape for any number of them."""
@@ -66,5 +66,4 @@ def _shoot_block(
     return jax.vmap(lambda z, t: shoot(lambda y: rate(y) + residual(y), z, t))(z, t)
 
 
-# The options go on to jax.jit; equinox's overloads leave them out.
-_shot = eqx.filter_jit(_shoot_block, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]
+_shot = quick_jit(_shoot_block)

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.control import Command
 from neuralgaits.control.measurement import Measurement, coordinates, stance_joints
@@ -235,12 +236,12 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
             saturated=saturated,
         )
 
-    @jax.jit
+    @quick_jit
     @jax.vmap
     def look(packed: jax.Array) -> Measurement:
         return sense(scene, scene.reading(packed)).seen
 
-    @jax.jit
+    @quick_jit
     @jax.vmap
     def judge(packed: jax.Array, packed_reading: jax.Array, row: jax.Array) -> tuple[Array, ...]:
         carry, reading = carry_of(packed), scene.reading(packed_reading)

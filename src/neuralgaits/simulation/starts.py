@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Float
 from neuralgaits.barriers import Gait
 from neuralgaits.errors import InputError
@@ -43,7 +44,7 @@ def full_states(
         return np.tile(np.asarray(x), (episodes, 1))
     else:
         raise InputError(f"unknown start {kind!r}: expected one of {', '.join(KINDS)}")
-    lift = jax.jit(jax.vmap(lambda u: zd.phi_inv(gait.z(u))))
+    lift = quick_jit(jax.vmap(lambda u: zd.phi_inv(gait.z(u))))
     return np.asarray(lift(charts))
 
 
@@ -56,5 +57,5 @@ def momentum_range(gait: Gait) -> tuple[float, float]:
     """Smallest and largest z2 of a gait's region (kg m^2/s)."""
     phases = np.linspace(0.0, 1.0, _FENCE_SAMPLES)
     charts = np.stack(np.meshgrid(phases, [0.0, 1.0]), axis=-1).reshape(-1, 2)
-    momenta = np.asarray(jax.jit(jax.vmap(gait.z))(charts))[:, 1]
+    momenta = np.asarray(quick_jit(jax.vmap(gait.z))(charts))[:, 1]
     return float(momenta.min()), float(momenta.max())

@@ -16,6 +16,7 @@ import numpy as np
 import optax
 from jax.flatten_util import ravel_pytree
 
+from neuralgaits._compiler import QUICK, quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec, Recipe
 from neuralgaits.gait import Residuals
@@ -41,8 +42,6 @@ VALIDATION_SAMPLES = 8
 """Validation samples for each training sample."""
 REPAIR_RATE = 0.5
 """Share of the recipe's learning rate in further training: the gait is nearly there."""
-# These kernels run for microseconds; the passes switched off cost seconds and gain nothing here.
-COMPILER = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 1}
 
 
 class TrainState(NamedTuple):
@@ -265,7 +264,7 @@ def _make_step(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optim
         update, state = optimizer.update(gradient, state, parameters)
         return optax.apply_updates(parameters, update), state, result
 
-    return jax.jit(step, compiler_options=COMPILER)
+    return jax.jit(step, compiler_options=QUICK)
 
 
 def _make_evaluate(
@@ -282,8 +281,7 @@ def _make_evaluate(
         margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
         return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
 
-    # The options go on to jax.jit; equinox's overloads leave them out.
-    return eqx.filter_jit(evaluate, compiler_options=COMPILER)  # pyright: ignore[reportCallIssue]
+    return quick_jit(evaluate)
 
 
 @eqx.filter_jit

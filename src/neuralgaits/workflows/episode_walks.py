@@ -14,6 +14,7 @@ import jax
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
@@ -178,14 +179,14 @@ def _at_speeds(run: Run, momentum: float, shares: Sequence[float]) -> Float[np.n
     """Full states of the model's zero dynamics at z1 = 0 with these shares of the momentum."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
     z = np.array([[0.0, share * momentum] for share in shares])
-    return np.asarray(jax.jit(jax.vmap(zd.phi_inv))(z))
+    return np.asarray(quick_jit(jax.vmap(zd.phi_inv))(z))
 
 
 def _speeds(run: Run, momentum: float, shares: Sequence[float]) -> list[float]:
     """dz1 at z1 = 0 with these shares of the momentum (m/s)."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
     z = np.array([[0.0, share * momentum] for share in shares])
-    return [float(speed) for speed in np.asarray(jax.jit(jax.vmap(zd.zdot))(z))[:, 0]]
+    return [float(speed) for speed in np.asarray(quick_jit(jax.vmap(zd.zdot))(z))[:, 0]]
 
 
 def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, float] | None:

@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.certificate.full_order import (
     FullOrderModel,
@@ -117,7 +118,7 @@ def walker(run: Run, bandwidth: float, steps: int = STEPS) -> Walker:
 
         return walk_exactly(system, observe, z, eta, steps)
 
-    return jax.jit(jax.vmap(one, in_axes=(None, 0, 0)))
+    return quick_jit(jax.vmap(one, in_axes=(None, 0, 0)))
 
 
 def check_by_force(
@@ -169,9 +170,9 @@ def check_in_mujoco(
     """Walk in MuJoCo from states of the set, under sampled input-output linearisation."""
     model = model_of(run, shape.bandwidth)
     z, eta = states_of(model, shape, episodes, seed)
-    starts = jax.jit(jax.vmap(run.zero_dynamics.phi_inv))(z, eta)
+    starts = quick_jit(jax.vmap(run.zero_dynamics.phi_inv))(z, eta)
     edges = Edges.of(shape)
-    inside = jax.jit(jax.vmap(lambda z, eta: jnp.min(_of_set(model, edges, z, eta)) >= 0.0))
+    inside = quick_jit(jax.vmap(lambda z, eta: jnp.min(_of_set(model, edges, z, eta)) >= 0.0))
     always, settled = np.ones(episodes, dtype=bool), np.ones(episodes, dtype=bool)
     ticks = np.zeros(2, dtype=int)
 
@@ -213,8 +214,8 @@ def states_of(
     """
     draw = np.random.default_rng(seed)
     edges = Edges.of(shape)
-    keep = jax.jit(jax.vmap(lambda z, eta: _numbers_of_set(model, edges, z, eta)))
-    place = jax.jit(
+    keep = quick_jit(jax.vmap(lambda z, eta: _numbers_of_set(model, edges, z, eta)))
+    place = quick_jit(
         jax.vmap(lambda u, xi: (model.gait.z(u), output_coordinates(xi, shape.bandwidth)))
     )
     found: list[tuple[np.ndarray, np.ndarray]] = []

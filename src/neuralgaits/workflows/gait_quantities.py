@@ -7,6 +7,7 @@ import jax
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
@@ -34,7 +35,7 @@ class Look:
         except SpecError:
             # A ReLU has no place in a Program.
             self._program = None
-            self._compiled = jax.jit(jax.vmap(named))
+            self._compiled = quick_jit(jax.vmap(named))
         else:
             self._folded = fold(self._program, POINT)
 

@@ -12,6 +12,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from neuralgaits._compiler import quick_jit
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word
@@ -231,7 +232,7 @@ def _shown(run: Run, asked: Asked, walked: Walk) -> dict[str, Any]:
 def _tube(run: Run) -> dict[str, Any]:
     """The gait's region in the plane of z: both fences, from the start of a step to its end."""
     phases = np.linspace(0.0, 1.0, _FENCE_POINTS)
-    at = jax.jit(jax.vmap(run.gait.z))
+    at = quick_jit(jax.vmap(run.gait.z))
     return {
         side: np.round(np.asarray(at(np.stack([phases, np.full_like(phases, level)], 1))), 4)
         for side, level in (("lower", 0.0), ("upper", 1.0))
