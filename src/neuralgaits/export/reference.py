@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._compiler import quick_filter_jit, quick_jit
 from neuralgaits._types import Array
 from neuralgaits.control import ControllerState, step
 from neuralgaits.control.controller import Controller
@@ -93,7 +93,7 @@ def policy_path(design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray) 
     return np.asarray(ask(z, dz, ddz))
 
 
-@quick_jit
+@quick_filter_jit
 def _ticks(
     controller: Controller,
     safeguard: SafeguardConfig,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._compiler import quick_filter_jit
 from neuralgaits._types import Array, Bool, Int, Scalar, ZeroState
 from neuralgaits.gait.runge_kutta import DOPRI5, step
 from neuralgaits.gait.zero_dynamics import ZeroDynamics
@@ -70,7 +70,7 @@ class _March(NamedTuple):
 
 # One compiled function for both events: tracing the rate is what takes time, so a step of the
 # march and a try within the last step are the same line of code.
-@quick_jit
+@quick_filter_jit
 def _flow(zd: ZeroDynamics, z: ZeroState, to_guard: Bool[Array, ""], section: Scalar) -> Flow:
     def falling(z: ZeroState) -> Scalar:
         """Falls through zero at the event."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._compiler import quick_filter_jit
 from neuralgaits._types import Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.flow import stance_phase, to_section
@@ -73,7 +73,7 @@ def return_map(zd: ZeroDynamics, z2: float) -> Return:
     )
 
 
-@quick_jit
+@quick_filter_jit
 def _reset(zd: ZeroDynamics, z: ZeroState) -> tuple[ZeroState, Scalar]:
     """State after the impact, and the step length."""
     return zd.reset(z), zd.point(z).foot[0]

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._compiler import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwise
@@ -130,7 +130,7 @@ def _measured(
 def _judge_of(conditions: tuple[Pointwise | Barrier, ...]):
     """(robot, gait, rows [b, 3n - 1]) to charts [b, 2] and what holds [b, conditions]."""
 
-    @quick_jit
+    @quick_filter_jit
     def judge(robot: PlanarBiped, gait: Gait, rows: Array) -> tuple[Array, Array]:
         def one(values: Array) -> tuple[Array, Array]:
             q, dq, torque = jnp.split(values, [robot.n, 2 * robot.n])

@@ -9,7 +9,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._compiler import quick_filter_jit
 from neuralgaits._types import Array, Float, FullState
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.coordinates import zero_coordinates
@@ -38,17 +38,17 @@ def output_states(
     return _in_blocks(_output_states, zd, np.concatenate([q, dq], axis=1))
 
 
-@quick_jit
+@quick_filter_jit
 def _zero_states(robot: PlanarBiped, x: Float[Array, "b two_n"]) -> Float[Array, "b 2"]:
     return jax.vmap(lambda one: zero_coordinates(robot, *_halves(one)))(x)
 
 
-@quick_jit
+@quick_filter_jit
 def _foot_heights(robot: PlanarBiped, q: Float[Array, "b n"]) -> Float[Array, " b"]:
     return jax.vmap(lambda one: robot.swing_foot(one)[1])(q)
 
 
-@quick_jit
+@quick_filter_jit
 def _output_states(zd: ZeroDynamics, x: Float[Array, "b two_n"]) -> Float[Array, "b two_m"]:
     return jax.vmap(lambda one: zd.phi(one)[0])(x)
 

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from neuralgaits._compiler import QUICK
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
@@ -230,5 +230,5 @@ def _make_step(zd: ZeroDynamics, template: Residual, optimizer) -> Callable:
         change, state = optimizer.update(gradient, state, parameters)
         return optax.apply_updates(parameters, change), state, value
 
-    compiled = jax.jit(step, compiler_options=QUICK)
+    compiled = quick_jit(step)
     return lambda *inputs: compiled(arrays, numbers, *inputs)

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._compiler import quick_filter_jit
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.activations import tanh
@@ -158,8 +158,8 @@ def _want(
     return (jax.vmap(one)(z, missed, eta),)
 
 
-_predicted = quick_jit(_predict)
-_wanted = quick_jit(_want)
+_predicted = quick_filter_jit(_predict)
+_wanted = quick_filter_jit(_want)
 
 
 def _flow(zd: ZeroDynamics) -> Rate:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._compiler import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Windows
@@ -66,4 +66,4 @@ def _shoot_block(
     return jax.vmap(lambda z, t: shoot(lambda y: rate(y) + residual(y), z, t))(z, t)
 
 
-_shot = quick_jit(_shoot_block)
+_shot = quick_filter_jit(_shoot_block)

@@ -6,7 +6,7 @@ each, at this edge.
 """
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 
-from neuralgaits._compiler import QUICK
+from neuralgaits._compiler import quick_jit
 from neuralgaits._types import Array, Float, Int
 from neuralgaits.simulation.tick import Reading, Scene, begin, tick
 
@@ -125,11 +125,11 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
     every_tick: Callable[..., Any] = jax.vmap(one_tick, in_axes=(own_axis, None, 0, 0))
     every_start: Callable[..., Any] = jax.vmap(one_start, in_axes=(own_axis, None, 0))
 
-    @partial(jax.jit, compiler_options=QUICK)
+    @quick_jit
     def run(leaves: Sequence[Array], packed: Array, reading: Array):
         return every_tick(*jax.tree.unflatten(tree, leaves), packed, reading)
 
-    @partial(jax.jit, compiler_options=QUICK)
+    @quick_jit
     def first(leaves: Sequence[Array], legs: Array):
         return every_start(*jax.tree.unflatten(tree, leaves), legs)
 

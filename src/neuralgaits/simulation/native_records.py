@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._compiler import quick_filter_jit
 from neuralgaits._types import Array
 from neuralgaits.control import Command, Measurement
 from neuralgaits.robots import PlanarBiped
@@ -42,7 +42,7 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> Record:
     return Record(rows["time"], command, rows["pitch"], rows["dpitch"], z)
 
 
-@quick_jit
+@quick_filter_jit
 def _plant_z(robot: PlanarBiped, truth: Measurement, leg: Array) -> Array:
     return jax.vmap(lambda one, stance: true_z(robot, one, stance))(truth, leg)
 

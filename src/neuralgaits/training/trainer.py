@@ -16,7 +16,7 @@ import numpy as np
 import optax
 from jax.flatten_util import ravel_pytree
 
-from neuralgaits._compiler import QUICK, quick_jit
+from neuralgaits._compiler import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec, Recipe
 from neuralgaits.gait import Residuals
@@ -264,7 +264,7 @@ def _make_step(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optim
         update, state = optimizer.update(gradient, state, parameters)
         return optax.apply_updates(parameters, update), state, result
 
-    return jax.jit(step, compiler_options=QUICK)
+    return quick_jit(step)
 
 
 def _make_evaluate(
@@ -281,7 +281,7 @@ def _make_evaluate(
         margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
         return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
 
-    return quick_jit(evaluate)
+    return quick_filter_jit(evaluate)
 
 
 @eqx.filter_jit
