@@ -106,7 +106,7 @@ def test_every_kind_of_end_is_that_of_the_reference(run, library):
     """Pushed so hard that some fall, each at its own time."""
     settings = {"episodes": 6, "steps": 9, "disturbance": parse("friction=0.5,delay_ms=2")}
     seen = set()
-    for push in (4.0, 30.0, -25.0):
+    for push in (4.0, -45.0):
         one = walked(run, push=push, **settings).episodes
         two = walked(run, push=push, library=library, **settings).episodes
         assert one.endings == two.endings

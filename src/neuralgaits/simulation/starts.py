@@ -4,8 +4,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
-from neuralgaits._types import Float
+from neuralgaits._compiler import quick_filter_jit
+from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics, poincare
@@ -44,8 +44,7 @@ def full_states(
         return np.tile(np.asarray(x), (episodes, 1))
     else:
         raise InputError(f"unknown start {kind!r}: expected one of {', '.join(KINDS)}")
-    lift = quick_jit(jax.vmap(lambda u: zd.phi_inv(gait.z(u))))
-    return np.asarray(lift(charts))
+    return np.asarray(_lifted(zd, gait, charts))
 
 
 def periodic_orbit(zd: ZeroDynamics, gait: Gait) -> Orbit:
@@ -57,5 +56,16 @@ def momentum_range(gait: Gait) -> tuple[float, float]:
     """Smallest and largest z2 of a gait's region (kg m^2/s)."""
     phases = np.linspace(0.0, 1.0, _FENCE_SAMPLES)
     charts = np.stack(np.meshgrid(phases, [0.0, 1.0]), axis=-1).reshape(-1, 2)
-    momenta = np.asarray(quick_jit(jax.vmap(gait.z))(charts))[:, 1]
+    momenta = np.asarray(_z_of(gait, charts))[:, 1]
     return float(momenta.min()), float(momenta.max())
+
+
+# Gaits are arguments, so that all of one structure share a compilation, today's and yesterday's.
+@quick_filter_jit
+def _lifted(zd: ZeroDynamics, gait: Gait, charts: Array) -> Array:
+    return jax.vmap(lambda u: zd.phi_inv(gait.z(u)))(charts)
+
+
+@quick_filter_jit
+def _z_of(gait: Gait, charts: Array) -> Array:
+    return jax.vmap(lambda u: gait.z(u))(charts)

@@ -14,8 +14,8 @@ import jax
 import numpy as np
 
 from neuralgaits import logs
-from neuralgaits._compiler import quick_jit
-from neuralgaits._types import Float
+from neuralgaits._compiler import quick_filter_jit
+from neuralgaits._types import Array, Float
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
@@ -179,14 +179,24 @@ def _at_speeds(run: Run, momentum: float, shares: Sequence[float]) -> Float[np.n
     """Full states of the model's zero dynamics at z1 = 0 with these shares of the momentum."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
     z = np.array([[0.0, share * momentum] for share in shares])
-    return np.asarray(quick_jit(jax.vmap(zd.phi_inv))(z))
+    return np.asarray(_phi_inv(zd, z))
 
 
 def _speeds(run: Run, momentum: float, shares: Sequence[float]) -> list[float]:
     """dz1 at z1 = 0 with these shares of the momentum (m/s)."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
     z = np.array([[0.0, share * momentum] for share in shares])
-    return [float(speed) for speed in np.asarray(quick_jit(jax.vmap(zd.zdot))(z))[:, 0]]
+    return [float(speed) for speed in np.asarray(_zdot(zd, z))[:, 0]]
+
+
+@quick_filter_jit
+def _phi_inv(zd: ZeroDynamics, z: Array) -> Array:
+    return jax.vmap(lambda one: zd.phi_inv(one))(z)
+
+
+@quick_filter_jit
+def _zdot(zd: ZeroDynamics, z: Array) -> Array:
+    return jax.vmap(lambda one: zd.zdot(one))(z)
 
 
 def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, float] | None:
