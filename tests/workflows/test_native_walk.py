@@ -24,6 +24,7 @@ from neuralgaits.runs import from_json
 from neuralgaits.simulation import native
 from neuralgaits.simulation.disturbance import parse
 from neuralgaits.simulation.falls import Ending, FallConfig
+from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.plant import build
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.starts import full_states, momentum_range
@@ -267,6 +268,35 @@ def _made(robot, gait):
 
 def _scaled(policy):
     return jax.tree.map(lambda leaf: leaf * 1.001 if eqx.is_inexact_array(leaf) else leaf, policy)
+
+
+def test_a_live_walk_is_that_of_the_reference(run, library):
+    """Pushed, tilted, loaded and put elsewhere while it walks, as a live page does it."""
+    start = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=2)
+    settings = {"z2_range": momentum_range(run.gait)}
+    lives = [
+        LiveWalk(run.robot, run.gait.policy, LAWS["pd"], start[0], library=given, **settings)
+        for given in (None, library)
+    ]
+    happenings = {
+        100: lambda live: live.push(np.array([4.0, 1.0])),
+        300: lambda live: live.disturb(slope_deg=1.0, mass_scale=1.05),
+        700: lambda live: live.disturb(torque_limit=25.0, friction=0.4),
+        900: lambda live: live.place(start[1]),
+        1300: lambda live: live.push(np.array([-90.0, 0.0])),
+    }
+    for number in range(2500):
+        for live in lives:
+            happenings.get(number, lambda _: None)(live)
+        assert len({live.tick() for live in lives}) == 1
+        one, two = lives
+        assert one.ending == two.ending
+        np.testing.assert_array_equal(one.verdict.steps, two.verdict.steps)
+        assert apart(one.data.qpos, two.data.qpos) <= 1e-7
+        if number in (1, 650, 1250):
+            assert apart(one.record, two.record) <= 1e-7
+            assert apart(one.verdict, two.verdict) <= 1e-7
+    assert lives[0].ending.fell
 
 
 @pytest.mark.parametrize("law", ["pd", "fblin"])

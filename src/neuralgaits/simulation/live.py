@@ -11,7 +11,6 @@ import math
 from dataclasses import replace
 from typing import NamedTuple
 
-import equinox as eqx
 import mujoco
 import numpy as np
 
@@ -20,11 +19,12 @@ from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.batch import compile_batch, numbers, pack
 from neuralgaits.simulation.falls import Ending, FallConfig
+from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
+from neuralgaits.simulation.native import Library
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, build
 from neuralgaits.simulation.push import DURATION_S
-from neuralgaits.simulation.tick import Reading, Record, Scene, Verdict
+from neuralgaits.simulation.tick import Record, Verdict
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Time that passes in a tick [s]."""
@@ -34,8 +34,6 @@ TILT_DEG_S = 20.0
 """How fast the floor tilts [deg/s]: a swing foot ahead of the robot is met at 0.1 m/s or so."""
 _TILT_TICKS = 10
 """Ticks between two small turns of the floor."""
-_ENDLESS = np.iinfo(np.int32).max
-"""Steps of a walk that has no end."""
 
 
 class Floor(NamedTuple):
@@ -71,8 +69,19 @@ class LiveWalk:
         *,
         z2_range: tuple[float, float] | None = None,
         falls: FallConfig | None = None,
+        library: Library | None = None,
     ):
-        """Put the robot on its left foot at x = 0; `start` is x = (q, dq) (rad, rad/s)."""
+        """Put the robot on its left foot at x = 0.
+
+        Args:
+            robot: the model the controller believes in, and what walks.
+            policy: desired outputs.
+            law: of control.
+            start: x = (q, dq) (rad, rad/s). [2n]
+            z2_range: momenta the policy was trained on (kg m^2/s).
+            falls: thresholds.
+            library: compiled for robot and policy; else ticks are JAX.
+        """
         self.plant = build(robot)
         self.data = mujoco.MjData(self.plant.model)
         self.floor = Floor(0.0, 0.0)
@@ -80,21 +89,22 @@ class LiveWalk:
         self.impulse_given = np.zeros(2)
         self._robot = robot
         controller = Controller.init(robot, policy, law, z2_range=z2_range, period_s=PERIOD_S)
-        self._scene = Scene.of(self.plant, controller, _ENDLESS, falls or FallConfig())
-        self._batch = None
-        self._carry = self._found = None
+        falls = FallConfig() if falls is None else falls
+        self._limit = np.asarray(controller.torque_limit)
+        self._tick: LiveTick = (
+            JaxTick(self.plant, controller, falls)
+            if library is None
+            else NativeTick(library, self.plant, controller, falls)
+        )
         self._ticks = 0
         self._push_ticks = 0
         self._force = np.zeros(2)
         self._start = np.asarray(start, dtype=np.float64)
-        self._noise = np.zeros((1, 2, 1 + self.plant.wires.joints.size))
         self._stand(self._start, 0.0)
 
     def compile(self) -> None:
         """Compile the control tick; until then `tick` waits for it itself."""
-        batch = compile_batch(self._scene, np.zeros(1, dtype=np.int32), shared=True)
-        batch.tick(batch.arrays, batch.carry, pack(self._reading()))
-        self._arrays, self._batch = numbers(self._scene), batch
+        self._tick.compile()
 
     @property
     def time(self) -> float:
@@ -109,9 +119,7 @@ class LiveWalk:
     @property
     def record(self) -> Record | None:
         """What a log would hold of the last tick, with a leading axis of one; None before it."""
-        if self._found is None or self._batch is None:
-            return None
-        return self._batch.record_of(self._found)
+        return self._tick.record
 
     @property
     def pushing(self) -> Float[np.ndarray, "2"]:
@@ -127,16 +135,10 @@ class LiveWalk:
         """Let one control tick pass. Returns: False, and nothing changes, once it has fallen."""
         if self.ending.fell:
             return False
-        if self._batch is None:
-            self.compile()
-        assert self._batch is not None
         if self._ticks % _TILT_TICKS == 0:
             self._tilt()
         self._ticks += 1
-        carry = self._batch.carry if self._carry is None else self._carry
-        packed = pack(self._reading())
-        self._carry, judged, self._found = self._batch.tick(self._arrays, carry, packed)
-        self.verdict = verdict = self._batch.verdict_of(judged)
+        self.verdict = verdict = self._tick.decide(self.data, self.floor.level)
         if self.ending.fell:
             return False
         self.data.ctrl[:] = verdict.controls[0]
@@ -175,8 +177,7 @@ class LiveWalk:
         for name in ("qpos", "qvel", "ctrl", "sensordata"):
             getattr(fresh, name)[:] = getattr(self.data, name)
         self.plant, self.data = plant, fresh
-        limit = np.minimum(self._robot.torque_limit, plant.torque_limit)
-        self._scene = eqx.tree_at(lambda s: s.controller.torque_limit, self._scene, limit)
+        self._limit = np.minimum(self._robot.torque_limit, plant.torque_limit)
         self._lay(self.floor)
 
     def place(self, x: Float[np.ndarray, " two_n"]) -> None:
@@ -204,15 +205,10 @@ class LiveWalk:
         self.data.qpos[:], self.data.qvel[:] = self.plant.wires.to_mjcf(q, dq, 0, foot)
         for name in ("ctrl", "qfrc_applied", "sensordata"):
             getattr(self.data, name)[:] = 0.0
-        self._carry = self._found = self.verdict = None
+        self.verdict = None
+        self._tick.restart()
         self._push_ticks = 0
         self._lay(self.floor)
-
-    def _reading(self) -> Reading:
-        data = self.data
-        state = np.concatenate([[data.time], data.qpos, data.qvel])
-        floors = np.full((1, 2), self.floor.level)
-        return Reading(state[None], data.sensordata[None, -2:], floors, self._noise)
 
     def _tilt(self) -> None:
         """Turn the floor a little towards the slope asked for, about the stance foot."""
@@ -239,7 +235,4 @@ class LiveWalk:
         self.data.mocap_pos[:] = self.plant.floor_positions(levels).reshape(-1, 3)
         half = 0.5 * math.atan(floor.slope)
         self.data.mocap_quat[:] = (math.cos(half), 0.0, -math.sin(half), 0.0)
-        slope = np.asarray(floor.slope)
-        self._scene = eqx.tree_at(lambda s: s.slope, self._scene, slope)
-        if self._batch is not None:
-            self._arrays = numbers(self._scene)
+        self._tick.change(self.plant, self._limit, floor.slope)

@@ -67,6 +67,7 @@ class Library:
         self.run = library.ng_walk_run
         self.run.argtypes = [c_void_p, c_void_p, c_void_p, c_int, c_void_p, c_void_p, c_void_p]
         self.tick = library.ng_walk_tick
+        self.tick.argtypes = [c_void_p] * 5
         self.start = library.ng_walk_start
         self.start.argtypes = [c_void_p, c_int]
         self.complaint = library.ng_walk_error

@@ -144,6 +144,7 @@ def layout_of(leg_joints: int, actuated: int) -> Layout:
         *((name, ()) for name in ("pitch", "dpitch")),
         *((name, (2, leg_joints)) for name in ("angles", "rates")),
         *((name, (2,)) for name in ("hip_velocity", "normal_force", "floor")),
+        ("clearance", ()),
     ]
     record = np.dtype([(name, np.float64, shape) for name, shape in shapes])
     return Layout(scene, walk, law, record)

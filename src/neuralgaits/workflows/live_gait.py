@@ -12,6 +12,7 @@ from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.viewer.walker import Limits, Margins, Shown
 from neuralgaits.workflows.gait_quantities import ENDS, Chart, Look
+from neuralgaits.workflows.native_walk import engine_of_run
 from neuralgaits.workflows.run import Run
 
 CONTROLLER = "pd"
@@ -43,6 +44,7 @@ class LiveGait:
             LAWS[CONTROLLER],
             self._state(self._middle),
             z2_range=momentum_range(run.gait),
+            library=engine_of_run(run).library,
         )
         self._look: Look | None = None
         self._z = self._middle

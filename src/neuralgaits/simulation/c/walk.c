@@ -238,8 +238,17 @@ static void keep(const ng_walk *walk, const mjData *data, const truth_of_tick *t
     memcpy(record->floor, walk->floor, sizeof record->floor);
 }
 
-void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, const double *noise,
-                  double *controls, ng_command *command, ng_record *record)
+/* Swing foot above the floor through the stance foothold. */
+static double clearance(const ng_scene *scene, const ng_command *command)
+{
+    double swing_foot[2], hip[2];
+    ng_feet(command->q, swing_foot, hip);
+    return swing_foot[1] - scene->slope * swing_foot[0];
+}
+
+/* What is decided at a state. */
+static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, const double *noise,
+                   double *controls, ng_command *command, ng_record *record)
 {
     truth_of_tick truth;
     look(scene, walk, data, &truth);
@@ -257,7 +266,15 @@ void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, cons
     }
     if (record != NULL) {
         keep(walk, data, &truth, command, record);
+        record->clearance = clearance(scene, command);
     }
+}
+
+void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, double *controls,
+                  ng_record *record)
+{
+    ng_command command;
+    decide(scene, walk, data, NULL, controls, &command, record);
 }
 
 /* Draw the next foothold's level at a touchdown, and move its plane once the foot is above. */
@@ -273,10 +290,7 @@ static void lay_floors(const ng_scene *scene, ng_walk *walk, const ng_command *c
     if (!walk->rise_pending || !(command->z[0] > 0.0)) {
         return;
     }
-    double swing_foot[2], hip[2];
-    ng_feet(command->q, swing_foot, hip);
-    const double clearance = swing_foot[1] - scene->slope * swing_foot[0];
-    if (clearance > walk->next_rise + scene->room_under_foot) {
+    if (clearance(scene, command) > walk->next_rise + scene->room_under_foot) {
         walk->floor[1 - command->leg] = walk->floor[command->leg] + walk->next_rise;
         walk->rise_pending = 0;
     }
@@ -355,8 +369,8 @@ int ng_walk_run(const ng_scene *scene, ng_walk *walk, mjData *data, int ticks,
             memcpy(row + 1, data->qpos, sizeof(double) * (size_t)model->nq);
             memcpy(row + 1 + model->nq, data->qvel, sizeof(double) * (size_t)model->nv);
         }
-        ng_walk_tick(scene, walk, data, noise == NULL ? NULL : noise + (size_t)tick * 2 * SENSORS,
-                     controls, &command, records == NULL ? NULL : records + tick);
+        decide(scene, walk, data, noise == NULL ? NULL : noise + (size_t)tick * 2 * SENSORS,
+               controls, &command, records == NULL ? NULL : records + tick);
         done = tick + 1;
         if (walk->ending != NG_RUNNING) {
             break;

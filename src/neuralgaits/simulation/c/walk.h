@@ -124,6 +124,7 @@ typedef struct {
     double hip_velocity[2];                      /* [m/s] */
     double normal_force[NG_LEGS];                /* [N] */
     double floor[NG_LEGS];                       /* [m] */
+    double clearance;                            /* swing foot above the slope [m] */
 } ng_record;
 
 /* Sizes of ng_scene, ng_walk and ng_record, for hosts in other languages. */
@@ -143,11 +144,11 @@ int ng_walk_run(const ng_scene *scene, ng_walk *walk, mjData *data, int ticks,
                 const double *noise, ng_record *records, double *states);
 
 /*
- * One tick without MuJoCo: what is decided at a state, and the controls it asks for. For hosts
- * that step the plant themselves.
+ * One tick without a step of MuJoCo: what is decided at a state, and the controls it asks for.
+ * For hosts that step the plant themselves and set touch and floor of the walk; without noise.
  */
-void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, const double *noise,
-                  double *controls, ng_command *command, ng_record *record);
+void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, double *controls,
+                  ng_record *record);
 
 /* Tell MuJoCo where its errors go: the address of mju_user_error. Once, before any walk. */
 void ng_walk_catch(void (**user_error)(const char *));

@@ -1,0 +1,149 @@
+"""The control tick of a live walk: one robot, a plant that changes, in JAX or compiled."""
+
+from abc import ABC, abstractmethod
+from ctypes import byref
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.control import Controller
+from neuralgaits.simulation import native
+from neuralgaits.simulation.batch import Batch, compile_batch, numbers, pack
+from neuralgaits.simulation.falls import FallConfig
+from neuralgaits.simulation.native import Library, NativeError
+from neuralgaits.simulation.native_layout import pointer
+from neuralgaits.simulation.native_records import record_of
+from neuralgaits.simulation.plant import Plant
+from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.tick import Reading, Record, Scene, Verdict
+
+ENDLESS = int(np.iinfo(np.int32).max)
+"""Steps of a walk that has no end."""
+
+
+class LiveTick(ABC):
+    """Decides, tick by tick; remembers stance and policy from one to the next."""
+
+    @abstractmethod
+    def compile(self) -> None:
+        """Make ready; until then the first tick waits for it."""
+
+    @abstractmethod
+    def restart(self) -> None:
+        """Forget what was: the robot stands on leg 0."""
+
+    @abstractmethod
+    def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
+        """Go on with another plant, limits of the controller (N m) and slope of the floor."""
+
+    @abstractmethod
+    def decide(self, data: Any, level: float) -> Verdict:
+        """One tick at a state of MuJoCo, the floor at a level (m). Leaves have an axis of one."""
+
+    @property
+    @abstractmethod
+    def record(self) -> Record | None:
+        """What a log would hold of the last tick, with a leading axis of one; None before it."""
+
+
+class JaxTick(LiveTick):
+    """The tick of an episode, a batch of one."""
+
+    def __init__(self, plant: Plant, controller: Controller, falls: FallConfig):
+        """Nothing is compiled yet."""
+        self._scene = Scene.of(plant, controller, ENDLESS, falls)
+        self._batch: Batch | None = None
+        self._noise = np.zeros((1, 2, 1 + plant.wires.joints.size))
+        self.restart()
+
+    def compile(self) -> None:
+        """Compile the control tick."""
+        batch = compile_batch(self._scene, np.zeros(1, dtype=np.int32), shared=True)
+        batch.tick(batch.arrays, batch.carry, np.zeros((1, self._scene.reading_size)))
+        self._arrays, self._batch = numbers(self._scene), batch
+
+    def restart(self) -> None:
+        """Forget what was."""
+        self._carry = self._found = None
+
+    def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
+        """Nothing is compiled again."""
+        parts = (np.asarray(torque_limit), np.asarray(slope))
+        self._scene = eqx.tree_at(
+            lambda s: (s.controller.torque_limit, s.slope), self._scene, parts
+        )
+        if self._batch is not None:
+            self._arrays = numbers(self._scene)
+
+    def decide(self, data: Any, level: float) -> Verdict:
+        """One tick."""
+        if self._batch is None:
+            self.compile()
+        assert self._batch is not None
+        state = np.concatenate([[data.time], data.qpos, data.qvel])
+        floors = np.full((1, 2), level)
+        reading = Reading(state[None], data.sensordata[None, -2:], floors, self._noise)
+        carry = self._batch.carry if self._carry is None else self._carry
+        self._carry, judged, self._found = self._batch.tick(self._arrays, carry, pack(reading))
+        return self._batch.verdict_of(judged)
+
+    @property
+    def record(self) -> Record | None:
+        """Of the last tick."""
+        if self._found is None or self._batch is None:
+            return None
+        return self._batch.record_of(self._found)
+
+
+class NativeTick(LiveTick):
+    """The same in compiled code."""
+
+    def __init__(self, library: Library, plant: Plant, controller: Controller, falls: FallConfig):
+        """Raises: NativeError for a law that the library does not have."""
+        if not native.knows(controller.law):
+            raise NativeError(f"a law of type {type(controller.law).__name__} is not compiled")
+        self._library, self._controller, self._falls = library, controller, falls
+        self._walk = library.layout.walk()
+        self._row = np.zeros(1, library.layout.record)
+        self.change(plant, np.asarray(controller.torque_limit), plant.slope)
+        self.restart()
+
+    def compile(self) -> None:
+        """It is compiled."""
+
+    def restart(self) -> None:
+        """Forget what was."""
+        self._library.start(byref(self._walk), 0)
+
+    def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
+        """Another scene for the same walk."""
+        controller = eqx.tree_at(lambda c: c.torque_limit, self._controller, torque_limit)
+        none = Push(0.0, ENDLESS, 0, 1)
+        self._scene = native.scene_of(self._library, plant, controller, ENDLESS, self._falls, none)
+        self._scene.slope = slope
+        self._plant, self._controls = plant, np.zeros((1, plant.model.nu))
+
+    def decide(self, data: Any, level: float) -> Verdict:
+        """One tick."""
+        walk, row = self._walk, self._row
+        for leg in (0, 1):
+            walk.floor[leg], walk.touch[leg] = level, data.sensordata[leg - 2]
+        self._library.tick(
+            byref(self._scene), byref(walk), data._address, pointer(self._controls), pointer(row)
+        )
+        return Verdict(
+            controls=self._controls,
+            ending=np.array([walk.ending]),
+            touchdown=row["touchdown"] > 0.5,
+            steps=np.array([walk.steps]),
+            leg=row["leg"].astype(int),
+            z1=row["z"][:, 0],
+            clearance=row["clearance"],
+        )
+
+    @property
+    def record(self) -> Record | None:
+        """Of the last tick."""
+        return record_of(self._row, self._plant.robot) if self._walk.ticks else None
