@@ -7,7 +7,7 @@ from pathlib import Path
 
 from common import show, trained
 
-from neuralgaits.report.figure import Drawn
+from neuralgaits.report.drawn import Drawn
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.gait_data import gait_data

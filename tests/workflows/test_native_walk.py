@@ -273,11 +273,12 @@ def _scaled(policy):
 def test_a_live_walk_is_that_of_the_reference(run, library):
     """Pushed, tilted, loaded and put elsewhere while it walks, as a live page does it."""
     start = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=2)
-    settings = {"z2_range": momentum_range(run.gait)}
-    lives = [
-        LiveWalk(run.robot, run.gait.policy, LAWS["pd"], start[0], library=given, **settings)
+    z2_range = momentum_range(run.gait)
+    one, two = (
+        LiveWalk(run.robot, run.gait.policy, LAWS["pd"], start[0], z2_range=z2_range, library=given)
         for given in (None, library)
-    ]
+    )
+    lives = one, two
     happenings = {
         100: lambda live: live.push(np.array([4.0, 1.0])),
         300: lambda live: live.disturb(slope_deg=1.0, mass_scale=1.05),
@@ -289,8 +290,8 @@ def test_a_live_walk_is_that_of_the_reference(run, library):
         for live in lives:
             happenings.get(number, lambda _: None)(live)
         assert len({live.tick() for live in lives}) == 1
-        one, two = lives
         assert one.ending == two.ending
+        assert one.verdict is not None and two.verdict is not None
         np.testing.assert_array_equal(one.verdict.steps, two.verdict.steps)
         assert apart(one.data.qpos, two.data.qpos) <= 1e-7
         if number in (1, 650, 1250):
