@@ -14,14 +14,15 @@ os.environ["JAX_ENABLE_X64"] = "1"
 os.environ["JAX_NUMPY_RANK_PROMOTION"] = "raise"
 os.environ["JAX_PLATFORMS"] = "cpu"
 
-# Compiling is most of what the tests do. Workers must not write into one another's cache.
-_worker = os.environ.get("PYTEST_XDIST_WORKER", "main")
-_caches = Path(__file__).parents[1] / ".cache"
-_cache = _caches / "jax" / _worker
-os.environ["JAX_COMPILATION_CACHE_DIR"] = str(_cache)
-# Compiled walks are put there whole, so all workers share them.
-os.environ["XDG_CACHE_HOME"] = str(_caches)
+# Compiling is most of what the tests do: workers share what is compiled. With a largest size, JAX
+# locks its cache; without the last setting, its place would be part of every key.
+_cache = Path(__file__).parents[1] / ".cache"
+os.environ["JAX_COMPILATION_CACHE_DIR"] = str(_cache / "jax")
+os.environ["JAX_COMPILATION_CACHE_MAX_SIZE"] = str(2**32)
+os.environ["JAX_PERSISTENT_CACHE_ENABLE_XLA_CACHES"] = "none"
 os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
+# Compiled walks are put there whole.
+os.environ["XDG_CACHE_HOME"] = str(_cache)
 
 import pytest  # noqa: E402
 from hypothesis import settings  # noqa: E402

@@ -106,14 +106,11 @@ def test_every_tick_is_that_of_the_reference(run, library, law, plant):
 def test_every_kind_of_end_is_that_of_the_reference(run, library):
     """Pushed so hard that some fall, each at its own time."""
     settings = {"episodes": 6, "steps": 9, "disturbance": parse("friction=0.5,delay_ms=2")}
-    seen = set()
-    for push in (4.0, -45.0):
-        one = walked(run, push=push, **settings).episodes
-        two = walked(run, push=push, library=library, **settings).episodes
-        assert one.endings == two.endings
-        np.testing.assert_array_equal(one.gauge.steps, two.gauge.steps)
-        seen |= set(one.endings)
-    assert Ending.WALKED in seen and len(seen) > 1
+    one = walked(run, push=-30.0, **settings).episodes
+    two = walked(run, push=-30.0, library=library, **settings).episodes
+    assert one.endings == two.endings
+    np.testing.assert_array_equal(one.gauge.steps, two.gauge.steps)
+    assert Ending.WALKED in one.endings and len(set(one.endings)) > 1
 
 
 def test_a_start_that_no_number_holds_is_not_walked_on(run, library):
