@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -146,6 +148,16 @@ def test_help_is_on_stdout_and_good(capfd: Captured) -> None:
     out, err = capfd.readouterr()
     assert "simulate" in out
     assert err == ""
+
+
+def test_a_crash_of_compiled_code_is_not_silent() -> None:
+    script = (
+        "import ctypes, sys; from neuralgaits.cli import main as entry\n"
+        "entry.main = lambda _: ctypes.string_at(0)\n"
+        "sys.argv = ['neuralgaits']; entry.run()"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode < 0 and "Fatal Python error" in done.stderr
 
 
 def test_environment_keeps_what_the_user_set(

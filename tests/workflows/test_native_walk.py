@@ -153,6 +153,20 @@ def test_threads_and_company_change_nothing(run, library):
     assert apart(first, alone.gauge) == 0.0
 
 
+def test_floors_of_a_long_walk_are_those_of_the_reference(run, library, monkeypatch):
+    """Drawn in blocks, however many steps were asked for."""
+    monkeypatch.setattr(native, "_CHUNK", 700)
+    monkeypatch.setattr(native, "_TOUCHDOWNS", 3)
+    settings = {"episodes": 1, "disturbance": parse("floor_height=0.003"), "record": True}
+    one, two = (
+        walked(run, steps=9, library=given, **settings).episodes for given in (None, library)
+    )
+    np.testing.assert_array_equal(one.floors, two.floors)
+    assert len(np.unique(one.floors)) > 2
+    falling = parse("floor_height=0.003,friction=0.0")
+    assert walked(run, steps=10**9, library=library, disturbance=falling).episodes.endings[0].fell
+
+
 def test_what_needs_python_in_a_tick_walks_in_jax(run, library):
     class Own(Pd):
         """A law that no C is written for."""

@@ -5,6 +5,7 @@ of budget; 70 a defect of this program; 130 interrupted. Every error is one line
 """
 
 import contextlib
+import faulthandler
 import os
 import re
 import shlex
@@ -23,6 +24,8 @@ _LONG = ("train", "refine", "episodes", "certify")
 def run() -> None:
     """Console script: `neuralgaits VERB ...`."""
     environment.prepare()
+    # Compiled code runs in this process: if it crashes, its place is said.
+    faulthandler.enable()
     sys.exit(main(sys.argv[1:]))
 
 

@@ -40,6 +40,8 @@ from neuralgaits.simulation.terrain import ROOM_UNDER_FOOT, Terrain
 
 _CHUNK = 4096
 """Ticks between two looks at whether to go on: a few tens of milliseconds."""
+_TOUCHDOWNS = _CHUNK // 10
+"""More than there can be in as many ticks: a lockout of a tenth of a second follows each."""
 _LONGEST_US = 0xFFFFFFFF
 _REFUSED = -1
 
@@ -102,10 +104,10 @@ def knows(law: AbstractLaw) -> bool:
 
 @dataclass(frozen=True)
 class _Course:
-    """What differs between the episodes of a batch, drawn beforehand."""
+    """What differs between the episodes of a batch."""
 
     states: Float[np.ndarray, "B s"]
-    rises: Float[np.ndarray, "B k"] | None
+    terrain: Terrain
     push: Push
     seed: int
     noisy: bool
@@ -158,9 +160,8 @@ def run(
     Raises: NonFiniteError if MuJoCo gives up.
     """
     scene = scene_of(library, plant, controller, steps, falls, push)
-    rises = terrain.rises(steps) if terrain.uneven else None
     scene.uneven = int(terrain.uneven)
-    course = _Course(states, rises, push, seed, noisy, longest, record)
+    course = _Course(states, terrain, push, seed, noisy, longest, record)
     local, stop = threading.local(), threading.Event()
 
     def one(episode: int) -> _Kept:
@@ -209,9 +210,9 @@ def _episode(
     data.qpos[:], data.qvel[:] = np.split(start[1:], 2)
     walk = layout.walk()
     library.start(byref(walk), 0)
-    rises = None if course.rises is None else np.ascontiguousarray(course.rises[episode])
+    rises = np.zeros(0)
     late = np.zeros((plant.delay_ticks + 1, model.nu))
-    walk.rises, walk.late = pointer(rises), pointer(late)
+    walk.late = pointer(late)
     walk.push_wait, begin = course.push.moments(episode)
     walk.push_start = begin
     kept = _Kept(walk)
@@ -223,6 +224,10 @@ def _episode(
     whole = course.record and episode == 0
     while walk.ending == Ending.RUNNING and not stop.is_set():
         wanted = whole or walk.ticks < course.longest
+        left = rises[walk.rises_used :]
+        if course.terrain.uneven and len(left) < _TOUCHDOWNS:
+            rises = np.concatenate([left, course.terrain.rises(episode, 2 * _TOUCHDOWNS)])
+            walk.rises, walk.rises_used = pointer(rises), 0
         noise = draws.standard_normal((_CHUNK, *shape)) if course.noisy else None
         records = np.zeros(_CHUNK, layout.record) if wanted else None
         states = np.zeros((_CHUNK, len(start))) if whole else None
@@ -287,12 +292,12 @@ def scene_of(
 
 
 def _set_law(law: Any, wanted: AbstractLaw) -> None:
-    law.name, law.hold_ticks = b"", wanted.hold_ticks
+    law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
     if isinstance(wanted, Pd):
         law.kind, law.measure_z2 = 0, int(wanted.measure_z2)
-        law.stiffness, law.damping = wanted.stiffness, wanted.damping
+        law.stiffness, law.damping = float(wanted.stiffness), float(wanted.damping)
     elif isinstance(wanted, Fblin):
-        law.kind, law.measure_z2, law.bandwidth = 1, 1, wanted.bandwidth
+        law.kind, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
     else:
         raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
 

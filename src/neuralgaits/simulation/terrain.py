@@ -31,9 +31,9 @@ class Terrain:
         """Whether levels change at all."""
         return self._height != 0.0
 
-    def rises(self, steps: int) -> Float[np.ndarray, "B steps"]:
-        """What the next touchdowns of every episode draw, all at once (m). Returns: [B, steps]."""
-        return self._height * np.array([draw.integers(-1, 2, steps) for draw in self._draws])
+    def rises(self, episode: int, count: int) -> Float[np.ndarray, " count"]:
+        """What the next touchdowns of an episode draw, drawn now (m). Returns: [count]."""
+        return self._height * self._draws[episode].integers(-1, 2, count)
 
     def advance(
         self,

@@ -92,7 +92,7 @@ typedef struct {
     double clock;             /* ticks times their length, added up [s] */
     double touch[NG_LEGS];    /* normal force on each foot [N] */
     double floor[NG_LEGS];    /* level under each foot at x = 0 [m] */
-    const double *rises;      /* of the next floors, drawn beforehand: one a step [m] */
+    const double *rises;      /* of the next floors: more than touchdowns to come [m] */
     int rises_used;
     int rise_pending;
     double next_rise;         /* [m] */
