@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, Int
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, joint_ranges

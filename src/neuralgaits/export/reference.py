@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_filter_jit, quick_jit
+from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array
 from neuralgaits.control import ControllerState, step
 from neuralgaits.control.controller import Controller

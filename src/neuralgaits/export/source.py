@@ -1,5 +1,7 @@
 """The files written for one gait: `gait.h` with its facts, `gait.c` with its functions."""
 
+import string
+
 import numpy as np
 
 from neuralgaits.control import AbstractLaw, Fblin, Pd
@@ -9,6 +11,9 @@ from neuralgaits.export.programs import parts
 from neuralgaits.interpreters.c99 import emit
 from neuralgaits.interpreters.c99_tables import Tables, braces, literal
 from neuralgaits.interpreters.c99_writer import Emitted
+
+_PLAIN = frozenset(string.ascii_letters + string.digits + " _-.,:;+/()[]")
+"""What stands for itself in a string of C, whatever comes before and after."""
 
 
 def gait_files(design: Design) -> dict[str, str]:
@@ -27,7 +32,7 @@ def gait_files(design: Design) -> dict[str, str]:
 
 def _header(design: Design, functions: list[Emitted]) -> str:
     lines = [
-        *("/*", *(f" * {line}".rstrip() for line in statement.prose(design)), " */"),
+        *("/*", *(f" * {_prose(line)}".rstrip() for line in statement.prose(design)), " */"),
         "#ifndef NG_GAIT_H",
         "#define NG_GAIT_H",
         "",
@@ -63,8 +68,16 @@ def _names(design: Design) -> list[str]:
     ]
 
 
+def _prose(line: str) -> str:
+    """A line of a comment. Names come from files of others: none of them ends the comment."""
+    shown = "".join(sign if sign.isprintable() else "?" for sign in line)
+    return shown.replace("*/", "* /").replace("/*", "/ *").rstrip("\\")
+
+
 def _quoted(text: str) -> str:
-    return f'"{text}"'
+    """A string of C. Whatever could end it stands as a number, byte by byte."""
+    signs = (chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in text.encode())
+    return f'"{"".join(signs)}"'
 
 
 def _literal(value: float | int) -> str:
