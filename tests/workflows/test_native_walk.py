@@ -21,15 +21,17 @@ from neuralgaits.control import Controller, Pd
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import from_json
-from neuralgaits.simulation import native
+from neuralgaits.simulation import native, native_library
 from neuralgaits.simulation.disturbance import parse
 from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.live import LiveWalk
+from neuralgaits.simulation.native_layout import address
+from neuralgaits.simulation.native_scene import scene_of
 from neuralgaits.simulation.plant import build
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, plant_states, walk
-from neuralgaits.workflows.native_walk import compiler, engine_of_run, sources
+from neuralgaits.workflows.native_walk import _design, compiler, engine_of, engine_of_run, sources
 from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.simulate import simulate
 
@@ -181,8 +183,8 @@ def test_what_needs_python_in_a_tick_walks_in_jax(run, library):
 
 
 def test_an_error_of_mujoco_ends_the_walk_and_not_the_process(run, library, monkeypatch):
-    engine = ctypes.CDLL(str(native.mujoco_library()))
-    monkeypatch.setattr(library, "mj_step", native.address(engine.mju_error))
+    engine = ctypes.CDLL(str(native_library.mujoco_library()))
+    monkeypatch.setattr(library, "mj_step", address(engine.mju_error))
     with pytest.raises(NonFiniteError, match="MuJoCo gave up in episode 0"):
         walked(run, steps=1, library=library)
 
@@ -264,34 +266,51 @@ def test_a_library_is_made_once_and_a_damaged_one_again(run, cache):
 
 
 def test_a_policy_is_part_of_what_is_compiled(run, cache):
-    other = eqx.tree_at(lambda r: r.gait.policy, _Open(run), _scaled(run.gait.policy))
     engine_of_run(run, "native")
-    engine_of_run(other, "native")
+    engine_of(run.robot, other_gait(run), momentum_range(run.gait), "native")
     assert len(list(cache.iterdir())) == 2
 
 
-class _Open:
-    """A run whose policy may be exchanged."""
+def test_gaits_that_are_not_kept_are_two_all_the_same(run, tmp_path, monkeypatch):
+    """What is loaded under a name is not loaded again: without a cache, each has its own."""
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    starts = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)
+    torques = []
+    for gait in (run.gait, other_gait(run)):
+        z2_range = momentum_range(gait)
+        library = engine_of(run.robot, gait, z2_range, "native").library
+        one, two = (
+            walk(
+                run.robot,
+                gait.policy,
+                starts,
+                steps=1,
+                record=True,
+                z2_range=z2_range,
+                library=given,
+            ).episodes.record
+            for given in (library, None)
+        )
+        assert one is not None and apart(one, two) <= RELATIVE
+        torques.append(one.command.torque[0])
+    assert np.abs(torques[0] - torques[1]).max() > 1e-3
 
-    def __init__(self, run):
-        self.robot, self.gait = run.robot, run.gait
+
+def test_the_library_of_another_gait_is_refused(run, library):
+    starts = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)
+    whole = momentum_range(run.gait)
+    for policy, z2_range in ((other_gait(run).policy, whole), (run.gait.policy, (1.0, 2.0))):
+        with pytest.raises(InputError, match="expected the compiled walk of this controller"):
+            walk(run.robot, policy, starts, steps=1, library=library, z2_range=z2_range)
 
 
-jax.tree_util.register_pytree_node(
-    _Open,
-    lambda run: ((run.gait,), run.robot),
-    lambda robot, children: _made(robot, children[0]),
-)
-
-
-def _made(robot, gait):
-    run = object.__new__(_Open)
-    run.robot, run.gait = robot, gait
-    return run
-
-
-def _scaled(policy):
-    return jax.tree.map(lambda leaf: leaf * 1.001 if eqx.is_inexact_array(leaf) else leaf, policy)
+def other_gait(run):
+    """The run's gait with another policy."""
+    scaled = jax.tree.map(
+        lambda leaf: leaf * 1.001 if eqx.is_inexact_array(leaf) else leaf, run.gait.policy
+    )
+    return eqx.tree_at(lambda gait: gait.policy, run.gait, scaled)
 
 
 def test_a_live_walk_is_that_of_the_reference(run, library):
@@ -333,14 +352,14 @@ def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law
     starts = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=3)
     limits = {"z2_range": momentum_range(run.gait), "period_s": 1e-3}
     controller = Controller.init(run.robot, run.gait.policy, LAWS[law], **limits)
-    scene = native.scene_of(library, plant, controller, 7, FallConfig(), Push(5.0, 7, 0, 3))
+    scene = scene_of(library, plant, controller, 7, FallConfig(), Push(5.0, 7, 0, 3))
     scene.uneven = 1
     mujoco.mj_saveModel(plant.model, str(tmp_path / "model.mjb"))
     (tmp_path / "scene").write_bytes(bytes(scene))
     (tmp_path / "starts").write_bytes(plant_states(plant, starts).tobytes())
-    for name, text in sources(run.robot, run.gait, limits["z2_range"]).items():
+    for name, text in sources(_design(run.robot, run.gait, limits["z2_range"])).items():
         (tmp_path / name).write_text(text)
-    folder, loaded = Path(mujoco.__file__).parent, native.mujoco_library()
+    folder, loaded = Path(mujoco.__file__).parent, native_library.mujoco_library()
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-Wall", "-Wextra"]
     files = [str(tmp_path / name) for name in ("walk.c", "controller.c", "gait.c")]
     files += [str(Path(__file__).parent / "walk_main.c"), "-o", str(tmp_path / "walk_main")]

@@ -161,7 +161,7 @@ def walking(
     pace = bounds["set/forward", *whole]
     longest = (arb(last) - arb(first)) / arb(pace)
     figures = {
-        "step_time_at_most_s": _above(longest),
+        "step_time_at_most_s": above(longest),
         "forward_at_least_per_s": pace,
         "inertia_at_least_kg_m": bounds["set/inertia", *whole],
         "relative_width": bounds["set/width", (first, 0.0), (last, 0.0)],
@@ -197,48 +197,48 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     high = arb(gains[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
     middle = [(2 * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
     figures = {
-        "contraction_at_most": _above(contraction),
-        "multiplier_at_least": _below(low),
-        "multiplier_at_most": _above(high),
-        "z2_at_mid_step_at_least": _below(middle[0]),
-        "z2_at_mid_step_at_most": _above(middle[1]),
+        "contraction_at_most": above(contraction),
+        "multiplier_at_least": below(low),
+        "multiplier_at_most": above(high),
+        "z2_at_mid_step_at_least": below(middle[0]),
+        "z2_at_mid_step_at_most": above(middle[1]),
         "z2_width_at_most": width,
     }
     if orbit.attraction == "nested tubes":
         shrinking = arb(gain) * (2 * over * _end(orbit, shape)).exp()
         shrinking *= _half_width(orbit, 1.0 - shape.guard_strip)
         shrinking /= _half_width(orbit, shape.start_strip)
-        figures["tubes_shrink_by_at_most"] = _above(shrinking)
+        figures["tubes_shrink_by_at_most"] = above(shrinking)
         why = (
             "outside a thin tube around the orbit every trajectory gets nearer to it from phase "
             f"{shape.start_strip!r} to {1.0 - shape.guard_strip!r}, and across the impact gets to "
-            f"{at_most(_above(shrinking), 4)} of its distance or less; inside it the return map "
-            f"contracts to {at_most(_above(high), 4)} or less"
+            f"{at_most(above(shrinking), 4)} of its distance or less; inside it the return map "
+            f"contracts to {at_most(above(high), 4)} or less"
         )
         if not shrinking < 1:
-            reason = f"tubes around the orbit may widen by {_above(shrinking):.4g} at the impact"
+            reason = f"tubes around the orbit may widen by {above(shrinking):.4g} at the impact"
             return Conclusion(3, "undecided", reason, (), figures)
     else:
         why = (
             "the return map of the section at mid-step contracts to "
-            f"{at_most(_above(contraction), 4)} or less on all of T"
+            f"{at_most(above(contraction), 4)} or less on all of T"
         )
         if not contraction < 1:
-            reason = f"the return map is not shown to contract: |P'| <= {_above(contraction):.4g}"
+            reason = f"the return map is not shown to contract: |P'| <= {above(contraction):.4g}"
             return Conclusion(3, "undecided", reason, (), figures)
     if not middle[0] < middle[1]:
         # Margins in its widths are bounded, so that these have one sign at every phase.
         return Conclusion(3, "undecided", "the thin tube is upside down", (), figures)
     if not (low > 0 and high < 1):
-        reason = f"the multiplier is enclosed in [{_below(low):.4g}, {_above(high):.4g}] only"
+        reason = f"the multiplier is enclosed in [{below(low):.4g}, {above(high):.4g}] only"
         return Conclusion(3, "undecided", reason, (), figures)
-    least, most = _below(middle[0]), _above(middle[1])
+    least, most = below(middle[0]), above(middle[1])
     words = (
         f"{why}: there is one periodic orbit, and every trajectory of the undisturbed system in T "
         "converges to it",
         f"at mid-step the orbit has z2 in [{at_least(least, 8)}, {at_most(most, 8)}] kg m^2/s, and "
         f"is known to {at_most(width, 3)} everywhere",
-        f"its multiplier is in [{at_least(_below(low), 4)}, {at_most(_above(high), 4)}]",
+        f"its multiplier is in [{at_least(below(low), 4)}, {at_most(above(high), 4)}]",
     )
     return Conclusion(3, "proved", None, words, figures)
 
@@ -287,9 +287,11 @@ def _value(series: Sequence[float], x: arb) -> arb:
     return x * ahead - further + arb(series[0])
 
 
-def _above(x: arb) -> float:
+def above(x: arb) -> float:
+    """A number that a ball lies below."""
     return math.nextafter(float(x.upper()), math.inf)
 
 
-def _below(x: arb) -> float:
+def below(x: arb) -> float:
+    """A number that a ball lies above."""
     return math.nextafter(float(x.lower()), -math.inf)

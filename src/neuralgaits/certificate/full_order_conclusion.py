@@ -5,13 +5,12 @@ only if it is certain; where one does not, it is the obstacle, and by how much i
 argument is in docs/full_order.md. Needs no JAX.
 """
 
-import math
 from dataclasses import replace
 from typing import NamedTuple
 
 from flint import arb, fmpq
 
-from neuralgaits.certificate.conclusions import Bounds, Conclusion, Constant
+from neuralgaits.certificate.conclusions import Bounds, Conclusion, Constant, above, below
 from neuralgaits.certificate.full_order_theorem import (
     FENCES,
     STIFF,
@@ -145,7 +144,7 @@ def inlet(shape: FullOrder, barrier: BarrierConstants) -> arb:
 def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
     """Every constant of the theorem, and what was proved of contact, torques and foot in D."""
     w, rate = shape.bandwidth, float(lyapunov_rate(shape.bandwidth))
-    after = _above(_after(shape))
+    after = above(_after(shape))
     found = [
         Constant("w", w, "rad/s", "double pole of the outputs, critically damped"),
         Constant("P stiffness", float(STIFF) ** 2, "1", "V = sum (dy/w)^2 + this (y + dy/w)^2"),
@@ -155,13 +154,13 @@ def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
         Constant("guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"),
         Constant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
         Constant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
-        Constant("T_min", _below(_least_time(shape)), "s", "time of a step, at least"),
+        Constant("T_min", below(_least_time(shape)), "s", "time of a step, at least"),
         Constant("inertia", shape.inertia, "kg m", "-J.s, at least"),
-        Constant("sqrt v_sym", _above(_mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"),
+        Constant("sqrt v_sym", above(_mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"),
         Constant("L_D", shape.gain, "1", "growth of sqrt(V) across an impact, at most"),
         Constant("r_bar", after, "rad", "sqrt(V+) after any impact of the set, at most"),
-        Constant("step factor", _above(_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
-        Constant("r_end", _above(_end(shape)), "rad", "what sqrt(V+) falls to, step by step"),
+        Constant("step factor", above(_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
+        Constant("r_end", above(_end(shape)), "rad", "what sqrt(V+) falls to, step by step"),
         Constant("L_z", shape.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
         Constant("start strip", shape.start_strip, "phase", "the set begins so far before phase 0"),
         Constant("guard strip", shape.guard_strip, "phase", "the guard is met so near to phase 1"),
@@ -205,7 +204,7 @@ def _slacks(shape: FullOrder, bounds: Bounds) -> list[Constant]:
 
 def _constants_of(shape: FullOrder, barrier: BarrierConstants, after: float) -> list[Constant]:
     name, unit = barrier.name, "1" if barrier.reading == 0.0 else "rad"
-    least = _above(arb(barrier.epsilon)) if barrier.sigma <= 0.0 else barrier.epsilon
+    least = above(arb(barrier.epsilon)) if barrier.sigma <= 0.0 else barrier.epsilon
     found = [
         Constant(f"{name}: alpha", barrier.alpha, "1/s", "h' + alpha h >= epsilon at eta = 0"),
         Constant(f"{name}: epsilon", least, f"{unit}/s", "h' + alpha h >= epsilon at eta = 0"),
@@ -216,11 +215,9 @@ def _constants_of(shape: FullOrder, barrier: BarrierConstants, after: float) -> 
         Constant(f"{name}: L_h", barrier.reset_slope, f"{unit}/rad", "d h(z+)/d sqrt(V), at most"),
     ]
     if barrier.sigma > 0.0 and after > 0.0:
-        room = _below(inlet(shape, barrier) / arb(after) ** 2)
+        room = below(inlet(shape, barrier) / arb(after) ** 2)
         found += [
-            Constant(
-                f"{name}: t", _above(tightening(barrier)), unit, "tightening, l_P^2/(4 sigma)"
-            ),
+            Constant(f"{name}: t", above(tightening(barrier)), unit, "tightening, l_P^2/(4 sigma)"),
             Constant(
                 f"{name}: most sigma", room, f"{unit}/rad^2", "what the inlet leaves room for"
             ),
@@ -306,11 +303,3 @@ def _tightened(barrier: BarrierConstants) -> str:
     if barrier.reading == 0.0:
         return barrier.name
     return f"{barrier.name} - {barrier.reading!r}^2/(4 * {barrier.sigma!r})"
-
-
-def _below(x: arb) -> float:
-    return math.nextafter(float(x.lower()), -math.inf)
-
-
-def _above(x: arb) -> float:
-    return math.nextafter(float(x.upper()), math.inf)

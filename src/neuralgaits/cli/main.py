@@ -25,7 +25,8 @@ def run() -> None:
     """Console script: `neuralgaits VERB ...`."""
     environment.prepare()
     # Compiled code runs in this process: if it crashes, its place is said.
-    faulthandler.enable()
+    with contextlib.suppress(RuntimeError, ValueError, OSError):
+        faulthandler.enable()
     sys.exit(main(sys.argv[1:]))
 
 

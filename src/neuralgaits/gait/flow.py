@@ -9,8 +9,8 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._compiler import quick_filter_jit
-from neuralgaits._types import Array, Bool, Int, Scalar, ZeroState
+from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._types import Array, Bool, Scalar, ZeroState
 from neuralgaits.gait.runge_kutta import DOPRI5, step
 from neuralgaits.gait.zero_dynamics import ZeroDynamics
 
@@ -18,8 +18,6 @@ STEP_S = 1e-3
 """Step of the fifth-order integrator [s]: errors of a stance phase stay near 1e-12."""
 EVENT_S = 1e-15
 """How closely an event is placed [s]."""
-_MOST_TRIES = 10_000
-"""Evaluations of a step, whole ones and those that look for the event."""
 LONGEST_STEP_S = 5.0
 """A stance phase longer than this has fallen back [s]."""
 
@@ -47,29 +45,26 @@ def to_section(zd: ZeroDynamics, z: ZeroState, z1: float = 0.0) -> Flow:
 
 
 class _March(NamedTuple):
-    """Where the integration is: at the beginning of a step, and inside which part of it to look."""
+    """The beginning of a step, and which part of the step holds the event."""
 
     z: ZeroState
     """At the beginning of the step. [2]"""
     time: Scalar
     """Likewise [s]."""
     above: Scalar
-    """The event's function at `low`."""
+    """The event's function there."""
     low: Scalar
     """The event comes later in the step than this [s]."""
     high: Scalar
     """And, once it is known to be in this step, before this [s]."""
-    below: Scalar
-    """The event's function at `high`."""
+    z_high: ZeroState
+    """The state then. [2]"""
     inside: Bool[Array, ""]
     """Whether the event is in this step."""
-    tries: Int[Array, ""]
-    """Evaluations so far."""
-    ended: Bool[Array, ""]
 
 
 # One compiled function for both events: tracing the rate is what takes time, so a step of the
-# march and a try within the last step are the same line of code.
+# march and a look inside the last step are the same line of code.
 @quick_filter_jit
 def _flow(zd: ZeroDynamics, z: ZeroState, to_guard: Bool[Array, ""], section: Scalar) -> Flow:
     def falling(z: ZeroState) -> Scalar:
@@ -77,40 +72,30 @@ def _flow(zd: ZeroDynamics, z: ZeroState, to_guard: Bool[Array, ""], section: Sc
         height = jnp.where(z[0] > 0.0, zd.guard(z), 1.0)
         return jnp.where(to_guard, height, section - z[0])
 
-    def trial(at: _March) -> Scalar:
-        """A whole step, or where a line through both ends says that the event is (s)."""
-        share = at.above / (at.above - at.below)
-        # Every other try halves, so that a crooked function is no harder than a straight one.
-        share = jnp.where(at.tries % 2 == 0, 0.5, share)
-        return jnp.where(at.inside, at.low + share * (at.high - at.low), STEP_S)
-
     def advance(at: _March) -> _March:
-        span = trial(at)
+        span = jnp.where(at.inside, 0.5 * (at.low + at.high), STEP_S)
         after = step(DOPRI5, zd.zdot, at.z, span)
         found = falling(after)
-        passed = (at.above > 0.0) & (found <= 0.0)
+        passed = jnp.where(at.inside, found <= 0.0, (at.above > 0.0) & (found <= 0.0))
         onward = ~at.inside & ~passed
-        inside = at.inside | passed
-        later = at.inside & (found > 0.0)
         return _March(
             z=jnp.where(onward, after, at.z),
             time=at.time + jnp.where(onward, span, 0.0),
-            above=jnp.where(onward | later, found, at.above),
-            low=jnp.where(later, span, at.low),
-            high=jnp.where(inside & ~later, span, at.high),
-            below=jnp.where(inside & ~later, found, at.below),
-            inside=inside,
-            tries=at.tries + 1,
-            ended=inside & (at.high - at.low <= EVENT_S),
+            above=jnp.where(onward, found, at.above),
+            low=jnp.where(at.inside & ~passed, span, at.low),
+            high=jnp.where(passed, span, at.high),
+            z_high=jnp.where(passed, after, at.z_high),
+            inside=at.inside | passed,
         )
 
-    def going(at: _March) -> Bool[Array, ""]:
-        known = jnp.all(jnp.isfinite(at.z))
-        return ~at.ended & known & (at.time < LONGEST_STEP_S) & (at.tries < _MOST_TRIES)
+    def ended(at: _March) -> Bool[Array, ""]:
+        return at.inside & (at.high - at.low <= EVENT_S)
 
-    zero, no = jnp.zeros(()), jnp.asarray(False)
-    none = jnp.zeros((), jnp.int32)
-    start = _March(z, zero, falling(z), zero, jnp.asarray(STEP_S), zero, no, none, no)
+    def going(at: _March) -> Bool[Array, ""]:
+        return ~ended(at) & jnp.all(jnp.isfinite(at.z)) & (at.time < LONGEST_STEP_S)
+
+    zero, whole = jnp.zeros(()), jnp.asarray(STEP_S)
+    start = _March(z, zero, falling(z), zero, whole, z, jnp.asarray(False))
     at = jax.lax.while_loop(going, advance, start)
-    last = step(DOPRI5, zd.zdot, at.z, at.high)
-    return Flow(jnp.where(at.ended, last, at.z), at.time + at.ended * at.high, at.ended)
+    reached = ended(at)
+    return Flow(jnp.where(reached, at.z_high, at.z), at.time + reached * at.high, reached)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_filter_jit
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.flow import stance_phase, to_section

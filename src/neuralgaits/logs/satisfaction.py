@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_filter_jit
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwise

@@ -9,7 +9,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from neuralgaits._compiler import quick_filter_jit
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float, FullState
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.coordinates import zero_coordinates

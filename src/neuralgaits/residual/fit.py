@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_filter_jit
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.activations import tanh

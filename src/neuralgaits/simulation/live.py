@@ -21,7 +21,7 @@ from neuralgaits.gait import AbstractPolicy
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
-from neuralgaits.simulation.native import Library
+from neuralgaits.simulation.native_library import Library
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, build
 from neuralgaits.simulation.push import DURATION_S
 from neuralgaits.simulation.tick import Record, Verdict

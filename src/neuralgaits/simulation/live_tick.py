@@ -9,12 +9,13 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
-from neuralgaits.simulation import native
+from neuralgaits.errors import InputError
 from neuralgaits.simulation.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.falls import FallConfig
-from neuralgaits.simulation.native import Library, NativeError
 from neuralgaits.simulation.native_layout import pointer
+from neuralgaits.simulation.native_library import Library
 from neuralgaits.simulation.native_records import record_of
+from neuralgaits.simulation.native_scene import scene_of
 from neuralgaits.simulation.plant import Plant
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.tick import Reading, Record, Scene, Verdict
@@ -101,9 +102,9 @@ class NativeTick(LiveTick):
     """The same in compiled code."""
 
     def __init__(self, library: Library, plant: Plant, controller: Controller, falls: FallConfig):
-        """Raises: NativeError for a law that the library does not have."""
-        if not native.knows(controller.law):
-            raise NativeError(f"a law of type {type(controller.law).__name__} is not compiled")
+        """Raises: InputError for the library of another gait, or a law that it does not have."""
+        if not library.fits(controller):
+            raise InputError("expected the compiled walk of this controller, found another one's")
         self._library, self._controller, self._falls = library, controller, falls
         self._walk = library.layout.walk()
         self._row = np.zeros(1, library.layout.record)
@@ -121,7 +122,7 @@ class NativeTick(LiveTick):
         """Another scene for the same walk."""
         controller = eqx.tree_at(lambda c: c.torque_limit, self._controller, torque_limit)
         none = Push(0.0, ENDLESS, 0, 1)
-        self._scene = native.scene_of(self._library, plant, controller, ENDLESS, self._falls, none)
+        self._scene = scene_of(self._library, plant, controller, ENDLESS, self._falls, none)
         self._scene.slope = slope
         self._plant, self._controls = plant, np.zeros((1, plant.model.nu))
 

@@ -7,99 +7,35 @@ means is that of `tick` and `lockstep`, number for number but for rounding; test
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
-import ctypes
 import threading
 import time as clock
 from concurrent.futures import ThreadPoolExecutor
-from ctypes import CDLL, POINTER, byref, c_char_p, c_int, c_void_p
+from ctypes import byref
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.control import AbstractLaw, Controller, Fblin, Pd
+from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, NonFiniteError
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.falls import Ending, FallConfig
-from neuralgaits.simulation.gauge import (
-    SETTLING_S,
-    START_UP_STEPS,
-    Extremes,
-    Gauge,
-    Milestone,
-)
+from neuralgaits.simulation.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.lockstep import Episodes
-from neuralgaits.simulation.native_layout import Layout, address, layout_of, pointer
+from neuralgaits.simulation.native_layout import pointer
+from neuralgaits.simulation.native_library import Library
 from neuralgaits.simulation.native_records import record_of
-from neuralgaits.simulation.plant import SUBSTEPS, Plant
-from neuralgaits.simulation.push import DURATION_S, Push
-from neuralgaits.simulation.terrain import ROOM_UNDER_FOOT, Terrain
+from neuralgaits.simulation.native_scene import scene_of
+from neuralgaits.simulation.plant import Plant
+from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.terrain import Terrain
 
 _CHUNK = 4096
 """Ticks between two looks at whether to go on: a few tens of milliseconds."""
 _TOUCHDOWNS = _CHUNK // 10
 """More than there can be in as many ticks: a lockout of a tenth of a second follows each."""
-_LONGEST_US = 0xFFFFFFFF
 _REFUSED = -1
-
-
-class NativeError(Exception):
-    """Why compiled code cannot be used here, in words that follow "because"."""
-
-
-class Library:
-    """The compiled walk of one robot and one policy.
-
-    Attributes:
-        path: of the file.
-        layout: types of its structures.
-    """
-
-    def __init__(self, path: Path, robot: PlanarBiped):
-        """Load it. Raises: NativeError if it does not load or was made for something else."""
-        self.path = path
-        self.layout: Layout = layout_of(robot.n // 2, robot.n - 1)
-        try:
-            library, engine = CDLL(str(path)), CDLL(str(mujoco_library()))
-        except OSError as error:
-            raise NativeError(f"it does not load ({error})") from None
-        self.run = library.ng_walk_run
-        self.run.argtypes = [c_void_p, c_void_p, c_void_p, c_int, c_void_p, c_void_p, c_void_p]
-        self.tick = library.ng_walk_tick
-        self.tick.argtypes = [c_void_p] * 5
-        self.start = library.ng_walk_start
-        self.start.argtypes = [c_void_p, c_int]
-        self.complaint = library.ng_walk_error
-        self.complaint.restype = c_char_p
-        self.mj_step = address(engine.mj_step)
-        sizes = (c_int * 3)()
-        library.ng_walk_sizes(sizes)
-        own = (self.layout.scene, self.layout.walk)
-        expected = [*map(ctypes.sizeof, own), self.layout.record.itemsize]
-        if list(sizes) != expected:
-            raise NativeError(f"its structures take {list(sizes)} bytes, not {expected}")
-        library.ng_walk_catch(byref(c_void_p.in_dll(engine, "mju_user_error")))
-
-
-def mujoco_library() -> Path:
-    """MuJoCo's own library, which its wheel brings. Raises: NativeError without it."""
-    folder = Path(mujoco.__file__).parent
-    found = [
-        file
-        for pattern in ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
-        for file in sorted(folder.glob(pattern))
-    ]
-    if not found:
-        raise NativeError(f"the library of MuJoCo is not in {folder}")
-    return found[0]
-
-
-def knows(law: AbstractLaw) -> bool:
-    """Whether compiled controllers have this law."""
-    return type(law) in (Pd, Fblin)
 
 
 @dataclass(frozen=True)
@@ -157,8 +93,10 @@ def run(
         record: keep all ticks of episode 0, with states and floors.
         longest: keep the first so many ticks of every episode.
 
-    Raises: NonFiniteError if MuJoCo gives up.
+    Raises: NonFiniteError if MuJoCo gives up, InputError for the library of another gait.
     """
+    if not library.fits(controller):
+        raise InputError("expected the compiled walk of this controller, found another one's")
     scene = scene_of(library, plant, controller, steps, falls, push)
     scene.uneven = int(terrain.uneven)
     course = _Course(states, terrain, push, seed, noisy, longest, record)
@@ -248,78 +186,6 @@ def _episode(
         if states is not None:
             kept.states.append(states[:done])
     return kept
-
-
-def scene_of(
-    library: Library,
-    plant: Plant,
-    controller: Controller,
-    steps: int,
-    falls: FallConfig,
-    push: Push,
-) -> Any:
-    """`ng_scene` of a plant and a controller."""
-    wires, layout, robot = plant.wires, plant.wires.layout, controller.robot
-    types, disturbance = library.layout, plant.disturbance
-    leg_length = float(np.sum(robot.hip))
-    scene = types.scene()
-    scene.model, scene.step = plant.model._address, library.mj_step
-    for name, values in (
-        ("root", wires.root),
-        ("joints", wires.joints),
-        ("motors", wires.actuators),
-        ("root_to_hip", layout.root_to_hip),
-        ("root_origin", layout.root_origin),
-        ("joint_sign", layout.leg_joint_signs),
-        ("joint_offset", layout.leg_joint_offsets),
-        ("gear", layout.gears),
-    ):
-        _fill(getattr(scene, name), values)
-    scene.pitch_sign, scene.root_angle = layout.pitch_sign, layout.root_angle
-    scene.angle_noise, scene.rate_noise = disturbance.encoder_noise, disturbance.rate_noise
-    scene.encoder_step = disturbance.encoder_step
-    scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
-    scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT
-    scene.push_force, scene.push_s, scene.push_after = push.force, DURATION_S, push.steps_before
-    scene.steps = min(steps, np.iinfo(np.int32).max)
-    scene.lowest_hip = falls.hip_share * leg_length
-    scene.largest_pitch = np.inf if robot.torso is None else falls.torso_rad
-    scene.patience_s = falls.stall * float(np.sqrt(leg_length / robot.gravity))
-    scene.start_up_steps, scene.settling_s = START_UP_STEPS, SETTLING_S
-    _set_law(scene.law, controller.law)
-    _set_config(scene, types, controller)
-    return scene
-
-
-def _set_law(law: Any, wanted: AbstractLaw) -> None:
-    law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
-    if isinstance(wanted, Pd):
-        law.kind, law.measure_z2 = 0, int(wanted.measure_z2)
-        law.stiffness, law.damping = float(wanted.stiffness), float(wanted.damping)
-    elif isinstance(wanted, Fblin):
-        law.kind, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
-    else:
-        raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
-
-
-def _set_config(scene: Any, types: Layout, controller: Controller) -> None:
-    """The limits of the robot and no others: a simulation shows what a law does."""
-    config = scene.config
-    config.law = ctypes.cast(ctypes.addressof(scene) + types.scene.law.offset, POINTER(types.law))
-    _fill(config.torque_limit, controller.torque_limit)
-    for name in ("torque_rate", "largest_pitch", "angle_margin", "largest_rate", "largest_speed"):
-        setattr(config, name, np.inf)
-    config.largest_force = config.airborne_s = np.inf
-    config.gap_us = _LONGEST_US
-
-
-def _fill(array: Any, values: Any) -> None:
-    """Copy numbers of any nesting into a ctypes array."""
-    for at, value in enumerate(values):
-        if isinstance(array[at], ctypes.Array):
-            _fill(array[at], value)
-        else:
-            array[at] = value
 
 
 def _gauge(walks: list[Any]) -> Gauge:

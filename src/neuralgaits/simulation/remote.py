@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.control import Command
 from neuralgaits.control.measurement import Measurement, coordinates, stance_joints

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_filter_jit
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait
 from neuralgaits.errors import InputError

@@ -19,7 +19,8 @@ from neuralgaits.simulation.batch import compile_batch
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.falls import FallConfig
 from neuralgaits.simulation.lockstep import Episodes, Noise, Watch
-from neuralgaits.simulation.native import Library
+from neuralgaits.simulation.native_library import Library
+from neuralgaits.simulation.native_scene import knows
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.remote import Remote
@@ -118,7 +119,7 @@ def walk(
     terrain = Terrain(field.disturbance.floor_height, seed, count)
     pushes = Push(push, steps, seed, count)
     threads = _cores() if threads is None else threads
-    if library is not None and shared and remote is None and watch is None and native.knows(law):
+    if library is not None and shared and remote is None and watch is None and knows(law):
         episodes = native.run(
             library,
             field,

@@ -16,7 +16,7 @@ import numpy as np
 import optax
 from jax.flatten_util import ravel_pytree
 
-from neuralgaits._compiler import quick_filter_jit, quick_jit
+from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec, Recipe
 from neuralgaits.gait import Residuals

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 
 from neuralgaits import logs
-from neuralgaits._compiler import quick_filter_jit
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
@@ -118,6 +118,8 @@ def walk_round(
             "walked_s": float(sum(log.t[-1] - log.t[0] for log in found)),
             "logs": [str(file) for file in files],
             "logs_left_out": len(found) - len(files),
+            "engine": "jax" if engine.library is None else "native",
+            "engine_note": engine.note,
             "wall_s": time.perf_counter() - began,
         }
     )

@@ -266,6 +266,8 @@ class _Session:
             found = walk_round(
                 run, field, momentum=momentum, seed=config["seed"], folder=self.folder.logs(number)
             )
+            if found["engine_note"] is not None:
+                self.tell(number, found["engine_note"])
         write(file, found)
         return found
 

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.certificate.full_order import (
     FullOrderModel,

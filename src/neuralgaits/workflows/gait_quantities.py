@@ -7,7 +7,7 @@ import jax
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._quick_jit import quick_jit
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics

@@ -20,12 +20,13 @@ import mujoco
 
 from neuralgaits._cache import cache_folder
 from neuralgaits.barriers import Gait
+from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import writing
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.source import gait_files
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.native import Library, NativeError
+from neuralgaits.simulation.native_library import Library, NativeError
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.run import Run
@@ -38,6 +39,8 @@ _HEADERS = ("controller.h", "ng_math.h")
 _COMPILERS = ("cc", "gcc", "clang")
 _COMPILE_S = 300.0
 _UNKNOWN = "0" * 64
+_own_folders: list[tempfile.TemporaryDirectory] = []
+"""Gone with this process."""
 _SHOWN = 200
 NO_COMPILER = "there is no C compiler: install gcc or clang, or pip install 'neuralgaits[compiler]'"
 
@@ -73,7 +76,8 @@ def engine_of(
     if choice == "jax":
         return Engine(None, None)
     try:
-        return _engine(sources(robot, gait, z2_range), robot)
+        design = _design(robot, gait, z2_range)
+        return _engine(sources(design), design.controller)
     except NativeError as error:
         if choice == "native":
             raise InputError(f"--engine native: expected a compiled walk, but {error}") from None
@@ -98,12 +102,16 @@ def compiler() -> list[str] | None:
     return None
 
 
-def sources(robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float]) -> dict[str, str]:
-    """Every file that is compiled. Raises: NativeError for a policy that C cannot express."""
+def _design(robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float]) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
+    return Design.of(robot, gait, LAWS, z2_range, origin)
+
+
+def sources(design: Design) -> dict[str, str]:
+    """Every file that is compiled. Raises: NativeError for a policy that C cannot express."""
     try:
-        own = gait_files(Design.of(robot, gait, LAWS, z2_range, origin))
+        own = gait_files(design)
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = writing.shipped()
@@ -112,7 +120,7 @@ def sources(robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float]) -> di
     return own | loop | {name: shipped[name] for name in (*_HEADERS, "controller.c")}
 
 
-def _engine(texts: Mapping[str, str], robot: PlanarBiped) -> Engine:
+def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
     """The walk of these sources, compiled now or before. Raises: NativeError."""
     command = compiler()
     if command is None:
@@ -121,18 +129,21 @@ def _engine(texts: Mapping[str, str], robot: PlanarBiped) -> Engine:
     # One that is kept and does not load is damaged, and made anew.
     with contextlib.suppress(NativeError):
         if kept.is_file():
-            return Engine(Library(kept, robot), None)
+            return Engine(Library(kept, controller), None)
     try:
         kept.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix="compiling-", dir=kept.parent) as place:
             os.replace(_compile(command, Path(place), texts), kept)
-        return Engine(Library(kept, robot), None)
+        return Engine(Library(kept, controller), None)
     except OSError as error:
         note = (
             f"compiled the walk for this command alone, because {kept.parent} cannot be written "
             f"({error.strerror})"
         )
-        return Engine(Library(_compile(command, _own_folder(), texts), robot), note)
+        # A folder each: what is loaded under one name is not loaded again.
+        _own_folders.append(tempfile.TemporaryDirectory(prefix="neuralgaits-"))
+        made = _compile(command, Path(_own_folders[-1].name), texts)
+        return Engine(Library(made, controller), note)
 
 
 def _place(command: Sequence[str], texts: Mapping[str, str]) -> Path:
@@ -172,14 +183,3 @@ def _version(command: tuple[str, ...]) -> str:
         )
         return done.stdout
     return ""
-
-
-@cache
-def _own_folder() -> Path:
-    """A folder that is gone with this process."""
-    folder = tempfile.TemporaryDirectory(prefix="neuralgaits-")
-    _kept_open.append(folder)
-    return Path(folder.name)
-
-
-_kept_open: list[tempfile.TemporaryDirectory] = []

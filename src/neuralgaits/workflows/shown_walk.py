@@ -12,7 +12,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from neuralgaits._compiler import quick_jit
+from neuralgaits._quick_jit import quick_jit
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word

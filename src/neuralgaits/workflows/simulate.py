@@ -17,12 +17,12 @@ from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot, registry
 from neuralgaits.runs import plain, write_text
 from neuralgaits.runs.folder import file_hashes
-from neuralgaits.simulation import native
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.link_config import LinkConfig, parse_link
 from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.native_scene import knows
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, law_named, walk
 from neuralgaits.workflows.connect import connected
@@ -136,7 +136,7 @@ def simulate(
 def _engine(trained: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
     """What walks. Raises: InputError if native was insisted on where it cannot be."""
     law = None if controller == REMOTE else law_named(controller)
-    if law is not None and native.knows(law):
+    if law is not None and knows(law):
         return engine_of_run(trained, choice)
     if choice == "native":
         other = f"controller {REMOTE}" if law is None else f"a law of type {type(law).__name__}"
