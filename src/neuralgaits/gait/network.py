@@ -41,10 +41,13 @@ class Network(eqx.Module):
         layers = list(pairwise(sizes))
         # One draw for all parameters: many small ones would each be compiled.
         count = sum((fan_in + 1) * fan_out for fan_in, fan_out in layers)
-        draws = np.asarray(jax.random.uniform(key, (count,), minval=-1.0, maxval=1.0))
+        draws = jax.random.uniform(key, (count,), minval=-1.0, maxval=1.0)
+        if not isinstance(draws, jax.core.Tracer):
+            draws = np.asarray(draws)
         weights, biases = [], []
         for fan_in, fan_out in layers:
-            block, draws = np.split(draws, [(fan_in + 1) * fan_out])
+            taken = (fan_in + 1) * fan_out
+            block, draws = draws[:taken], draws[taken:]
             block = fan_in**-0.5 * block.reshape(fan_out, fan_in + 1)
             weights.append(block[:, :-1].copy())
             biases.append(block[:, -1].copy())

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Scalar, ZeroState
@@ -61,8 +62,12 @@ class OutputJet(NamedTuple):
     """Partial derivative in z2 [rad s/(kg m^2)]. [m]"""
 
 
+@eqx.filter_jit
 def output_jet(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
-    """Desired outputs and both partial derivatives, the network traced once.
+    """Desired outputs and both partial derivatives.
+
+    A call of its own in whatever is traced around it, so that JAX traces a network once however
+    many points a function looks at.
 
     Returns: `OutputJet`.
     """
@@ -93,4 +98,4 @@ def output_jet_and_change(policy: AbstractPolicy, z: ZeroState) -> tuple[OutputJ
 
     Returns: `OutputJet` and a linear function [2] -> `OutputJet`.
     """
-    return jax.linearize(lambda point: output_jet(policy, point), z)
+    return jax.linearize(lambda point: output_jet(policy, point), jnp.asarray(z))

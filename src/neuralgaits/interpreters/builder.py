@@ -8,8 +8,10 @@ together. Equal operations are built once.
 """
 
 import hashlib
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -36,6 +38,12 @@ class _Node:
     array: np.ndarray | None = None
 
 
+@lru_cache(maxsize=4096)
+def _counted(size: int) -> np.ndarray:
+    """0, 1, ..., size - 1."""
+    return np.arange(size)
+
+
 class Builder:
     """Collects operations; `finish` numbers those that the outputs need."""
 
@@ -43,6 +51,7 @@ class Builder:
         """Start with no inputs, constants or operations."""
         self._nodes: list[_Node] = []
         self._starts: list[int] = []
+        self._start_table = np.zeros(0, dtype=np.int64)
         self._end = 0
         self._known: dict[bytes, int] = {}
         self._values: list[float] = []
@@ -89,10 +98,10 @@ class Builder:
 
     def unmoved(self, elements: Elements) -> bool:
         """Whether these elements are one vector as it stands, one scalar, or constants."""
-        if np.all(elements < 0) or np.all(elements == elements[0]):
+        first = int(elements[0])
+        if np.all(elements == first) or np.all(elements < 0):
             return True
-        owners = self._owners(elements[elements >= 0][:1])
-        return np.array_equal(elements, self._whole(owners[0]))
+        return first >= 0 and self._is_whole(elements, self._owner(first))
 
     def apply(
         self, kind: str, operands: Sequence[Elements], size: int, columns: int = 1
@@ -129,14 +138,25 @@ class Builder:
         )
 
     def _whole(self, number: int) -> Elements:
-        start = self._starts[number]
-        return np.arange(start, start + self._nodes[number].size)
+        return _counted(self._nodes[number].size) + self._starts[number]
+
+    def _is_whole(self, elements: Elements, number: int) -> bool:
+        start, size = self._starts[number], self._nodes[number].size
+        return elements.size == size and np.array_equal(elements, _counted(size) + start)
+
+    def _owner(self, element: int) -> int:
+        """The node one element belongs to."""
+        return bisect_right(self._starts, element) - 1
 
     def _owners(self, elements: Elements) -> list[int]:
         """The nodes these elements belong to, in order of first appearance."""
-        owners = np.searchsorted(self._starts, elements, side="right") - 1
-        _, first = np.unique(owners, return_index=True)
-        return owners[np.sort(first)].tolist()
+        known = self._start_table.size
+        if known < len(self._starts):
+            # Grown as it is asked for: turning the whole list into an array is what takes long.
+            added = np.array(self._starts[known:], dtype=np.int64)
+            self._start_table = np.concatenate([self._start_table, added])
+        owners = np.searchsorted(self._start_table, elements, side="right") - 1
+        return list(dict.fromkeys(owners.tolist()))
 
     def _add(self, kind: str, operands: tuple[int, ...], size: int, **extra) -> int:
         """Number of the node with this content, made if it does not exist."""
@@ -163,7 +183,7 @@ class Builder:
         if np.all(elements < 0):
             return self._unnamed(self.values(elements))
         sources = self._owners(elements[elements >= 0])
-        if len(sources) == 1 and np.array_equal(elements, self._whole(sources[0])):
+        if len(sources) == 1 and self._is_whole(elements, sources[0]):
             return sources[0]
         index = np.empty(elements.size, dtype=np.int64)
         offset = 0

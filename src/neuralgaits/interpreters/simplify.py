@@ -84,16 +84,21 @@ def _once(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
     """One operation on the distinct pairs, in an order that leaves an operand unmoved."""
     if a.size == 1:
         return build.apply(kind, [a, b], 1)
-    if kind in ("add", "mul"):
-        keys = np.stack([np.minimum(a, b), np.maximum(a, b)])
-    else:
-        keys = np.stack([a, b])
-    _, first, inverse = np.unique(keys, axis=1, return_index=True, return_inverse=True)
-    inverse = inverse.reshape(-1)
+    one, other = (np.minimum(a, b), np.maximum(a, b)) if kind in ("add", "mul") else (a, b)
+    # A pair as one number: sorting numbers is many times faster than sorting columns.
+    least = other.min()
+    keys = one * (other.max() - least + 1) + (other - least)
+    _, first, inverse = np.unique(keys, return_index=True, return_inverse=True)
     a, b = a[first], b[first]
     # An order in which an operand need not be moved: a transposed array then costs nothing.
-    orders = [np.argsort(first), np.lexsort((b, a)), np.lexsort((a, b))]
-    order = max(orders, key=lambda order: build.unmoved(a[order]) + build.unmoved(b[order]))
+    order, unmoved = np.zeros(0, dtype=np.int64), -1
+    for sort in (lambda: np.argsort(first), lambda: np.lexsort((b, a)), lambda: np.lexsort((a, b))):
+        tried = sort()
+        score = build.unmoved(a[tried]) + build.unmoved(b[tried])
+        if score > unmoved:
+            order, unmoved = tried, score
+        if unmoved == 2:
+            break
     place = np.empty(order.size, dtype=np.int64)
     place[order] = np.arange(order.size)
     return build.apply(kind, [a[order], b[order]], order.size)[place[inverse]]

@@ -37,6 +37,10 @@ EXACT = frozenset(
 """Primitives that round nothing: of constants without a name they are computed right away."""
 
 
+NARROW = frozenset(np.dtype(name) for name in ("float32", "float16", jax.numpy.bfloat16))
+"""Types of number that no proof is made of."""
+
+
 def trace(
     function: Callable[..., Mapping[str, Any]],
     inputs: Mapping[str, Sequence[int]],
@@ -128,6 +132,7 @@ class _Tracer:
     def __init__(self, build: Builder, names: Mapping[tuple, str]):
         self.build = build
         self._names = names
+        self._done: dict[tuple, Elements] = {}
 
     def run(
         self, jaxpr: Any, consts: Sequence[Any], arguments: Sequence[_Value], calls: tuple
@@ -175,8 +180,8 @@ class _Tracer:
         name, params = equation.primitive.name, equation.params
         calls = (*calls, equation)
         for variable in (*equation.invars, *equation.outvars):
-            dtype = str(variable.aval.dtype)
-            if dtype in ("float32", "float16", "bfloat16"):
+            dtype = variable.aval.dtype
+            if dtype in NARROW:
                 text = refusals.CAST if name == "convert_element_type" else refusals.FLOAT32
                 raise self._refusal(calls, text, f"a {dtype} value ({name})")
         inner = jaxprs.called(equation, operands)
@@ -193,11 +198,19 @@ class _Tracer:
         if name == "convert_element_type":
             return [self._convert(equation, operands[0], calls)]
         if name in ARITHMETIC and real:
-            arrays = [self._elements(operand) for operand in operands]
-            return [_Real(ARITHMETIC[name](self.build, arrays, params))]
+            return [_Real(self._arithmetic(name, params, operands))]
         if name in MOVEMENT or name in INDEXED:
             return self._move(equation, operands, calls)
         return self._number(equation, operands, calls)
+
+    def _arithmetic(self, name: str, params: Any, operands: list[_Value]) -> Elements:
+        """One operation, or what it gave when the same function was called on the same before."""
+        arrays = [self._elements(operand) for operand in operands]
+        wanted = tuple(params[key] for key in ("y", "axes", "dimension_numbers") if key in params)
+        key = (name, wanted, tuple((array.shape, array.tobytes()) for array in arrays))
+        if key not in self._done:
+            self._done[key] = ARITHMETIC[name](self.build, arrays, params)
+        return self._done[key]
 
     def _elements(self, value: _Value) -> Elements:
         return value.elements if isinstance(value, _Real) else self.build.constant(value)

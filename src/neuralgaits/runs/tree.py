@@ -77,7 +77,8 @@ def _like(path: Path, name: str, found: np.ndarray, leaf: Any) -> Any:
         raise _misfit(path, f"array {name}: expected {_kind(expected)}, found {_kind(found)}")
     if _is_key(leaf):
         return jax.random.wrap_key_data(jnp.asarray(found), impl=jax.random.key_impl(leaf))
-    return found if isinstance(leaf, np.ndarray | np.generic) else jnp.asarray(found)
+    # jnp.asarray would compile a copy for every shape.
+    return found if isinstance(leaf, np.ndarray | np.generic) else jax.device_put(found)
 
 
 def _kind(array: Any) -> str:

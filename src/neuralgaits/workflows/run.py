@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import jax
+from jax.errors import JAXTypeError
+from jaxtyping import PRNGKeyArray
 
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
@@ -103,8 +105,29 @@ def open_run(run: "Run | str | Path") -> Run:
         return run
     folder = resolve(run)
     robot, spec = open_parts(folder)
-    gait = folder.read_tree(WEIGHTS, untrained(folder, spec))
+    gait = folder.read_tree(WEIGHTS, _shaped(folder, spec))
     return Run(folder, robot, spec, gait)
+
+
+def _shaped(folder: RunFolder, spec: GaitSpec) -> Gait:
+    """A gait whose arrays have shapes and kinds but no values, which a run's weights fill.
+
+    The values that training started from are left out where the spec's own function can do
+    without them: computing them takes a second.
+    """
+    kept = {}
+
+    def shapes(key):
+        leaves, kept["structure"] = jax.tree.flatten(_new_gait(folder, spec, key))
+        kept["leaves"] = leaves
+        return [leaf for leaf in leaves if isinstance(leaf, jax.Array)]
+
+    try:
+        found = iter(jax.eval_shape(shapes, jax.eval_shape(jax.random.key, 0)))
+    except JAXTypeError:
+        return untrained(folder, spec)
+    leaves = [next(found) if isinstance(leaf, jax.Array) else leaf for leaf in kept["leaves"]]
+    return jax.tree.unflatten(kept["structure"], leaves)
 
 
 def asked_of(folder: RunFolder) -> Mapping[str, Any]:
@@ -156,9 +179,13 @@ def residuals_of(learned: Learned | None) -> Residuals:
 def untrained(folder: RunFolder, spec: GaitSpec) -> Gait:
     """The gait the run started from, before any posture steps."""
     config = folder.config
-    hidden = None if config["hidden"] is None else tuple(config["hidden"])
-    gait = spec.new_gait(jax.random.key(config["seed"]), config["init"], hidden)
+    gait = _new_gait(folder, spec, jax.random.key(config["seed"]))
     if START not in config["copies"]:
         return gait
     folder.copied(START)  # Refuses weights that were changed since.
     return folder.read_tree(START, gait)
+
+
+def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> Gait:
+    hidden = None if folder.config["hidden"] is None else tuple(folder.config["hidden"])
+    return spec.new_gait(key, folder.config["init"], hidden)
