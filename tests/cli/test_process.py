@@ -73,3 +73,14 @@ def test_the_public_names_exist() -> None:
         assert getattr(neuralgaits, name) is not None
     with pytest.raises(AttributeError, match="walk"):
         neuralgaits.walk  # noqa: B018
+
+
+@pytest.mark.parametrize("closed", ["1>&-", "2>&-", "1>&- 2>&-"])
+@pytest.mark.parametrize(("arguments", "code"), [("--help", 0), ("inspect amber9", 2)])
+def test_a_caller_that_closes_a_stream_gets_the_same_exit_code(
+    tmp_path: Path, closed: str, arguments: str, code: int
+) -> None:
+    line = f"exec {sys.executable} -m neuralgaits {arguments} {closed}"
+    environment = os.environ | {"PYTHONPATH": str(SOURCE)}
+    done = subprocess.run(["sh", "-c", line], cwd=tmp_path, env=environment, capture_output=True)
+    assert done.returncode == code

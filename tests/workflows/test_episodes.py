@@ -127,6 +127,8 @@ def test_a_round_walks_logs_and_judges(amber, walked, brief_run):
     assert max(walked["steps_walked"]) <= 3
     assert 0.0 < walked["barriers"]["tube"] <= 1.0
     assert 0.0 < walked["walked_s"] <= 4.0
+    # Compiled, or with the reason why not.
+    assert (walked["engine"], walked["engine_note"] is None) in {("native", True), ("jax", False)}
     files = [Path(file) for file in walked["logs"]]
     assert 2 <= len(files) <= 4
     read, _ = logs.read_all(files, amber)

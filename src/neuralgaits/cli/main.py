@@ -24,6 +24,9 @@ _LONG = ("train", "refine", "episodes", "certify")
 def run() -> None:
     """Console script: `neuralgaits VERB ...`."""
     environment.prepare()
+    for stream in ("stdout", "stderr"):
+        if getattr(sys, stream) is None:  # Closed by the caller, as by 2>&-.
+            setattr(sys, stream, open(os.devnull, "w"))
     # Compiled code runs in this process: if it crashes, its place is said.
     with contextlib.suppress(RuntimeError, ValueError, OSError):
         faulthandler.enable()
