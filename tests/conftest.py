@@ -1,11 +1,13 @@
 """Strict numerics for every test, and one core each: pytest-xdist already uses them all."""
 
+import gc
 import os
 import shutil
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+gc.set_threshold(100_000, 50, 100)  # As the command line does.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_variable] = "1"
 _flags = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"

@@ -6,12 +6,15 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Float
 from neuralgaits.barriers import Gait
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.measurement import leg_joints
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.robots import PlanarBiped
+
+_by_leg = quick_filter_jit(leg_joints)
 
 
 @dataclass(frozen=True)
@@ -91,4 +94,4 @@ class Design:
 
     def by_leg(self, actuated: Actuated) -> Float[np.ndarray, "2 k"]:
         """Values of actuated coordinates by leg, leg 0 in stance."""
-        return np.asarray(leg_joints(self.robot, jnp.asarray(actuated), jnp.zeros((), jnp.int32)))
+        return np.asarray(_by_leg(self.robot, jnp.asarray(actuated), jnp.zeros((), jnp.int32)))

@@ -6,6 +6,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Array, Float
@@ -42,7 +43,7 @@ class Network(eqx.Module):
         # One draw for all parameters: many small ones would each be compiled.
         count = sum((fan_in + 1) * fan_out for fan_in, fan_out in layers)
         draws = jax.random.uniform(key, (count,), minval=-1.0, maxval=1.0)
-        if not isinstance(draws, jax.core.Tracer):
+        if not isinstance(draws, Tracer):
             draws = np.asarray(draws)
         weights, biases = [], []
         for fan_in, fan_out in layers:

@@ -7,8 +7,9 @@ import ctypes
 from ctypes import CDLL, byref, c_char_p, c_int, c_void_p
 from pathlib import Path
 
-import equinox as eqx
+import jax
 import mujoco
+import numpy as np
 
 from neuralgaits.control import Controller
 from neuralgaits.simulation.native_layout import Layout, address, layout_of
@@ -59,7 +60,7 @@ class Library:
 
     def fits(self, controller: Controller) -> bool:
         """Whether it was written from this controller, but for law and torque limits."""
-        return bool(eqx.tree_equal(self._made_for, _written(controller)))
+        return _equal(self._made_for, _written(controller))
 
 
 def _written(controller: Controller) -> tuple:
@@ -71,6 +72,12 @@ def _written(controller: Controller) -> tuple:
         controller.stance,
         controller.period_s,
     )
+
+
+def _equal(one: tuple, other: tuple) -> bool:
+    """Whether two trees are the same, arrays compared outside JAX: nothing is compiled for it."""
+    (here, form), (there, other_form) = jax.tree.flatten(one), jax.tree.flatten(other)
+    return form == other_form and all(map(np.array_equal, here, there))
 
 
 def mujoco_library() -> Path:

@@ -26,8 +26,8 @@ from neuralgaits.report import (
 )
 from neuralgaits.report.data import GaitData, MeasuredWalk
 from neuralgaits.report.drawn import Drawn, Missing
-from neuralgaits.report.figure import write
 from neuralgaits.report.shapes import ROUNDS
+from neuralgaits.report.two_pens import Sheet, second_pen, write_all
 from neuralgaits.runs.commands import command, learning, named
 from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.workflows.certificate_figure import DATA as MAP
@@ -97,14 +97,25 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
         raise InputError(
             f"expected a folder for the figures, found a file at {folder}: name another"
         )
+    found: list[tuple[str, str] | Missing] = []
+    sheets = []
+    with second_pen() as pen:
+        for name, title, make in MAKERS:
+            try:
+                caption, figure = make(source)
+            except Absent as absent:
+                found.append(Missing(name, title, absent.reason, absent.command))
+                continue
+            found.append((title, caption))
+            sheets.append(Sheet(figure, folder, name))
+        files = zip(sheets, write_all(sheets, pen), strict=True)
     drawn: list[Drawn | Missing] = []
-    for name, title, make in MAKERS:
-        try:
-            caption, figure = make(source)
-        except Absent as absent:
-            drawn.append(Missing(name, title, absent.reason, absent.command))
-            continue
-        drawn.append(Drawn(name, title, caption, *write(figure, folder, name)))
+    for entry in found:
+        if isinstance(entry, Missing):
+            drawn.append(entry)
+        else:
+            sheet, paths = next(files)
+            drawn.append(Drawn(sheet.name, *entry, *paths))
     return drawn
 
 
