@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
 
+import equinox as eqx
 import jax.numpy as jnp
 
-from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Bool, Float, Int, Scalar
 from neuralgaits.control.controller import Command, Controller
 from neuralgaits.control.measurement import Measurement, leg_joints
@@ -96,7 +96,7 @@ def start(robot: PlanarBiped) -> SafeguardState:
     return SafeguardState(no, zero, zero, joints, joints, zero, none)
 
 
-@quick_filter_jit
+@eqx.filter_jit
 def joint_ranges(robot: PlanarBiped) -> tuple[Float[Array, "2 k"], Float[Array, "2 k"]]:
     """Lower and upper joint angles by leg (rad)."""
     first = jnp.zeros((), jnp.int32)
