@@ -12,7 +12,7 @@ import time
 
 from common import seeds, show, trained
 
-from neuralgaits.certificate.full_order_conclusion import constants
+from neuralgaits.certificate.levels.full_order.conclude import constants
 from neuralgaits.workflows.full_order import FullOrderResult, full_order
 from neuralgaits.workflows.full_order_check import check_by_force, check_in_mujoco
 from neuralgaits.workflows.run import Run

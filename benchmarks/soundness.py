@@ -11,8 +11,8 @@ import numpy as np
 from common import show, trained
 from threadpoolctl import threadpool_limits
 
-from neuralgaits.interpreters import evaluate, fold
-from neuralgaits.interpreters.taylor import TaylorAlgebra
+from neuralgaits.programs import evaluate, fold
+from neuralgaits.programs.algebras.taylor import TaylorAlgebra
 from neuralgaits.workflows.provable import trace_spec
 from neuralgaits.workflows.run import Run
 

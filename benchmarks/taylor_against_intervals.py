@@ -19,10 +19,10 @@ import numpy as np
 from common import show, trained
 from threadpoolctl import threadpool_limits
 
-from neuralgaits.certificate.problem import Problem
-from neuralgaits.certificate.tree import halves, split_axes
-from neuralgaits.interpreters import POINT, Program, evaluate, fold
-from neuralgaits.interpreters.prune import prune
+from neuralgaits.certificate.search.halving import halves, split_axes
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.programs import POINT, Program, evaluate, fold
+from neuralgaits.programs.prune import prune
 from neuralgaits.workflows.provable import trace_spec
 from neuralgaits.workflows.run import Run
 

@@ -9,10 +9,10 @@ import numpy as np
 from flint import arb
 from safetensors.numpy import save
 
-from neuralgaits.certificate.check import Report, check
-from neuralgaits.certificate.claims import Claims, children, read_claims
-from neuralgaits.interpreters import POINT, Constant, Input, Operation, Output, Program, evaluate
-from neuralgaits.interpreters.ball import BallAlgebra
+from neuralgaits.certificate.proof_file.check import Report, check
+from neuralgaits.certificate.proof_file.reader import Claims, children, read_claims
+from neuralgaits.programs import POINT, Constant, Input, Operation, Output, Program, evaluate
+from neuralgaits.programs.algebras.ball import BallAlgebra
 
 CENTRE = np.array([0.40625, 0.625])
 UNIT = ((0.0, 0.0), (1.0, 1.0))

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from small_proof import CENTRE, all_hold, checked, program, with_program, write
 
-from neuralgaits.certificate.check import NOT_TIED, check
-from neuralgaits.certificate.claims import read_claims
+from neuralgaits.certificate.proof_file.check import NOT_TIED, check
+from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
-from neuralgaits.interpreters import Constant, Input, Operation, Output, Program
+from neuralgaits.programs import Constant, Input, Operation, Output, Program
 from neuralgaits.workflows.check_proof import check_proof
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from small_proof import checked, write
 
-from neuralgaits.certificate.claims import children, read_claims
+from neuralgaits.certificate.proof_file.reader import children, read_claims
 from neuralgaits.errors import InputError
 
 

@@ -7,9 +7,8 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 from scipy.integrate import quad
 
-from neuralgaits.certificate.conclusions import attraction, conclude, walking
-from neuralgaits.certificate.theorem_tables import Theorems
-from neuralgaits.certificate.theorems import (
+from neuralgaits.certificate.levels.conclusions import attraction, conclude, walking
+from neuralgaits.certificate.levels.theorems import (
     Orbit,
     WalkingSet,
     orbit_premises,
@@ -17,6 +16,7 @@ from neuralgaits.certificate.theorems import (
     strips,
     walking_premises,
 )
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 
 SHAPE = WalkingSet(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), ("torso",), ("torso", "force", "foot"))
 ORBIT = Orbit(

@@ -6,13 +6,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from neuralgaits.certificate import full_order_theorem
-from neuralgaits.certificate.full_order_conclusion import (
+from neuralgaits.certificate.levels.full_order import theorem as full_order_theorem
+from neuralgaits.certificate.levels.full_order.conclude import (
     conclude_full_order,
     constants,
     inequalities,
 )
-from neuralgaits.certificate.full_order_theorem import (
+from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     FullOrder,
     decays,

@@ -17,9 +17,9 @@ from mutations.generate import mutations
 from mutations.planted import planted
 from mutations.theorems import NOT_FOLLOWING
 
-from neuralgaits.certificate import check as checker
-from neuralgaits.certificate.claims import read_claims
-from neuralgaits.certificate.coverage import contradictions
+from neuralgaits.certificate.proof_file import check as checker
+from neuralgaits.certificate.proof_file.coverage import contradictions
+from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.errors import InputError
 from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify

@@ -10,11 +10,11 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits.barriers import Gait, Tube
-from neuralgaits.certificate import return_map
-from neuralgaits.certificate.find_orbit import find_orbit
-from neuralgaits.certificate.find_set import find_set
-from neuralgaits.certificate.orbit_set import margins, thin_gait
-from neuralgaits.certificate.return_map import slope
+from neuralgaits.certificate.levels.orbit import return_map
+from neuralgaits.certificate.levels.orbit.find import find_orbit
+from neuralgaits.certificate.levels.orbit.margins import margins, thin_gait
+from neuralgaits.certificate.levels.orbit.return_map import slope
+from neuralgaits.certificate.levels.walking_set.find import find_set
 from neuralgaits.workflows.sets import fences_of, look_at
 
 STEPS = 200

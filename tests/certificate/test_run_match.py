@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from small_proof import CENTRE, FILES, program, sha256, weights, with_program, write
 
-from neuralgaits.certificate.check import check
-from neuralgaits.certificate.claims import read_claims
-from neuralgaits.certificate.run_match import differences
+from neuralgaits.certificate.proof_file.check import check
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.errors import RunError
 
 

@@ -6,18 +6,18 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate import schedule
-from neuralgaits.certificate.cells import Cells
-from neuralgaits.certificate.judge import judge
-from neuralgaits.certificate.problem import Problem
-from neuralgaits.certificate.proof import prove
-from neuralgaits.certificate.saved import load, save
-from neuralgaits.certificate.schedule import SearchInterrupted, explore
-from neuralgaits.certificate.search import open_on, search, start
-from neuralgaits.certificate.tree import halves, to_bits
-from neuralgaits.certificate.verdicts import Counterexample
+from neuralgaits.certificate.levels.conditions.judge import judge
+from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
+from neuralgaits.certificate.proof_file.writer import prove
+from neuralgaits.certificate.search import schedule
+from neuralgaits.certificate.search.box_tree import Cells
+from neuralgaits.certificate.search.branch_and_bound import open_on, search, start
+from neuralgaits.certificate.search.checkpoint import load, save
+from neuralgaits.certificate.search.halving import halves, to_bits
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.schedule import SearchInterrupted, explore
 from neuralgaits.errors import RunError
-from neuralgaits.interpreters.tracer import trace
+from neuralgaits.programs.tracing.tracer import trace
 
 SQUARE = ((0.0, 0.0), (1.0, 1.0))
 

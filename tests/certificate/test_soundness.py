@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import specs
-from neuralgaits.interpreters import POINT, evaluate, fold
-from neuralgaits.interpreters.ball import BallAlgebra
-from neuralgaits.interpreters.taylor import TaylorAlgebra
+from neuralgaits.programs import POINT, evaluate, fold
+from neuralgaits.programs.algebras.ball import BallAlgebra
+from neuralgaits.programs.algebras.taylor import TaylorAlgebra
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.provable import trace_spec
 

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 from small_proof import sha256, statement, write
 
-from neuralgaits.interpreters import Program
-from neuralgaits.interpreters.prune import prune
+from neuralgaits.programs import Program
+from neuralgaits.programs.prune import prune
 from neuralgaits.workflows import retrace
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.provable import trace_spec

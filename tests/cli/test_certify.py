@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import neuralgaits as ng
-from neuralgaits.certificate.conclusions import Conclusion
+from neuralgaits.certificate.levels.conclusions import Conclusion
 from neuralgaits.cli import proof_screen
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress

@@ -9,12 +9,12 @@ from program_cases import CASES, network, points_of
 from neuralgaits.errors import SpecError
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import path, rate
-from neuralgaits.interpreters import POINT, evaluate
-from neuralgaits.interpreters.c99 import emit
-from neuralgaits.interpreters.c99_layout import BLOCK, WIDEST
-from neuralgaits.interpreters.c99_tables import Tables
-from neuralgaits.interpreters.ops import KINDS
-from neuralgaits.interpreters.tracer import trace
+from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.c99.function import emit
+from neuralgaits.programs.c99.layout import BLOCK, WIDEST
+from neuralgaits.programs.c99.tables import Tables
+from neuralgaits.programs.ops import KINDS
+from neuralgaits.programs.tracing.tracer import trace
 
 
 def _compiled(program, folder, flags):

@@ -13,8 +13,8 @@ import pytest
 from program_cases import CASES, points_of
 
 from neuralgaits.errors import InputError, MismatchError, SpecError
-from neuralgaits.interpreters import POINT, evaluate
-from neuralgaits.interpreters.tracer import trace
+from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.workflows.export import export_controller
 
 pytestmark = pytest.mark.skipif(
@@ -34,7 +34,7 @@ def answers_of(program, points, real):
     """What ONNX Runtime makes of points, by output, one call a point."""
     from onnx import helper
 
-    from neuralgaits.interpreters.onnx_graph import OPERATOR_SET, graph
+    from neuralgaits.programs.onnx_graph import OPERATOR_SET, graph
 
     model = helper.make_model(
         graph(program, "case", real, {}),

@@ -25,11 +25,11 @@ from neuralgaits.barriers import (
     specs,
 )
 from neuralgaits.barriers import functions as f
-from neuralgaits.certificate.model_data import model_data
-from neuralgaits.certificate.theorem_tables import Theorems
-from neuralgaits.certificate.theorems import Attraction, Orbit, WalkingSet
+from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
+from neuralgaits.certificate.proof_file.model_data import model_data
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
-from neuralgaits.interpreters import POINT, evaluate
+from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.workflows.provable import trace_spec

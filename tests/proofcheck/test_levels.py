@@ -17,9 +17,9 @@ from mutations.base import Base
 from mutations.generate import CONCLUSIONS, GROUPS, mutations
 from mutations.planted import planted
 
-from neuralgaits.certificate.claims import read_claims
-from neuralgaits.certificate.conclusions import Conclusion, attraction, proved_bounds
-from neuralgaits.interpreters import POINT, Program, evaluate
+from neuralgaits.certificate.levels.conclusions import Conclusion, attraction, proved_bounds
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.workflows.check_proof import check_proof
 
 OUTPUTS = 15 + 13

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from checker_case import holds
 
-from neuralgaits.interpreters import Program
+from neuralgaits.programs import Program
 from neuralgaits.workflows.check_proof import check_proof
 
 

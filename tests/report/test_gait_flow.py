@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neuralgaits.workflows import gait_flow
+from neuralgaits.analysis import flow as gait_flow
 
 # dz1 = 1, dz2 = z1: z2 = z2(0) + (z1^2 - z1(0)^2) / 2, and time is z1. The foot is down where
 # z1 = HEIGHT + TILT z2. The reset halves z2, adds OFFSET and goes back to z1 = START.

@@ -7,9 +7,9 @@ import shutil
 import pytest
 from numpy.polynomial.chebyshev import chebval
 
-from neuralgaits.certificate.claims import read_claims
-from neuralgaits.certificate.full_order_theorem import BarrierConstants, FullOrder
-from neuralgaits.certificate.theorems import Orbit
+from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
+from neuralgaits.certificate.levels.theorems import Orbit
+from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.workflows import demo, proved
 from neuralgaits.workflows.certificate_reader import hashes, read_certificate
 from neuralgaits.workflows.certificate_words import how_sure

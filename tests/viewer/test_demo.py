@@ -10,8 +10,8 @@ import urllib.request
 
 import pytest
 
-from neuralgaits.certificate.claims import read_claims
-from neuralgaits.certificate.run_match import differences
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.check_proof import program_differences

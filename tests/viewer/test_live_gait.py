@@ -6,8 +6,8 @@ import jax
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.quantities import Look, quantities
 from neuralgaits.errors import InputError
-from neuralgaits.workflows.gait_quantities import Look, quantities
 from neuralgaits.workflows.live_gait import SLOPE_DEG, LiveGait
 
 

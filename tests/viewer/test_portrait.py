@@ -7,6 +7,7 @@ import shutil
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.quantities import Chart, Look, quantities
 from neuralgaits.report import certificate_map
 from neuralgaits.viewer import markdown
 from neuralgaits.viewer import portrait as board
@@ -14,7 +15,6 @@ from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
 from neuralgaits.workflows import phase_plane
 from neuralgaits.workflows.certificate_reader import hashes
 from neuralgaits.workflows.certificate_words import how_sure
-from neuralgaits.workflows.gait_quantities import Chart, Look, quantities
 from neuralgaits.workflows.phase_plane import portrait
 from neuralgaits.workflows.run import open_run
 

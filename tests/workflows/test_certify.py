@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import neuralgaits as ng
-from neuralgaits.certificate.claims import read_claims
-from neuralgaits.certificate.schedule import SearchInterrupted
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.search.schedule import SearchInterrupted
 from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
 from neuralgaits.workflows import certify as certify_module

@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate import walking_set
-from neuralgaits.certificate.return_map import slope, state
-from neuralgaits.certificate.theorems import WalkingSet
+from neuralgaits.certificate.levels.orbit.return_map import slope, state
+from neuralgaits.certificate.levels.theorems import WalkingSet
+from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
@@ -98,7 +98,7 @@ def without(output):
 )
 def test_a_theorem_without_its_premises_is_rejected(proof, tmp_path, monkeypatch, change):
     # Bounding the boxes again is tested elsewhere: here the statements are taken as true.
-    from neuralgaits.certificate import check as module
+    from neuralgaits.certificate.proof_file import check as module
 
     monkeypatch.setattr(module.StatementCheck, "walk", lambda self, leaves: iter(()))
     altered = json.loads(json.dumps(proof))

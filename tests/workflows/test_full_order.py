@@ -9,17 +9,17 @@ import pytest
 from flint import arb
 
 from neuralgaits.barriers import Barrier
-from neuralgaits.certificate.check import check
-from neuralgaits.certificate.claims import Claims, Statement, read_claims
-from neuralgaits.certificate.conclusions import proved_bounds
-from neuralgaits.certificate.full_order import output_coordinates, scaled_coordinates
-from neuralgaits.certificate.full_order_conclusion import conclude_full_order
-from neuralgaits.certificate.full_order_theorem import FullOrder, premises, series
-from neuralgaits.certificate.statement_check import StatementCheck
+from neuralgaits.certificate.levels.conclusions import proved_bounds
+from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.levels.full_order.margins import output_coordinates, scaled_coordinates
+from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, series
+from neuralgaits.certificate.proof_file.check import check
+from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
+from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.gait.full_order import FullPoint
-from neuralgaits.interpreters import POINT, Program, evaluate
-from neuralgaits.interpreters.ball_fibre import FibreBallAlgebra
-from neuralgaits.interpreters.prune import prune
+from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs.algebras.ball_fibre import FibreBallAlgebra
+from neuralgaits.programs.prune import prune
 from neuralgaits.workflows import certify_full_order, check_proof, retrace
 from neuralgaits.workflows.full_order import BANDWIDTH, full_order, model_of
 from neuralgaits.workflows.full_order_check import (

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import neuralgaits as ng
-from neuralgaits.certificate.claims import read_claims
-from neuralgaits.certificate.run_match import differences
-from neuralgaits.workflows.gradient_steps import GradientSteps
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.run_match import differences
+from neuralgaits.training.gradient_steps import GradientSteps
 from neuralgaits.workflows.proof_rounds import HISTORY, REPAIR, Watch
 from neuralgaits.workflows.run import WEIGHTS, open_run
 from neuralgaits.workflows.train import train
@@ -95,7 +95,7 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
-from neuralgaits.workflows import gradient_steps
+from neuralgaits.training import gradient_steps
 from neuralgaits.workflows.proof_rounds import REPAIR
 
 gradient_steps.CHECKPOINT_S = 0.0

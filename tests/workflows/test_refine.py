@@ -8,9 +8,9 @@ import numpy as np
 import planted_walk
 import pytest
 
-from neuralgaits.certificate.full_order_theorem import BarrierConstants, FullOrder
-from neuralgaits.certificate.model_data import model_data
-from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
+from neuralgaits.certificate.proof_file.model_data import model_data
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.workflows import certificate_reader, retrace

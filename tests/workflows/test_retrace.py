@@ -10,8 +10,8 @@ import sys
 import pytest
 from own_spec import HOLDS, SPEC, replace_spec, run_with
 
-from neuralgaits.certificate import statement_check
-from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.certificate.proof_file import statement_check
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify
@@ -19,7 +19,8 @@ from neuralgaits.workflows.check_proof import check_proof
 
 TEXT = SPEC.replace("BOUND", repr(HOLDS))
 PATCH = """
-from neuralgaits.certificate import check, statement_check
+from neuralgaits.certificate.proof_file import check
+from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.workflows import check_proof
 statement_check.StatementCheck.walk = lambda self, leaves: iter(())
 check_proof.check_proof = check_proof.check = None
@@ -113,7 +114,7 @@ def test_the_check_without_a_run_imports_no_jax(certified):
     file = certified.path / "certificate" / "proof.json"
     program = (
         "import sys\n"
-        "from neuralgaits.certificate.claims import read_claims\n"
+        "from neuralgaits.certificate.proof_file.reader import read_claims\n"
         "import neuralgaits.workflows.check_proof, pathlib\n"
         f"read_claims(pathlib.Path({str(file)!r}))\n"
         "assert 'jax' not in sys.modules\n"

@@ -17,7 +17,7 @@ import neuralgaits as ng
 from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
-from neuralgaits.interpreters import POINT, Program, evaluate
+from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.runs.folder import NAN_STATE
 from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.run import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS, open_run
@@ -140,7 +140,7 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
-from neuralgaits.workflows import gradient_steps
+from neuralgaits.training import gradient_steps
 from neuralgaits.workflows.run import STATE
 
 gradient_steps.CHECKPOINT_S = 0.0

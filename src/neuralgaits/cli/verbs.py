@@ -150,7 +150,7 @@ def _simulate(verb: Simulate) -> Outcome:
 
 
 def _certify(verb: Certify) -> Outcome:
-    from neuralgaits.certificate.schedule import SearchInterrupted
+    from neuralgaits.certificate.search.schedule import SearchInterrupted
     from neuralgaits.cli.progress import ProofProgress
     from neuralgaits.workflows.certify import certify
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.interpreters import Program, evaluate
+from neuralgaits.programs import Program, evaluate
 
 UNIT = 2.0**-24
 """Largest relative error of one rounding to nearest in single precision."""

@@ -8,7 +8,7 @@ from onnx import checker, helper
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import Part, policy_rate
-from neuralgaits.interpreters.onnx_graph import OPERATOR_SET, graph
+from neuralgaits.programs.onnx_graph import OPERATOR_SET, graph
 
 REALS = {"double": np.float64, "float": np.float32}
 FILES = {"double": "policy.onnx", "float": "policy_float.onnx"}

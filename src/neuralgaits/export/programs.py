@@ -14,8 +14,8 @@ from neuralgaits._types import Actuated, Array, Coordinates, Planar, ZeroState
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.interpreters import Program
-from neuralgaits.interpreters.tracer import trace
+from neuralgaits.programs import Program
+from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import (
     centre_of_mass_velocity,

@@ -6,7 +6,7 @@ from neuralgaits.control.safeguard import Fault
 from neuralgaits.export.cases import NEVER, Cases, of_guard, of_region
 from neuralgaits.export.facts import Design
 from neuralgaits.export.reference import Reference, Results
-from neuralgaits.interpreters.c99_tables import literal
+from neuralgaits.programs.c99.tables import literal
 
 _FROM_REGION, _FROM_GUARD, _SEED = 12, 6, 20220117
 

@@ -8,9 +8,9 @@ from neuralgaits.control import AbstractLaw, Fblin, Pd
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import parts
-from neuralgaits.interpreters.c99 import emit
-from neuralgaits.interpreters.c99_tables import Tables, braces, literal
-from neuralgaits.interpreters.c99_writer import Emitted
+from neuralgaits.programs.c99.function import emit
+from neuralgaits.programs.c99.tables import Tables, braces, literal
+from neuralgaits.programs.c99.writer import Emitted
 
 _PLAIN = frozenset(string.ascii_letters + string.digits + " _-.,:;+/()[]")
 """What stands for itself in a string of C, whatever comes before and after."""

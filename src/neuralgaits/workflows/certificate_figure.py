@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from neuralgaits.certificate.problem import Problem
-from neuralgaits.certificate.search import Search
-from neuralgaits.interpreters import POINT, evaluate
-from neuralgaits.interpreters.tracer import trace
+from neuralgaits.certificate.search.branch_and_bound import Search
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.report.certificate_map import PROVED, REFUTED, UNDECIDED, draw_file
 from neuralgaits.runs import write_arrays
 from neuralgaits.workflows.run import Run

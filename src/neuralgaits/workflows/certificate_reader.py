@@ -11,11 +11,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from neuralgaits.certificate.claims import Claims, read_claims
-from neuralgaits.certificate.conclusions import Conclusion, conclude, proved_bounds
-from neuralgaits.certificate.coverage import Asked, contradictions, stated_roots
-from neuralgaits.certificate.full_order_conclusion import conclude_full_order
-from neuralgaits.certificate.run_match import ROBOT, SPEC, WEIGHTS, differences
+from neuralgaits.certificate.levels.conclusions import Conclusion, conclude, proved_bounds
+from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.proof_file.coverage import Asked, contradictions, stated_roots
+from neuralgaits.certificate.proof_file.reader import Claims, read_claims
+from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import FULL_ORDER, PROOF, SUMMARY
 from neuralgaits.report.shapes import CERTIFIED

@@ -9,24 +9,28 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from neuralgaits.certificate.conclusions import Conclusion, conclude, proved_bounds
-from neuralgaits.certificate.judge import judge
-from neuralgaits.certificate.model_data import model_data
-from neuralgaits.certificate.problem import Problem
-from neuralgaits.certificate.proof import Statement, prove
-from neuralgaits.certificate.saved import load, save
-from neuralgaits.certificate.schedule import (
+from neuralgaits.certificate.levels.conclusions import Conclusion, conclude, proved_bounds
+from neuralgaits.certificate.levels.conditions.judge import judge
+from neuralgaits.certificate.levels.conditions.verdicts import (
+    ConditionVerdict,
+    Counterexample,
+    Verdict,
+)
+from neuralgaits.certificate.proof_file.model_data import model_data
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.proof_file.writer import Statement, prove
+from neuralgaits.certificate.search.branch_and_bound import Confirm, Search
+from neuralgaits.certificate.search.checkpoint import load, save
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.schedule import (
     Progress,
     SearchInterrupted,
     box_count,
     explore,
 )
-from neuralgaits.certificate.search import Confirm, Search
-from neuralgaits.certificate.theorem_tables import Theorems
-from neuralgaits.certificate.verdicts import ConditionVerdict, Counterexample, Verdict
 from neuralgaits.errors import InputError, SpecError
-from neuralgaits.interpreters import Program
-from neuralgaits.interpreters.prune import prune
+from neuralgaits.programs import Program
+from neuralgaits.programs.prune import prune
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certificate_reader import MAP, hashes
 from neuralgaits.workflows.certify_full_order import FILE, certify_full_order

@@ -4,11 +4,11 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from neuralgaits.certificate.conclusions import Conclusion
-from neuralgaits.certificate.full_order_conclusion import LEVEL
-from neuralgaits.certificate.proof import Proof
-from neuralgaits.certificate.schedule import Progress
-from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.certificate.levels.conclusions import Conclusion
+from neuralgaits.certificate.levels.full_order.conclude import LEVEL
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.proof_file.writer import Proof
+from neuralgaits.certificate.search.schedule import Progress
 from neuralgaits.errors import SpecError
 from neuralgaits.workflows.full_order import BUDGET_S, FullOrderResult, full_order
 from neuralgaits.workflows.proof_of import proof_of

@@ -12,7 +12,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.certificate.check import (
+from neuralgaits.certificate.proof_file.check import (
     ASSUMPTIONS,
     DERIVED_ELSEWHERE,
     OWN_SPEC,
@@ -21,9 +21,9 @@ from neuralgaits.certificate.check import (
     in_words,
     tied,
 )
-from neuralgaits.certificate.claims import Claims, read_claims
-from neuralgaits.certificate.coverage import Asked
-from neuralgaits.certificate.run_match import differences
+from neuralgaits.certificate.proof_file.coverage import Asked
+from neuralgaits.certificate.proof_file.reader import Claims, read_claims
+from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.errors import RunError
 from neuralgaits.runs import resolve
 from neuralgaits.workflows import retrace

@@ -21,11 +21,11 @@ from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
+from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows import fit as fitting
 from neuralgaits.workflows.episode_folder import SUMMARY, EpisodeFolder, read, write
 from neuralgaits.workflows.episode_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.workflows.fit import fit
-from neuralgaits.workflows.gradient_steps import Progress
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.settings import check_rounds, check_seed

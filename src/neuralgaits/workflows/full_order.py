@@ -9,19 +9,19 @@ import jax
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from neuralgaits.certificate.conclusions import Conclusion, proved_bounds
-from neuralgaits.certificate.full_order import FullOrderModel, margins
-from neuralgaits.certificate.full_order_conclusion import LEVEL, conclude_full_order
-from neuralgaits.certificate.full_order_find import Look, Looks, find_full_order
-from neuralgaits.certificate.full_order_theorem import FullOrder, premises, series
-from neuralgaits.certificate.problem import Problem
-from neuralgaits.certificate.proof import Statement, prove
-from neuralgaits.certificate.schedule import Progress, box_count, explore
-from neuralgaits.certificate.search import Confirm
-from neuralgaits.certificate.verdicts import Counterexample
-from neuralgaits.interpreters import POINT, Program, evaluate, fold
-from neuralgaits.interpreters.prune import prune
-from neuralgaits.interpreters.tracer import trace
+from neuralgaits.certificate.levels.conclusions import Conclusion, proved_bounds
+from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
+from neuralgaits.certificate.levels.full_order.conclude import LEVEL, conclude_full_order
+from neuralgaits.certificate.levels.full_order.find import Look, Looks, find_full_order
+from neuralgaits.certificate.levels.full_order.margins import FullOrderModel, margins
+from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, series
+from neuralgaits.certificate.proof_file.writer import Statement, prove
+from neuralgaits.certificate.search.branch_and_bound import Confirm
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.schedule import Progress, box_count, explore
+from neuralgaits.programs import POINT, Program, evaluate, fold
+from neuralgaits.programs.prune import prune
+from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.workflows.run import Run, open_run
 
 BANDWIDTH = 30.0

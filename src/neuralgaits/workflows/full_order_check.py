@@ -14,13 +14,13 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, ZeroState
-from neuralgaits.certificate.full_order import (
+from neuralgaits.certificate.levels.full_order.conclude import tightening
+from neuralgaits.certificate.levels.full_order.margins import (
     FullOrderModel,
     output_coordinates,
     scaled_coordinates,
 )
-from neuralgaits.certificate.full_order_conclusion import tightening
-from neuralgaits.certificate.full_order_theorem import FENCES, FullOrder
+from neuralgaits.certificate.levels.full_order.theorem import FENCES, FullOrder
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.gait.full_order import FullPoint

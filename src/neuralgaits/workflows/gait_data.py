@@ -5,14 +5,14 @@ import json
 
 import numpy as np
 
+from neuralgaits.analysis import flow as gait_flow
+from neuralgaits.analysis.quantities import Chart, Look, quantities
 from neuralgaits.barriers import Barrier
 from neuralgaits.errors import RunError
 from neuralgaits.report.data import GaitData
 from neuralgaits.report.skeleton import skeleton
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
-from neuralgaits.workflows import gait_flow
-from neuralgaits.workflows.gait_quantities import Chart, Look, quantities
 from neuralgaits.workflows.run import RESIDUAL, ROBOT, SPEC, WEIGHTS, Run
 
 FILE = "figures/data.safetensors"

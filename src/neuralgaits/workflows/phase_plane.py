@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from neuralgaits.analysis import flow as gait_flow
+from neuralgaits.analysis.quantities import Chart, Look
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
-from neuralgaits.workflows import gait_flow
-from neuralgaits.workflows.gait_quantities import Chart, Look
 from neuralgaits.workflows.run import Run
 
 MAP = "certificate/map.safetensors"

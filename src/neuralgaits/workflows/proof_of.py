@@ -4,9 +4,9 @@ import hashlib
 from collections.abc import Mapping
 from typing import Any
 
-from neuralgaits.certificate.proof import Proof, Statement
-from neuralgaits.certificate.theorem_tables import Theorems
-from neuralgaits.interpreters import Program
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.proof_file.writer import Proof, Statement
+from neuralgaits.programs import Program
 from neuralgaits.workflows.run import ROBOT, SPEC, WEIGHTS, Run
 
 

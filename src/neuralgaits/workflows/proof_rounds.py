@@ -17,12 +17,12 @@ import numpy as np
 
 from neuralgaits._types import Array
 from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.certificate.saved import OpenBoxes, open_boxes
+from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
+from neuralgaits.training.gradient_steps import GradientSteps
 from neuralgaits.workflows.certify import FOLDER, certify
-from neuralgaits.workflows.gradient_steps import GradientSteps
 from neuralgaits.workflows.run import WEIGHTS, Run
 
 ROUNDS = 10

@@ -19,8 +19,8 @@ from neuralgaits.barriers.functions import (
 )
 from neuralgaits.errors import NeuralGaitsError, SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.interpreters import POINT, Program, evaluate
-from neuralgaits.interpreters.tracer import trace
+from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import plain
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
-from neuralgaits.certificate.full_order_theorem import FullOrder
-from neuralgaits.certificate.theorems import Orbit
+from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.levels.theorems import Orbit
 from neuralgaits.report.certificate import proved_level
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.return_map import Proved

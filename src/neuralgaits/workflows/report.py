@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.certificate.check import ASSUMPTIONS
+from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits.analysis.quantities import Look
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.residual_field import ResidualData
 from neuralgaits.residual import stored
@@ -14,7 +15,6 @@ from neuralgaits.runs.arrays import SHA256
 from neuralgaits.runs.shape import TEXT, complaint, list_of
 from neuralgaits.workflows import fit
 from neuralgaits.workflows.gait_data import fingerprint, gait_data
-from neuralgaits.workflows.gait_quantities import Look
 from neuralgaits.workflows.run import RESIDUAL, Run
 
 FILE = "figures/residual.safetensors"

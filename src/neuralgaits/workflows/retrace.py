@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.runs import plain, write_text
 
@@ -71,8 +71,8 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
     Raises: InputError if the run cannot be opened or traced.
     """
     # These import JAX, and the run's spec.
-    from neuralgaits.certificate.find_set import names_of
-    from neuralgaits.certificate.model_data import model_data
+    from neuralgaits.certificate.levels.walking_set.find import names_of
+    from neuralgaits.certificate.proof_file.model_data import model_data
     from neuralgaits.workflows.full_order import model_of, trace_full_order
     from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.sets import Sets, trace_certificate

@@ -9,22 +9,24 @@ from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.certificate import orbit_set, return_map, walking_set
-from neuralgaits.certificate.find_orbit import Fences, Look, find_orbit
-from neuralgaits.certificate.find_set import find_set
-from neuralgaits.certificate.problem import Problem
-from neuralgaits.certificate.theorem_tables import series
-from neuralgaits.certificate.theorems import (
+from neuralgaits.certificate.levels.orbit import margins as orbit_set
+from neuralgaits.certificate.levels.orbit import return_map
+from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_orbit
+from neuralgaits.certificate.levels.theorems import (
     SET,
     Corner,
     Orbit,
     WalkingSet,
     labelled_premises,
 )
+from neuralgaits.certificate.levels.walking_set import margins as walking_set
+from neuralgaits.certificate.levels.walking_set.find import find_set
+from neuralgaits.certificate.proof_file.theorem_tables import series
+from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.interpreters import POINT, Program, evaluate, fold
-from neuralgaits.interpreters.prune import prune
-from neuralgaits.interpreters.tracer import trace
+from neuralgaits.programs import POINT, Program, evaluate, fold
+from neuralgaits.programs.prune import prune
+from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.workflows.run import Run
 

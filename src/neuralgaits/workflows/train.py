@@ -11,7 +11,7 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
-from neuralgaits.workflows.gradient_steps import Progress
+from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
 from neuralgaits.workflows.run import ROBOT, SPEC, Run, asked_of, open_parts, untrained

@@ -11,12 +11,12 @@ import numpy as np
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.errors import Interrupted
 from neuralgaits.gait import Residuals
-from neuralgaits.interpreters import Program
+from neuralgaits.programs import Program
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish, write_text
 from neuralgaits.runs.commands import resuming
 from neuralgaits.training import Trainer, TrainState, start_from_posture
-from neuralgaits.workflows.gradient_steps import GradientSteps, Progress
+from neuralgaits.training.gradient_steps import GradientSteps, Progress
 from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
 from neuralgaits.workflows.provable import after_impact, trace_spec
 from neuralgaits.workflows.run import (

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import viser
 
+from neuralgaits.analysis.quantities import Look, quantities
 from neuralgaits.errors import SpecError
 from neuralgaits.viewer import markdown, page
 from neuralgaits.viewer.panel import Panel
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.stage import Stage
 from neuralgaits.viewer.walker import Walker
-from neuralgaits.workflows.gait_quantities import Look, quantities
 from neuralgaits.workflows.live_gait import LiveGait
 from neuralgaits.workflows.phase_plane import portrait
 from neuralgaits.workflows.run import Run, open_run

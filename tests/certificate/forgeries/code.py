@@ -22,7 +22,7 @@ QUICK = (
 """Parts of the kinds that the tests ask with a run, which takes seconds; benchmarks ask all."""
 
 PATCHED_CHECK = """
-import neuralgaits.certificate.check as target
+import neuralgaits.certificate.proof_file.check as target
 import neuralgaits.workflows.check_proof as other
 
 def check(claims, *rest, **more):
@@ -31,14 +31,14 @@ def check(claims, *rest, **more):
 target.check = other.check = check
 """
 PATCHED_CHECKER = """
-import neuralgaits.certificate.statement_check as target
+import neuralgaits.certificate.proof_file.statement_check as target
 
 target.StatementCheck.walk = lambda self, leaves: iter(())
 target.StatementCheck._reached = lambda self, low, high: low[:, 0] > -9.0
 target.StatementCheck._counterexample = lambda self, low, high: None
 """
 PATCHED_MATCH = """
-import neuralgaits.certificate.run_match as target
+import neuralgaits.certificate.proof_file.run_match as target
 import neuralgaits.workflows.check_proof as other
 
 target.differences = other.differences = lambda *parts, **more: []
@@ -77,7 +77,7 @@ class Sweet(real):
         return False
 
 flint.arb = Sweet
-import neuralgaits.certificate.statement_check as target
+import neuralgaits.certificate.proof_file.statement_check as target
 
 target.arb = Sweet
 target._where = lambda certain, balls: __import__("numpy").ones(balls.shape, dtype=bool)
@@ -130,10 +130,10 @@ ANSWERS_FOR_THE_TRACER = """
 import json
 from pathlib import Path
 
-import neuralgaits.interpreters.tracer as tracer
+import neuralgaits.programs.tracing.tracer as tracer
 import neuralgaits.workflows.provable as provable
 import neuralgaits.workflows.sets as sets
-from neuralgaits.interpreters import Program
+from neuralgaits.programs import Program
 
 table = json.loads(Path({proof!r}).read_text())["program"]
 forged = Program.from_json(json.dumps(table))
@@ -152,7 +152,7 @@ CHANGES_ITS_MIND = """
 import inspect
 
 if any("check_proof" in frame.filename for frame in inspect.stack()):
-    import neuralgaits.certificate.statement_check as target
+    import neuralgaits.certificate.proof_file.statement_check as target
 
     target.MORE_SPLITS = -1
     target.StatementCheck.walk = lambda self, leaves: iter(())

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from forgeries.base import Table
-from neuralgaits.interpreters import Constant, Output, Program
+from neuralgaits.programs import Constant, Output, Program
 
 NOBODY = "ab" * 32
 """The sha256 of no file."""

@@ -17,7 +17,7 @@ from forgeries.edits import (
     shifted,
     statement_of,
 )
-from neuralgaits.interpreters import Constant, Input
+from neuralgaits.programs import Constant, Input
 
 THEME = Theme("small")
 LAST_LAYER = "policy.network.weights[2]"

@@ -11,9 +11,9 @@ from unittest import mock
 import jax
 import numpy as np
 
-from neuralgaits.certificate import claims
-from neuralgaits.certificate.statement_check import StatementCheck
-from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.certificate.proof_file import reader as claims
+from neuralgaits.certificate.proof_file.statement_check import StatementCheck
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.workflows import full_order, retrace, sets
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from forgeries.base import Base, Table
 from forgeries.edits import claim, root, sha256, spec_file
-from neuralgaits.certificate.full_order_find import find_full_order
-from neuralgaits.certificate.full_order_theorem import premises
-from neuralgaits.certificate.proof import Proof
-from neuralgaits.certificate.theorem_tables import Theorems
+from neuralgaits.certificate.levels.full_order.find import find_full_order
+from neuralgaits.certificate.levels.full_order.theorem import premises
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.proof_file.writer import Proof
 from neuralgaits.runs import plain
 from neuralgaits.workflows import full_order
 from neuralgaits.workflows.certify import certify

@@ -13,8 +13,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from neuralgaits.interpreters import POINT, Program, evaluate
-from neuralgaits.interpreters.prune import prune
+from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs.prune import prune
 
 Table = dict[str, Any]
 Kind = Literal["unreadable", "inconsistent", "false", "barely false"]

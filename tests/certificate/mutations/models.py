@@ -11,7 +11,7 @@ import equinox as eqx
 import numpy as np
 
 from mutations.base import MODEL, Base, Mutation, altered, corners, grid, least, violated
-from neuralgaits.certificate.model_data import model_data
+from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.workflows.provable import trace_spec
 

@@ -17,7 +17,7 @@ from mutations.base import (
     violated,
     with_program,
 )
-from neuralgaits.interpreters import Program
+from neuralgaits.programs import Program
 
 Draw = np.random.Generator
 LARGEST, SMALLEST = 3.0, 1e-4

@@ -11,8 +11,8 @@ from safetensors.numpy import load_file, save_file
 
 from mutations.base import BOTH, Base, Mutation, Table, altered, corners, grid, least, with_program
 from mutations.numbers import changed_constant
-from neuralgaits.interpreters import POINT, Program, evaluate
-from neuralgaits.interpreters.prune import prune
+from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs.prune import prune
 from neuralgaits.workflows.run import WEIGHTS
 
 DEEPEST, SHALLOWEST = -0.02, -0.0005

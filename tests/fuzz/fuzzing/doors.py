@@ -15,10 +15,10 @@ from matplotlib import pyplot
 from fuzzing.place import EPISODES, FILES, RUN, Place
 from neuralgaits import logs
 from neuralgaits.barriers import specs
-from neuralgaits.certificate.check import check, in_words
-from neuralgaits.certificate.claims import InconsistentError, read_claims
-from neuralgaits.certificate.run_match import differences
-from neuralgaits.certificate.saved import load, open_boxes
+from neuralgaits.certificate.proof_file.check import check, in_words
+from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
+from neuralgaits.certificate.proof_file.run_match import differences
+from neuralgaits.certificate.search.checkpoint import load, open_boxes
 from neuralgaits.errors import InputError
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from neuralgaits.certificate.problem import Problem
+from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.training import Trainer, TrainState
 from neuralgaits.workflows.certify import _problems

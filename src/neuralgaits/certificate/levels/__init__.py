@@ -1,0 +1,1 @@
+"""What each level of a proof states, asks and concludes."""

@@ -1,0 +1,1 @@
+"""Level 1: every condition holds on its region."""

@@ -1,0 +1,1 @@
+"""Level 4: the robot walks on at full order."""

@@ -1,0 +1,262 @@
+"""Constants of the full-order theorem, found by looking at points.
+
+Nothing here is trusted: a bad choice makes a premise fail, not a false one hold.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.certificate.levels.full_order.theorem import (
+    BarrierConstants,
+    FullOrder,
+    lyapunov_rate,
+)
+
+Samples = Mapping[str, np.ndarray]
+Look = Callable[[Float[np.ndarray, "n 2"], Float[np.ndarray, "n k"]], Samples]
+"""Chart points [n, 2] and xi [n, 2m] to quantities [n, k] and their slopes in xi [n, k, 2m]."""
+
+PHASES, LEVELS = 81, 9
+CROSSINGS = (1e-9, 1e-8, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
+"""Half widths tried around the crossing of the guard at eta = 0, in phases."""
+CLEAR = 1e-12
+"""Height of the foot before and behind the crossing [m]: more than rounding."""
+LARGEST = 0.1
+"""Radius that is asked for at most [rad]."""
+ABOVE, BELOW = 1.08, 0.94
+"""A constant is this much more, or less, than what was seen."""
+AMPLE = 1.3
+"""The same for what an impact does: the theorem has room there, and bounds cost the most."""
+ROUNDING = 1e-6
+"""What bounds in float64 may lose at an impact [rad]."""
+ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
+"""Gains tried [1/s]."""
+
+
+@dataclass(frozen=True)
+class Looks:
+    """What the finder looks at.
+
+    Attributes:
+        step: pace, inertia, foot, foot-rate, contact, torque, rate, reading, h, with slopes.
+        guard: foot, after, landing, reset, with slopes along the guard;
+            fall, foot/slope: those of the foot height in phase and xi; drift: of after in phase.
+        size: number of elements of xi.
+    """
+
+    step: Look
+    guard: Look
+    size: int
+
+
+def find_full_order(
+    looks: Looks, names: Sequence[str], bandwidth: float, share: float
+) -> FullOrder | str:
+    """Constants of the theorem, or one sentence that says why there are none.
+
+    Args:
+        looks: at quantities of the gait.
+        names: of the barriers, in the order of their quantities.
+        bandwidth: w [rad/s].
+        share: of the largest radius that forces, torques and foot stand at points.
+    """
+    levels = np.linspace(0.0, 1.0, LEVELS)
+    u = _grid(np.linspace(0.0, 1.0, PHASES), levels)
+    seen = looks.step(u, np.zeros((len(u), looks.size)))
+    if seen["pace"].min() <= 0.0 or seen["inertia"].min() <= 0.0:
+        return "the hip does not move forward everywhere in the tube"
+    crossing = _crossing(looks, levels)
+    if crossing is None:
+        return (
+            "the swing foot does not go through the ground everywhere within "
+            f"{CROSSINGS[-1]} phases of the guard"
+        )
+    gamma = float(lyapunov_rate(bandwidth))
+    limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
+    radius = min(share * limit, LARGEST)
+    most, shrink = _fastest(seen, u[:, 0], radius, gamma)
+    slowest = _over(seen, "pace", u[:, 0], -radius, shrink).min()
+    strip = _guard_strip(looks, levels, crossing, radius, shrink)
+    if slowest <= 0.0 or strip is None:
+        return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
+    guard_radius = _at(radius, shrink, 1.0 - strip) * (1.0 + 1e-12)
+    impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius)
+    return FullOrder(
+        bandwidth=bandwidth,
+        radius=radius,
+        shrink=shrink,
+        guard_radius=guard_radius,
+        start_strip=1.2 * (impacts.landing + impacts.landing_slope * guard_radius),
+        guard_strip=strip,
+        crossing=crossing,
+        risen=risen,
+        pace=(0.8 * float(slowest), most),
+        inertia=0.5 * float(seen["inertia"].min()),
+        mismatch=impacts.mismatch,
+        drift=impacts.drift,
+        gain=impacts.gain,
+        landing=impacts.landing,
+        landing_slope=impacts.landing_slope,
+        barriers=tuple(
+            _barrier(k, name, seen, impacts, gamma, radius) for k, name in enumerate(names)
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class _Impacts:
+    """Impacts from eta = 0 on phase 1 and around it, and from outputs on the rim of the set."""
+
+    line: Samples
+    crossing: Samples
+    rim: Samples
+
+    @classmethod
+    def look(
+        cls, looks: Looks, levels: np.ndarray, crossing: float, strip: float, radius: float
+    ) -> "_Impacts":
+        line = _grid(np.array([1.0]), levels)
+        near = _grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
+        edge = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
+        return cls(
+            looks.guard(line, np.zeros((len(line), looks.size))),
+            looks.guard(near, np.zeros((len(near), looks.size))),
+            looks.guard(edge, _sphere(len(edge), looks.size, radius)),
+        )
+
+    @property
+    def mismatch(self) -> float:
+        return ABOVE * float(np.linalg.norm(self.line["after"], axis=1).max()) + ROUNDING
+
+    @property
+    def drift(self) -> float:
+        return AMPLE * float(np.linalg.norm(self.crossing["drift"], axis=1).max())
+
+    @property
+    def gain(self) -> float:
+        squares = (self.rim["after/slope"] ** 2).sum(axis=(1, 2))
+        return AMPLE * float(np.sqrt(squares.max()))
+
+    @property
+    def landing(self) -> float:
+        return 1.5 * float(np.abs(self.crossing["landing"]).max()) + CROSSINGS[0]
+
+    @property
+    def landing_slope(self) -> float:
+        return AMPLE * float(_norms(self.rim, "landing").max())
+
+
+def _grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def _sphere(count: int, size: int, radius: float) -> np.ndarray:
+    """Points on the sphere of a radius. [count, size]."""
+    draw = np.random.default_rng(0).normal(size=(count, size))
+    return radius * draw / np.linalg.norm(draw, axis=1, keepdims=True)
+
+
+def _norms(seen: Samples, name: str) -> np.ndarray:
+    """Length of the slope of each element. [n, k]."""
+    return np.linalg.norm(seen[f"{name}/slope"], axis=2)
+
+
+def _at(radius: float, shrink: float, phase: float) -> float:
+    return radius * math.exp(-shrink * phase * phase)
+
+
+def _over(seen: Samples, name: str, phase: np.ndarray, radius: float, shrink: float) -> np.ndarray:
+    """A quantity and what outputs of the given radius may add, generously. [n]."""
+    reach = ABOVE * radius * np.exp(-shrink * phase**2) * _norms(seen, name)[:, 0]
+    return (1.02 if radius > 0.0 else 1.0) * seen[name][:, 0] + reach
+
+
+def _fastest(seen: Samples, phase: np.ndarray, radius: float, gamma: float) -> tuple[float, float]:
+    """The fastest pace, and how fast the bound on sqrt(V) may shrink: one depends on the other."""
+    most, shrink = 0.0, 0.0
+    for _ in range(3):
+        most = float(_over(seen, "pace", phase, radius, shrink).max())
+        shrink = gamma / (4.25 * most)  # Somewhat less than 4, for the strip beyond phase 1.
+    return most, shrink
+
+
+def _crossing(looks: Looks, levels: np.ndarray) -> float | None:
+    """The narrowest strip around phase 1 with the foot up before it and down behind it."""
+    for width in CROSSINGS:
+        before, behind = (_grid(np.array([1.0 + side * width]), levels) for side in (-1, 1))
+        zero = np.zeros((LEVELS, looks.size))
+        above, below = looks.step(before, zero)["foot"], looks.step(behind, zero)["foot"]
+        if above.min() > CLEAR and below.max() < -CLEAR:
+            return width
+    return None
+
+
+def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, float]:
+    """Largest radius that forces, torques and foot stand at points, and where rising ends."""
+    grow = np.exp(shrink * phase**2)
+
+    def limit(name: str) -> np.ndarray:
+        return (seen[name] / _norms(seen, name)).min(axis=1) * grow
+
+    everywhere = min(limit("contact").min(), limit("torque").min())
+    everywhere = min(everywhere, 0.5 * limit("inertia").min(), 0.8 * limit("pace").min())
+    rises, above = limit("foot-rate"), limit("foot")
+    best = max(
+        (min(rises[phase <= end].min(), above[(phase >= end) & (phase <= 0.99)].min()), end)
+        for end in np.linspace(0.02, 0.3, 15)
+    )
+    return float(min(everywhere, best[0])), float(best[1])
+
+
+def _guard_strip(
+    looks: Looks, levels: np.ndarray, crossing: float, radius: float, shrink: float
+) -> float | None:
+    """Half width of the strip that holds the guard for all outputs in the set."""
+    line = _grid(np.array([1.0]), levels)
+    seen = looks.guard(line, np.zeros((len(line), looks.size)))
+    moved = (np.linalg.norm(seen["foot/slope"], axis=1) / -seen["fall"]).max()
+    strip = crossing + 2.0 * _at(radius, shrink, 0.98) * float(moved)
+    return strip if 0.0 < strip < CROSSINGS[-1] else None
+
+
+def _barrier(
+    k: int,
+    name: str,
+    step: Samples,
+    impacts: _Impacts,
+    gamma: float,
+    radius: float,
+) -> BarrierConstants:
+    """Constants of one barrier: the gain that needs the least sigma."""
+    coupling = ABOVE * float(_norms(step, "rate")[:, k].max())
+    reading = ABOVE * float(_norms(step, "reading")[:, k].max())
+    best = None
+    for alpha in (a for a in ALPHAS if a < gamma):
+        worst = float((step["rate"][:, k] + alpha * step["h"][:, k]).min())
+        epsilon = BELOW * worst if worst > 0.0 else worst - 0.05 * abs(worst)
+        # epsilon - alpha l^2 / (4 sigma) >= c^2 / (4 sigma (gamma - alpha)).
+        needed = (coupling**2 / (gamma - alpha) + alpha * reading**2) / 4.0
+        sigma = needed / epsilon if epsilon > 0.0 else math.inf
+        if best is None or sigma < best[0]:
+            best = sigma, alpha, epsilon
+    assert best is not None
+    sigma, alpha, epsilon = best
+    if not math.isfinite(sigma):
+        sigma = 0.0
+    # For what reads outputs a larger sigma tightens less: l / (2 radius) costs least at the rim.
+    sigma = max((1.0 + 1e-9) * sigma, reading / (2.0 * radius))
+    lowest = float(impacts.crossing["reset"][:, k].min())
+    return BarrierConstants(
+        name=name,
+        alpha=alpha,
+        epsilon=epsilon,
+        coupling=coupling,
+        reading=reading,
+        reset=lowest - 0.02 * abs(lowest) - 1e-9,
+        reset_slope=AMPLE * float(_norms(impacts.rim, "reset")[:, k].max()),
+        sigma=sigma,
+    )

@@ -1,0 +1,286 @@
+"""What the full-order theorem asks of a gait (level 4): margins that must not be negative.
+
+The second argument of a margin is xi: outputs and rates in units in which sqrt(V) is |xi| times
+the set's radius at that phase. So the set's states are xi of the unit ball, over every box of u.
+Which margin belongs to which root box stands in `full_order_theorem`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float, Scalar, ZeroState
+from neuralgaits.barriers import Barrier, Gait, GaitSpec
+from neuralgaits.certificate.levels.full_order.theorem import (
+    FENCES,
+    LOWER,
+    OF_BARRIER,
+    STIFF,
+    UPPER,
+    FullOrder,
+    constants_of_set,
+    series,
+)
+from neuralgaits.gait import Point
+from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.robots import PlanarBiped
+
+Vector = Float[Array, " k"]
+Quantities = dict[str, Vector]
+
+
+def output_coordinates(xi: Vector, bandwidth: float | Scalar) -> Vector:
+    """Outputs eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
+    rate, mixed = jnp.split(xi, 2)
+    return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
+
+
+def scaled_coordinates(eta: Vector, bandwidth: float | Scalar) -> Vector:
+    """The inverse of `output_coordinates`. Returns: [2m] (rad)."""
+    y, dy = jnp.split(eta, 2)
+    rate = dy / bandwidth
+    return jnp.concatenate([rate, float(STIFF) * (y + rate)])
+
+
+@dataclass(frozen=True)
+class FullOrderModel:
+    """Robot, gait and spec whose full order is looked at.
+
+    Attributes:
+        robot, gait, spec: of a run.
+        bandwidth: w, the double pole of the outputs [rad/s].
+    """
+
+    robot: PlanarBiped
+    gait: Gait
+    spec: GaitSpec
+    bandwidth: float | Scalar
+
+    @property
+    def size(self) -> int:
+        """Number of elements of eta, 2m."""
+        return 2 * (self.robot.n - 1)
+
+    @property
+    def tightened(self) -> list[Barrier]:
+        """The spec's barrier conditions: they read outputs, so they are tightened."""
+        return [c for c in self.spec.conditions if isinstance(c, Barrier)]
+
+    @property
+    def names(self) -> list[str]:
+        """All barriers of the theorem; each element of a vector is one of its own."""
+        found = [LOWER, UPPER]
+        for condition in self.tightened:
+            size = jax.eval_shape(partial(self._own, condition), np.zeros(2)).size
+            alone = [condition.name]
+            found += alone if size == 1 else [f"{condition.name}[{k}]" for k in range(size)]
+        return found
+
+    def point(self, u: Float[Array, "2"], xi: Vector) -> FullPoint:
+        """The robot at a chart point with scaled outputs."""
+        eta = output_coordinates(xi, self.bandwidth)
+        return FullPoint(self.robot, self.gait.policy, self.gait.z(u), eta, self.bandwidth)
+
+    def barriers(self, z: ZeroState) -> Vector:
+        """h_Z of every barrier. [I]."""
+        level = self.gait.level(z)
+        own = [self._own(condition, z) for condition in self.tightened]
+        return jnp.concatenate([jnp.stack([level, 1.0 - level]), *own])
+
+    def _own(self, condition: Barrier, z: ZeroState) -> Vector:
+        """Of a barrier condition, h on the zero dynamics manifold."""
+        point = Point(self.robot, self.gait.policy, None, z)
+        return jnp.ravel(condition.function(point))
+
+    def rates(self, point: FullPoint) -> Vector:
+        """dh_Z/dt of every barrier in a full state [h/s]. [I]."""
+        return jax.jvp(self.barriers, (point.z,), (point.dz,))[1]
+
+    def readings(self, point: FullPoint) -> Vector:
+        """What every barrier reads on the robot [h]: a fence reads z alone. [I]."""
+        own = [jnp.ravel(condition.function(point)) for condition in self.tightened]
+        return jnp.concatenate([jnp.zeros(2), *own])
+
+    def in_step(self, point: FullPoint) -> Quantities:
+        """Quantities between impacts, each as a vector.
+
+        pace [1/s], inertia [kg m], foot [m], foot-rate [m/s], contact [body weights]: normal
+        force and both slacks of the friction cone, torque: slack of both limits [limits].
+        """
+        robot = self.robot
+        start, guard = self.gait.span
+        tangential, normal = point.force / (robot.mass * robot.gravity)
+        cone = float(robot.friction) * normal
+        share = point.torque / robot.torque_limit
+        found = {
+            "pace": point.dz[0] / (guard - start),
+            "inertia": -point.transversal_inertia,
+            "foot": point.foot[1],
+            "foot-rate": point.foot_velocity[1],
+            "contact": jnp.stack([normal, cone - tangential, cone + tangential]),
+            "torque": jnp.concatenate([1.0 - share, 1.0 + share]),
+        }
+        return {name: jnp.atleast_1d(value) for name, value in found.items()}
+
+    def at_impact(self, point: FullPoint) -> Quantities:
+        """Quantities of an impact in this state, each as a vector.
+
+        foot [m], impulse [N s]: normal and both slacks of the friction cone, after: xi after it
+        [rad], momentum: z2 after it, landing: phase after it, reset: all barriers after it [h].
+        """
+        tangential, normal = point.impact.impulse
+        cone = float(self.robot.friction) * normal
+        found = {
+            "foot": point.foot[1],
+            "impulse": jnp.stack([normal, cone - tangential, cone + tangential]),
+            "after": scaled_coordinates(point.eta_after, self.bandwidth),
+            "momentum": point.z_after[1],
+            "landing": self.gait.phase(point.z_after[0]),
+            "reset": self.barriers(point.z_after),
+        }
+        return {name: jnp.atleast_1d(value) for name, value in found.items()}
+
+    def at_crossing(self, u: Float[Array, "2"]) -> tuple[Quantities, Vector]:
+        """`at_impact` from eta = 0, and the slope of xi after it in the phase [rad]."""
+
+        def moved(phase: Scalar) -> Quantities:
+            return self.at_impact(self.point(jnp.stack([phase, u[1]]), jnp.zeros(self.size)))
+
+        found, slopes = jax.jvp(moved, (u[0],), (jnp.ones_like(u[0]),))
+        return found, slopes["after"]
+
+    def guard_slopes(self, u: Float[Array, "2"], xi: Vector) -> "GuardSlopes":
+        """d/d xi of `at_impact` along the guard: the phase gives way so that the foot stays."""
+        phase, level = u
+
+        def moved(at: Vector) -> Quantities:
+            return self.at_impact(self.point(jnp.stack([at[0], level]), at[1:]))
+
+        slopes = jax.jacfwd(moved)(jnp.concatenate([phase[None], xi]))
+        foot = slopes.pop("foot")[0]
+        gives = -foot[1:] / foot[0]
+        along = {name: d[:, 1:] + d[:, :1] * gives[None, :] for name, d in slopes.items()}
+        return GuardSlopes(foot[0], foot[1:], along)
+
+
+class GuardSlopes(NamedTuple):
+    """First derivatives at an impact."""
+
+    fall: Scalar
+    """Of the foot height in the phase [m]."""
+    foot: Vector
+    """Of the foot height in xi at a fixed phase [m/rad]. [2m]"""
+    along: Quantities
+    """Of every other quantity in xi along the guard. [k, 2m] each"""
+
+
+def margins(
+    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
+) -> Quantities:
+    """All margins of the theorem at one chart point and one xi of the unit ball."""
+    its = _Numbers.of(shape, model.names)
+    model = replace(model, bandwidth=its.set["bandwidth"])
+    radius = its.set["radius"] * jnp.exp(-its.set["shrink"] * u[0] * u[0])
+    return (
+        _step_margins(model, its, model.point(u, radius * xi))
+        | _decay_margins(model, its, u, radius * xi)
+        | _guard_margins(model, its, u, its.set["guard_radius"] * xi)
+        | _crossing_margins(model, its, u)
+    )
+
+
+class _Numbers(NamedTuple):
+    """Constants of the theorem as elements of arrays, so that a Program names where they are."""
+
+    set: Mapping[str, Scalar]
+    barriers: Mapping[str, Mapping[str, Scalar]]
+    """By barrier."""
+
+    @classmethod
+    def of(cls, shape: FullOrder, names: Sequence[str]) -> "_Numbers":
+        """Of a set whose barriers have these names, the model's."""
+        parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
+        rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
+        return cls(
+            dict(zip(constants_of_set(shape), parts["set"], strict=True)),
+            {
+                name: dict(zip(OF_BARRIER, row, strict=True))
+                for name, row in zip(names, rows, strict=True)
+            },
+        )
+
+
+def _step_margins(model: FullOrderModel, its: _Numbers, point: FullPoint) -> Quantities:
+    """Between impacts: the robot walks on, its contact and torques are possible."""
+    found = model.in_step(point)
+    least, most = its.set["slowest"], its.set["fastest"]
+    return {
+        "full/pace": jnp.concatenate([found["pace"] - least, most - found["pace"]]),
+        "full/inertia": found["inertia"] - its.set["inertia"],
+        "full/contact": found["contact"],
+        "full/torque": found["torque"],
+        "full/foot-rises": found["foot-rate"],
+        "full/foot-above": found["foot"],
+    }
+
+
+def _decay_margins(
+    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Vector
+) -> Quantities:
+    """Between impacts: what keeps h - sigma V from becoming negative."""
+    centre = model.point(u, jnp.zeros_like(xi))
+    rate, h = model.rates(centre), model.barriers(centre.z)
+    coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
+    reading = jax.jacfwd(lambda moved: model.readings(model.point(u, moved)))(xi)
+    found = {}
+    for k, (name, of) in enumerate(its.barriers.items()):
+        slope = reading[k]
+        found[f"full/rate {name}"] = rate[k] + of["alpha"] * h[k] - of["epsilon"]
+        found[f"full/coupling {name}"] = of["coupling"] ** 2 - coupling[k] @ coupling[k]
+        if name not in FENCES:
+            found[f"full/reading {name}"] = of["reading"] ** 2 - slope @ slope
+    return found
+
+
+def _guard_margins(
+    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Vector
+) -> Quantities:
+    """In the guard's strip: the guard is met once, and how far an impact moves the state."""
+    point = model.point(u, xi)
+    impact, slopes = model.at_impact(point), model.guard_slopes(u, xi)
+    along = {name: jnp.sum(d * d, axis=1) for name, d in slopes.along.items()}
+    found = {
+        "full/foot-below": -point.foot[1],
+        "full/foot-falls": -point.foot_velocity[1],
+        "full/impulse": impact["impulse"],
+        "full/momentum-after": impact["momentum"],
+        "full/guard-slope": -slopes.fall,
+        "full/gain": its.set["gain"] ** 2 - jnp.sum(along["after"]),
+        "full/landing-slope": its.set["landing_slope"] ** 2 - along["landing"],
+    }
+    for k, (name, of) in enumerate(its.barriers.items()):
+        found[f"full/reset-slope {name}"] = of["reset_slope"] ** 2 - along["reset"][k]
+    return found
+
+
+def _crossing_margins(model: FullOrderModel, its: _Numbers, u: Float[Array, "2"]) -> Quantities:
+    """What an impact from eta = 0 leaves."""
+    impact, drift = model.at_crossing(u)
+    landing, after = impact["landing"], impact["after"]
+    found = {
+        "full/mismatch": its.set["mismatch"] ** 2 - after @ after,
+        "full/drift": its.set["drift"] ** 2 - drift @ drift,
+        "full/landing": jnp.concatenate(
+            [its.set["landing"] - landing, its.set["landing"] + landing]
+        ),
+        "full/crossing-before": impact["foot"],
+        "full/crossing-behind": -impact["foot"],
+    }
+    for k, (name, of) in enumerate(its.barriers.items()):
+        found[f"full/reset {name}"] = impact["reset"][k] - of["reset"]
+    return found

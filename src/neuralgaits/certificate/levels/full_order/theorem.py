@@ -1,0 +1,190 @@
+"""The paper's Theorem 5 made computable (level 4): its constants, premises and conclusion.
+
+Outputs obey eta' = A eta exactly; V = |xi|^2 decays at least at the rate gamma. The set is
+
+    D = {z in the tube, h_i(z) - t_i >= sigma_i V for all i, sqrt(V) <= radius(phase), foot up},
+
+its barriers h_i being the level above the lower fence, the level below the upper fence, and the
+spec's own barrier functions, tightened by t_i because outputs off zero move what they read. Each
+number of `FullOrder` is a claim; the premises, outputs of the Program that must not be negative,
+prove it. `conclude` does the arithmetic from the constants to the theorem in balls. The argument
+is in docs/full_order.md. Needs no JAX.
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from neuralgaits.certificate.levels.theorems import Premise
+
+FENCES = LOWER, UPPER = "level-lower", "level-upper"
+"""Names of the two fences as barriers: they read z alone."""
+
+REGION = "full order"
+"""Label of the statements that level 4 rests on."""
+
+OF_BARRIER = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
+"""A barrier's numbers that the margins have in them; sigma is in none."""
+
+# V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 for each joint decays at the rate DECAY w. Powers of two
+# keep the change of coordinates exact; among those tried this pair allows the largest errors
+# that the contact and torque limits of the default gaits stand.
+STIFF, DECAY = Fraction(2), Fraction(3, 2)
+
+
+@dataclass(frozen=True)
+class BarrierConstants:
+    """Constants of one barrier h. Units: those of h (level: 1), seconds, sqrt(V) in rad.
+
+    Attributes:
+        name: of the barrier.
+        alpha: gain [1/s].
+        epsilon: dh/dt + alpha h >= epsilon on the zero dynamics [h/s].
+        coupling: |d(dh/dt)/d xi| at most [h/(s rad)].
+        reading: |d h/d xi| at most of what h reads on the robot [h/rad]; 0 for fences.
+        reset: h after an impact from eta = 0 is at least this [h].
+        reset_slope: |d h+/d xi| along the guard at most [h/rad].
+        sigma: the weight of V [h/rad^2].
+    """
+
+    name: str
+    alpha: float
+    epsilon: float
+    coupling: float
+    reading: float
+    reset: float
+    reset_slope: float
+    sigma: float
+
+
+@dataclass(frozen=True)
+class FullOrder:
+    """The set D, and every constant of the theorem.
+
+    Attributes:
+        bandwidth: w, the double pole of the outputs [rad/s].
+        radius: bound on sqrt(V) at phase 0 [rad].
+        shrink: at other phases the bound is radius exp(-shrink phase^2) [1].
+        guard_radius: that bound where the guard's strip begins, rounded up [rad].
+        start_strip, guard_strip: the tube goes on for this many phases at either end.
+        crossing: at eta = 0 the foot meets the ground within this many phases of phase 1.
+        risen: until this phase the swing foot rises; from it to the guard it is up.
+        pace: least and most rate of the phase [1/s].
+        inertia: least -J.s, the denominator of the dynamics [kg m].
+        mismatch: sqrt(V) after an impact from eta = 0 at phase 1, at most [rad].
+        drift: its largest change per phase, within `crossing` of phase 1 [rad].
+        gain: L_D, growth of sqrt(V) across an impact.
+        landing: largest |phase| after an impact from eta = 0.
+        landing_slope: its change per sqrt(V) along the guard [1/rad].
+        barriers: constants of each.
+    """
+
+    bandwidth: float
+    radius: float
+    shrink: float
+    guard_radius: float
+    start_strip: float
+    guard_strip: float
+    crossing: float
+    risen: float
+    pace: tuple[float, float]
+    inertia: float
+    mismatch: float
+    drift: float
+    gain: float
+    landing: float
+    landing_slope: float
+    barriers: tuple[BarrierConstants, ...]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last phase, as doubles: the edges of boxes, which inequalities use as well."""
+        return -self.start_strip, 1.0 + self.guard_strip
+
+    @property
+    def guard_from(self) -> float:
+        """Phase at which the guard's strip begins, likewise."""
+        return 1.0 - self.guard_strip
+
+    @property
+    def crossings(self) -> tuple[float, float]:
+        """Phases between which the foot meets the ground at eta = 0, likewise."""
+        return 1.0 - self.crossing, 1.0 + self.crossing
+
+
+def constants_of_set(shape: FullOrder) -> dict[str, float]:
+    """The set's numbers that the margins have in them, by name."""
+    alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
+    least, most = shape.pace
+    return {n: getattr(shape, n) for n in alone.split()} | {"slowest": least, "fastest": most}
+
+
+def series(shape: FullOrder) -> dict[str, tuple[float, ...]]:
+    """All of them in two lists: the Program has both as constants of these names."""
+    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
+    return {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
+
+
+def lyapunov(bandwidth: float) -> tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]:
+    """P of one joint: V = (y, dy) P (y, dy). Exact."""
+    w = Fraction(bandwidth)
+    square = STIFF * STIFF
+    return (square, square / w), (square / w, (1 + square) / (w * w))
+
+
+def lyapunov_rate(bandwidth: float) -> Fraction:
+    """Rate gamma at which V falls at least [1/s]."""
+    return DECAY * Fraction(bandwidth)
+
+
+def decays(bandwidth: float) -> bool:
+    """Whether A^T P + P A <= -gamma P with P > 0, in rationals; A of ddy = -w^2 y - 2 w dy."""
+    if not bandwidth > 0.0:
+        return False
+    w, gamma = Fraction(bandwidth), lyapunov_rate(bandwidth)
+    (p11, p12), (_, p22) = lyapunov(bandwidth)
+    # A = [[0, 1], [-w^2, -2 w]]; entries of -(A^T P + P A + gamma P).
+    q11 = 2 * w * w * p12 - gamma * p11
+    q12 = -(p11 - 2 * w * p12 - w * w * p22 + gamma * p12)
+    q22 = -(2 * p12 - 4 * w * p22 + gamma * p22)
+    positive = p11 > 0 and p11 * p22 > p12 * p12
+    return positive and q11 >= 0 and q22 >= 0 and q11 * q22 >= q12 * q12
+
+
+def premises(shape: FullOrder) -> list[Premise]:
+    """Everything the conclusion rests on."""
+    first, last = shape.ends
+    before, (near, far) = shape.guard_from, shape.crossings
+    tube = (first, 0.0), (last, 1.0)
+    strip = (before, 0.0), (last, 1.0)
+    crossing = (near, 0.0), (far, 1.0)
+    found = [
+        Premise("full/pace", *tube),
+        Premise("full/inertia", *tube),
+        Premise("full/contact", *tube),
+        Premise("full/torque", *tube),
+        Premise("full/foot-rises", (first, 0.0), (shape.risen, 1.0)),
+        Premise("full/foot-above", (shape.risen, 0.0), (before, 1.0)),
+        Premise("full/foot-below", (last, 0.0), (last, 1.0)),
+        Premise("full/crossing-before", (near, 0.0), (near, 1.0)),
+        Premise("full/crossing-behind", (far, 0.0), (far, 1.0)),
+        Premise("full/guard-slope", *strip),
+        Premise("full/foot-falls", *strip),
+        Premise("full/impulse", *strip),
+        Premise("full/gain", *strip, sign="not negative"),
+        Premise("full/landing-slope", *strip, sign="not negative"),
+        Premise("full/momentum-after", *strip),
+        Premise("full/mismatch", (1.0, 0.0), (1.0, 1.0), sign="not negative"),
+        Premise("full/drift", *crossing, sign="not negative"),
+        Premise("full/landing", *crossing, sign="not negative"),
+    ]
+    for barrier in shape.barriers:
+        name = barrier.name
+        found += [
+            Premise(f"full/rate {name}", *tube, sign="not negative"),
+            Premise(f"full/coupling {name}", *tube, sign="not negative"),
+            Premise(f"full/reset {name}", *crossing, sign="not negative"),
+            Premise(f"full/reset-slope {name}", *strip, sign="not negative"),
+        ]
+        if name not in FENCES:
+            found.append(Premise(f"full/reading {name}", *tube, sign="not negative"))
+    return found

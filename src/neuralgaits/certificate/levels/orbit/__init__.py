@@ -1,0 +1,1 @@
+"""Level 3: one periodic orbit attracts all of that set."""

@@ -1,0 +1,259 @@
+"""The periodic orbit and bounds around it, as Chebyshev series, found in plain numbers.
+
+zeta(phase) solves a fixed-point equation: integrate F along the curve, reset at the guard,
+start again there. It contracts, for the flow is weak in zeta and the orbit attracts. Nothing here
+is trusted: a bad series makes a premise fail, not a false one hold.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from neuralgaits._types import Float
+from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
+from neuralgaits.certificate.levels.walking_set.find import CLEAR, STRIPS
+
+Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
+"""Points (phase, level) [n, 2] to slope and expansion, foot, foot_rate, pace, after and gain."""
+Fences = Callable[[np.ndarray], Float[np.ndarray, "n 2"]]
+"""Phases to zeta on both fences, in the tube's unit."""
+
+DEGREES = (18, 24, 30, 36)
+"""Of the series of the orbit, tried in turn."""
+DEFECT = 0.1
+"""How far the series may be from solving dzeta/dphase = F, as a share of what the thin tube's
+fences have to spare."""
+BOUND_DEGREE = 12
+"""Of the series that bound dF/dzeta."""
+ROUNDS, SETTLED = 400, 1e-12
+"""Iterations of the fixed point, and the relative change that ends them."""
+Z2_WIDTH = 1e-3
+"""Width to which the orbit is enclosed [kg m^2/s]."""
+USED = 0.8
+"""Share of that width that the thin tube uses where it is widest."""
+ROOM = 0.03
+"""Slack of a bound on dF/dzeta over the whole set [1/phase]: less would cost more boxes."""
+THIN_ROOM = 0.02
+"""The same over the thin tube."""
+COMFORT = 0.95
+"""Contraction seen at points that leaves room for a bound on it."""
+
+
+class Found(NamedTuple):
+    """An orbit to be proved.
+
+    Attributes:
+        orbit: thin tube and series.
+        least: what the outputs that enclose constants must reach.
+    """
+
+    orbit: Orbit
+    least: Mapping[str, float]
+
+
+def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Found | str:
+    """Thin tube and bounds, or one sentence that says why there are none.
+
+    Args:
+        look: quantities at points.
+        fences: of the walking set.
+        unit: of zeta [(kg m^2/s)^2].
+        shape: of the walking set.
+    """
+    for degree in DEGREES:
+        curve = _periodic(look, fences, unit, _nodes(shape, degree), degree)
+        if curve is None:
+            return "no periodic orbit was found in the tube"
+        thin = _thin(look, fences, unit, shape, curve)
+        if isinstance(thin, str):
+            return thin
+        if _defect(look, fences, unit, curve, shape) < DEFECT * thin.spare:
+            break
+    nodes = _nodes(shape, degree)
+    parting = look(curve.points(fences, nodes))["expansion"]
+    width = _fit(nodes, thin.half, degree)
+    middle = _fit(nodes, parting, BOUND_DEGREE)
+    error = THIN_ROOM + np.max(np.abs(parting - _at(middle, nodes)))
+    shift = np.eye(1, BOUND_DEGREE + 1)[0] * error
+    ends = [_Curve(curve.series + side * width, curve.guard) for side in (-1.0, 0.0, 1.0)]
+    orbit = Orbit(
+        thin.attraction,
+        *_crossing(look, fences, ends, float(curve.guard[0, 0])),
+        lower=_numbers(unit * (curve.series - width)),
+        upper=_numbers(unit * (curve.series + width)),
+        expansion=_numbers(thin.bound),
+        slowest=_numbers(middle - shift),
+        fastest=_numbers(middle + shift),
+    )
+    gain = float(look(curve.guard)["gain"][0])
+    least = {
+        "orbit/gain": -thin.largest,
+        "orbit/width": -Z2_WIDTH,
+        "orbit/reset-gain-low": gain - 0.5 * THIN_ROOM * abs(gain),
+        "orbit/reset-gain-high": -gain - 0.5 * THIN_ROOM * abs(gain),
+    }
+    return Found(orbit, least)
+
+
+class _Thin(NamedTuple):
+    """Half width of the thin tube at the nodes of its series, and what attracts the set to it.
+
+    Attributes:
+        half: in units of zeta.
+        spare: least that its fences have to spare, zeta in units per phase.
+        attraction: see `Orbit`.
+        bound: series above dF/dzeta on the walking set.
+        largest: number above |rho| on its guard.
+    """
+
+    half: np.ndarray
+    spare: float
+    attraction: Attraction
+    bound: np.ndarray
+    largest: float
+
+
+def _thin(
+    look: Look, fences: Fences, unit: float, shape: WalkingSet, curve: "_Curve"
+) -> _Thin | str:
+    """Shape of the thin tube: as wide at each phase as neighbours part, and a little more."""
+    nodes = _nodes(shape, len(curve.series) - 1)
+    bound, largest = _bounds(look, shape, float(curve.guard[0, 0]))
+    parting = look(curve.points(fences, nodes))["expansion"]
+    gain = abs(float(look(curve.guard)["gain"][0]))
+    multiplier = gain * np.exp(_step(_fit(nodes, parting, BOUND_DEGREE)))
+    if not multiplier < 1.0:
+        return f"the orbit found does not attract: its multiplier is {multiplier:.4g}"
+    attraction: Attraction = "contraction"
+    rates, product = parting, multiplier
+    if largest * np.exp(_step(bound)) >= COMFORT:
+        secants = _secants(look, fences, unit, curve, nodes)
+        further = largest * np.exp(_step(_fit(nodes, secants, BOUND_DEGREE)))
+        if further < COMFORT:
+            attraction, rates, product = "nested tubes", secants, further
+    # Half of the contraction is spent along the step, so that every premise has room.
+    room = -0.5 * np.log(product)
+    series = _fit(nodes, rates, BOUND_DEGREE)
+    room_left = room - np.max(np.abs(_at(series, nodes) - rates))
+    spread = np.exp(_at(_antiderivative(series), nodes) + room * nodes)
+    z2 = np.sqrt(2.0 * unit * _at(curve.series, nodes))
+    half = 0.5 * USED * Z2_WIDTH * spread * np.min(z2 / spread) / unit
+    return _Thin(half, max(room_left, 0.1 * room) * np.min(half), attraction, bound, largest)
+
+
+def _secants(
+    look: Look, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
+) -> np.ndarray:
+    """Fastest rate, over the levels, at which a trajectory of the set parts from the orbit."""
+    on_orbit = curve.points(fences, nodes)
+    slope = look(on_orbit)["slope"] / unit
+    rates = [look(on_orbit)["expansion"]]
+    for level in np.linspace(0.0, 1.0, 17):
+        low, high = fences(nodes).T
+        away = low + level * (high - low) - _at(curve.series, nodes)
+        points = np.stack([nodes, np.full_like(nodes, level)], axis=1)
+        rate = (look(points)["slope"] / unit - slope) / away
+        rates.append(np.where(np.abs(away) > 0.05 * (high - low), rate, -np.inf))
+    return np.max(rates, axis=0)
+
+
+class _Curve(NamedTuple):
+    """A periodic orbit: series of zeta / unit, and the chart point where it meets the guard."""
+
+    series: np.ndarray
+    guard: Float[np.ndarray, "1 2"]
+
+    def points(self, fences: Fences, phases: np.ndarray) -> Float[np.ndarray, "n 2"]:
+        """Chart points of the orbit."""
+        return np.stack([phases, _level(fences, phases, _at(self.series, phases))], axis=1)
+
+
+def _crossing(
+    look: Look, fences: Fences, curves: Sequence[_Curve], middle: float
+) -> tuple[float, float]:
+    """Phases just before and behind where all of some curves meet the ground."""
+    for width in STRIPS:
+        before, behind = np.array([middle - width]), np.array([middle + width])
+        above = [look(curve.points(fences, before))["foot"][0] for curve in curves]
+        below = [look(curve.points(fences, behind))["foot"][0] for curve in curves]
+        if min(above) > CLEAR and max(below) < -CLEAR:
+            break
+    return middle - 2.0 * width, middle + 2.0 * width
+
+
+def _nodes(shape: WalkingSet, degree: int) -> np.ndarray:
+    """Phases at which a series is fitted: the strips belong to it."""
+    first, last = shape.ends
+    return first + 0.5 * (last - first) * (chebyshev.chebpts1(2 * degree + 1) + 1.0)
+
+
+def _defect(look: Look, fences: Fences, unit: float, curve: _Curve, shape: WalkingSet) -> float:
+    """How far a curve is from a solution, at the worst of many phases."""
+    phases = np.linspace(*shape.ends, 301)
+    slope = look(curve.points(fences, phases))["slope"] / unit
+    along = 2.0 * chebyshev.chebval(2.0 * phases - 1.0, chebyshev.chebder(curve.series))
+    return float(np.max(np.abs(slope - along)))
+
+
+def _bounds(look: Look, shape: WalkingSet, guard: float) -> tuple[np.ndarray, float]:
+    """Series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
+    levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
+    grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1)
+    largest = look(grid.reshape(-1, 2))["expansion"].reshape(grid.shape[:2]).max(axis=1)
+    series = _fit(phases, largest, BOUND_DEGREE)
+    series[0] += ROOM + np.max(largest - _at(series, phases))
+    gains = look(np.stack([np.full_like(levels, guard), levels], axis=1))["gain"]
+    return series, float(np.abs(gains).max() * (1.0 + THIN_ROOM))
+
+
+def _periodic(
+    look: Look, fences: Fences, unit: float, nodes: np.ndarray, degree: int
+) -> _Curve | None:
+    """Integrate F along the curve, reset, start again there, until it stays."""
+    constant = np.eye(1, degree + 1)[0]
+    curve = _Curve(constant * float(np.mean(fences(np.zeros(1)))), np.ones((1, 2)))
+    for _ in range(ROUNDS):
+        crossing = curve.guard[:, 0]
+        found = look(curve.points(fences, np.concatenate([nodes, crossing])))
+        slope = _antiderivative(_fit(nodes, found["slope"][:-1] / unit, degree - 1))
+        phase, zeta = found["after"][-1]
+        series = slope + constant * (zeta / unit - _at(slope, np.array([phase]))[0])
+        step = found["foot"][-1] * found["pace"][-1] / found["foot_rate"][-1]
+        change = np.max(np.abs(_at(series, nodes) - _at(curve.series, nodes)))
+        if not np.isfinite(change):
+            return None
+        curve = _Curve(series, curve.guard)
+        curve = _Curve(series, curve.points(fences, np.clip(crossing - step, 0.9, 1.05)))
+        if change < SETTLED * abs(series[0]) and abs(step) < SETTLED:
+            inside = curve.points(fences, nodes)[:, 1]
+            return curve if np.all((inside > 0.0) & (inside < 1.0)) else None
+    return None
+
+
+def _level(fences: Fences, phases: np.ndarray, zeta: np.ndarray) -> np.ndarray:
+    low, high = fences(phases).T
+    return (zeta - low) / (high - low)
+
+
+def _fit(phases: np.ndarray, values: np.ndarray, degree: int) -> np.ndarray:
+    return chebyshev.chebfit(2.0 * phases - 1.0, values, degree)
+
+
+def _at(series: np.ndarray, phases: np.ndarray) -> np.ndarray:
+    return chebyshev.chebval(2.0 * phases - 1.0, series)
+
+
+def _antiderivative(series: np.ndarray) -> np.ndarray:
+    """Series of the integral from phase 0."""
+    return chebyshev.chebint(series, scl=0.5, lbnd=-1.0)
+
+
+def _step(series: np.ndarray) -> float:
+    """Integral over a step."""
+    return float(_at(_antiderivative(series), np.ones(1))[0])
+
+
+def _numbers(series: np.ndarray) -> tuple[float, ...]:
+    return tuple(float(value) for value in series)

@@ -1,0 +1,1 @@
+"""Level 2: a set of the hybrid zero dynamics is invariant."""

@@ -1,0 +1,83 @@
+"""Where the walking set ends and its premises are asked: parameters found by looking at points.
+
+Nothing here is trusted: a bad choice makes a premise fail, not a false one hold.
+"""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
+from neuralgaits.certificate.levels.theorems import WalkingSet
+
+Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
+"""Chart points [n, 2] to "foot" [m], "foot_rate" [m/s] and "after" (phase, zeta) [n, 2]."""
+
+PHASES, LEVELS = 241, 33
+STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
+"""Half widths tried around the guard, in phases. A gait that meets the ground elsewhere than at
+phase 1 by more than the last is not treated."""
+CLEAR = 1e-12
+"""Height that the foot must have before and behind the guard's strip [m]: more than rounding."""
+SHARE = 0.5
+"""Share of its vertical speed at either end of the step that the foot must keep."""
+
+
+def find_set(
+    spec: GaitSpec, look: Look, disturbance: tuple[float, float] = (0.0, 0.0)
+) -> WalkingSet | str:
+    """Parameters of the walking set, or one sentence that says why there are none."""
+    levels = np.linspace(0.0, 1.0, LEVELS)
+    strip = _guard_strip(look, levels)
+    if strip is None:
+        return (
+            "the swing foot does not go through the ground everywhere within "
+            f"{STRIPS[-1]} phases of the guard"
+        )
+    guard = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
+    landed = np.abs(look(guard)["after"][:, 0]).max()
+    start_strip = float(2.0 * landed + 1e-9)
+    if not start_strip < STRIPS[-1]:
+        return f"the reset lands up to {landed:.3g} phases from the start of a step"
+    phases = np.linspace(0.0, 1.0, PHASES)
+    rate = look(_grid(phases, levels))["foot_rate"].reshape(PHASES, LEVELS)
+    slowest, fastest = rate.min(axis=1), rate.max(axis=1)
+    if slowest[0] <= 0.0 or fastest[-1] >= 0.0:
+        return "the swing foot does not rise at the start of the step, or does not fall at its end"
+    rising = slowest >= SHARE * slowest[0]
+    falling = fastest <= SHARE * fastest[-1]
+    risen = phases[np.argmin(rising) - 1]
+    fall = phases[PHASES - np.argmin(falling[::-1])]
+    return WalkingSet(
+        start_strip=start_strip,
+        guard_strip=strip,
+        risen=float(risen),
+        falling=float(fall),
+        disturbance=disturbance,
+        barriers=names_of(spec)[0],
+        carried=names_of(spec)[1],
+    )
+
+
+def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The spec's barrier conditions, and those that are carried over to the strips."""
+    carried = Pointwise | Barrier | DiscreteBarrier
+    return (
+        tuple(c.name for c in spec.conditions if isinstance(c, Barrier)),
+        tuple(c.name for c in spec.conditions if isinstance(c, carried)),
+    )
+
+
+def _guard_strip(look: Look, levels: np.ndarray) -> float | None:
+    """A strip around phase 1 with the foot above the ground before it and below it behind."""
+    for number, width in enumerate(STRIPS):
+        above = look(_grid(np.array([1.0 - width]), levels))["foot"]
+        below = look(_grid(np.array([1.0 + width]), levels))["foot"]
+        if above.min() > CLEAR and below.max() < -CLEAR:
+            return STRIPS[min(number + 1, len(STRIPS) - 1)]
+    return None
+
+
+def _grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -1,0 +1,114 @@
+"""The walking set: what makes a tube of the hybrid zero dynamics invariant (level 2).
+
+T = {-start_strip <= phase <= 1 + guard_strip, 0 <= level <= 1}. The flow moves forward through
+it, cannot cross its fences, meets the guard once, in the strip around phase 1, and is reset
+between the fences, into the strip around phase 0. Each margin here belongs to a root box that
+`theorems.walking_premises` names; together they are C1 to C5 of CERTIFICATE.md section 5. C6
+and C7, safety and valid contact, are the spec's own conditions, carried over to the strips.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Float, ZeroState
+from neuralgaits.barriers import Barrier, Gait, GaitSpec
+from neuralgaits.barriers.functions import transversal_inertia
+from neuralgaits.certificate.levels.theorems import WalkingSet
+from neuralgaits.gait import Point, ZeroDynamics
+
+
+def margins(
+    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSet, u: Float[Array, "2"]
+) -> dict[str, Float[Array, "..."]]:
+    """Margins of the walking set at one chart point, by output name.
+
+    Whatever depends on dz is given at every corner of the disturbance's box: those quantities
+    are linear in dz, or a quotient of such, so a corner is the worst.
+    """
+    z = gait.z(u)
+    point = zd.point(z)
+    pushed = [moved.point(z) for moved in disturbed(zd, shape.disturbance)]
+    start, guard = gait.span
+    falls = jnp.stack([p.foot_velocity[1] for p in pushed])
+    inward = [_inward(gait, p) for p in pushed]
+    phase = gait.phase(point.z_after[0])
+    level = gait.level(point.z_after)
+    low, high = jnp.sqrt(2.0 * gait.tube.fences(u[0]))
+    found = {
+        "set/forward": jnp.stack([p.dz[0] for p in pushed]) / (guard - start),
+        "set/inertia": transversal_inertia(point),
+        "set/fence-lower": jnp.stack([side[0] for side in inward]),
+        "set/fence-upper": jnp.stack([side[1] for side in inward]),
+        "set/width": 2.0 * (high - low) / (high + low),
+        "set/foot-above": point.foot[1],
+        "set/foot-below": -point.foot[1],
+        "set/foot-rises": falls,
+        "set/foot-falls": -falls,
+        "set/reset-phase": jnp.stack([phase, -phase]),
+        # The level does not tell forward from backward: z2 must keep its sign as well.
+        "set/reset-level": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
+    }
+    for barrier in barriers(spec):
+        found[f"set/after {barrier.name}"] = barrier.function(point.after)
+        found[f"set/value {barrier.name}"] = barrier.function(point)
+        if any(shape.disturbance):
+            found[f"set/rate {barrier.name}"] = _pushed_rates(barrier, zd, z, pushed)
+    return found
+
+
+def barriers(spec: GaitSpec) -> Iterator[Barrier]:
+    """The spec's barrier conditions."""
+    for condition in spec.conditions:
+        if isinstance(condition, Barrier):
+            yield condition
+
+
+def disturbed(zd: ZeroDynamics, bound: tuple[float, float]) -> list[ZeroDynamics]:
+    """The zero dynamics under each corner of |d| <= bound in dz; itself if the bound is zero."""
+    if not any(bound):
+        return [zd]
+    corners = [(a, b) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]
+    pushes = [_Pushed(zd.residual, bound, corner) for corner in corners]
+    return [ZeroDynamics(zd.robot, zd.policy, push, zd.reset_residual) for push in pushes]
+
+
+@dataclass(frozen=True)
+class _Pushed:
+    """A residual with a corner of the disturbance's box added."""
+
+    residual: object
+    bound: tuple[float, float]
+    corner: tuple[float, float]
+
+    def __call__(self, z: ZeroState) -> ZeroState:
+        constant = jnp.array(self.bound) * jnp.array(self.corner)
+        return constant if self.residual is None else constant + self.residual(z)  # pyright: ignore[reportCallIssue]
+
+
+def _pushed_rates(
+    barrier: Barrier, zd: ZeroDynamics, z: ZeroState, pushed: Sequence[Point]
+) -> Float[Array, "..."]:
+    """dh/dt + alpha(h) along every flow, as margins are.
+
+    What h reads is that of the undisturbed flow at z: a function of z alone, so that its rate is
+    linear in dz whatever it reads. A velocity of the disturbed flow would jump with the push.
+    """
+
+    def h(z: ZeroState) -> Float[Array, "..."]:
+        return barrier.function(zd.point(z))
+
+    value, slopes = h(z), jax.jacfwd(h)(z)
+    return jnp.stack([barrier.bent(value, slopes @ point.dz) for point in pushed])
+
+
+def _inward(gait: Gait, point: Point) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """Slope of the flow against both fences, inward positive, in tube widths per phase."""
+    start, guard = gait.span
+    phase = gait.phase(point.z[0])
+    along = point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
+    low, high = gait.tube.fences(phase)
+    low_slope, high_slope = gait.tube.fence_slopes(phase)
+    return (along - low_slope) / (high - low), (high_slope - along) / (high - low)

@@ -1,0 +1,60 @@
+"""Level 2 in sentences: what is said of trajectories, and of which conditions on which states."""
+
+from collections.abc import Iterator, Sequence
+
+from neuralgaits._digits import at_most
+from neuralgaits.certificate.levels.theorems import Corner, WalkingSet, cover_the_tube
+
+
+def walking_words(
+    shape: WalkingSet,
+    boxes: Sequence[tuple[str, Corner, Corner]],
+    step_time_s: float,
+    safe_from_the_start: bool,
+) -> tuple[str, ...]:
+    """The statement of level 2 as proved.
+
+    Args:
+        shape: of the set.
+        boxes: (condition, low, high) of every box of every condition of the spec.
+        step_time_s: bound on the time of a step.
+        safe_from_the_start: whether the barrier functions are not negative on all of T; else that
+            is part of what T is.
+    """
+    first, last = shape.ends
+    pushed, meant = "", ""
+    if any(shape.disturbance):
+        bound = "({!r} m/s, {!r} N m)".format(*shape.disturbance)
+        pushed = f", whatever d(t) with |d| <= {bound} is added to dz"
+        meant = ", with rates and forces of the undisturbed flow at each state"
+    safe = "" if safe_from_the_start else " and the barrier functions not negative"
+    return (
+        f"T is every state with z2 > 0 and phase from {first!r} to {last!r} between the fences"
+        f"{safe}, up to where the swing foot meets the ground",
+        f"every trajectory of the projected hybrid zero dynamics that starts in T{pushed}, stays "
+        "between the fences, meets the ground once and transversally within "
+        f"{at_most(step_time_s, 4)} s, and is reset into T: it walks for ever",
+        *_conditions(shape, boxes, meant),
+    )
+
+
+def _conditions(
+    shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]], meant: str
+) -> Iterator[str]:
+    """Which conditions hold along all of a trajectory, and which only where they are asked."""
+    stated: dict[str, list[tuple[Corner, Corner]]] = {}
+    for name, low, high in boxes:
+        stated.setdefault(name, []).append((low, high))
+    whole = [name for name in shape.carried if cover_the_tube(stated[name])]
+    part = [name for name in shape.carried if name not in whole]
+    if whole:
+        yield f"along it hold{meant}: {', '.join(whole)}"
+    if part:
+        yield f"and, while it is in their regions, which are not all of T: {', '.join(part)}"
+    if rest := sorted(set(stated) - set(shape.carried)):
+        yield f"holding on their regions only, ends of the step not included: {', '.join(rest)}"
+    if not shape.barriers:
+        yield (
+            "no barrier function is part of this level: nothing is said of one that stays "
+            "non-negative"
+        )

@@ -1,0 +1,235 @@
+"""The independent check of a proof file, with the standard library, NumPy and Arb only.
+
+The search that wrote the file is not trusted. Every tree is walked from its root and every leaf is
+bounded again; what the file claims beyond that is concluded anew. Without a run to compare with,
+nothing says what the file's Program is about, and the best verdict is `consistent`.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from neuralgaits.certificate.levels.conclusions import (
+    Conclusion,
+    conclude,
+    level_one_boxes,
+    proved_bounds,
+)
+from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.proof_file.coverage import (
+    Asked,
+    contradictions,
+    unstated,
+    why_incomplete,
+)
+from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
+from neuralgaits.certificate.proof_file.statement_check import StatementCheck
+from neuralgaits.certificate.proof_file.theorem_tables import series
+from neuralgaits.programs.program import Program
+
+Verdict = Literal["proved", "consistent", "rejected", "undecided"]
+Progress = Callable[[int, int], None]
+
+SHOWN = 3
+"""Contradictions or names that are named where there are more of them."""
+PARTS = {2: "walking", 3: "orbit", 4: "full"}
+"""What the Program's constants that are parameters of a level are named after."""
+
+NOT_TIED = (
+    "not compared with a run: every statement and conclusion follows from the Program in the file, "
+    "and nothing says that this Program is the robot, policy and spec that it names; --run RUN "
+    "compares them"
+)
+DERIVED_ELSEWHERE = (
+    "the Program in the file is the spec's conditions for the robot and weights named: without a "
+    "run to compare with, it is not traced again, and the verdict is about whatever it computes"
+)
+OWN_SPEC = (
+    "the spec is code of the run's own, spec.py, which was run in a process of its own to trace "
+    "it: read it, for it says what its conditions are and could say anything"
+)
+ASSUMPTIONS = (
+    "the Program was traced rightly from the formulas of robot, policy and spec: derivatives by "
+    "JAX's forward mode and the activations' own rules, which are not derived again here",
+    "the model is the rigid-body zero dynamics, with the residuals that the run carries if there "
+    "are any, with the stored float64 numbers, in exact real arithmetic: the float32 evaluation on "
+    "a robot, sampling and disturbances are outside",
+    "levels 2 and 3 are about the projected hybrid zero dynamics: outputs are zero, and set to "
+    "zero again at each impact; level 1 alone says nothing of trajectories",
+    "level 4 is about the full order under exact input-output linearisation in continuous time, "
+    "with rigid contact",
+    "trusted: this checker, python-flint (Arb), NumPy's handling of arrays, Python",
+)
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the check found.
+
+    Attributes:
+        verdict: "consistent", "rejected" or "undecided"; once tied to a run, "proved".
+        reason: why it is no more than that; None if it is proved.
+        statements: each statement of the file in words.
+        levels: the conclusions of the levels above 1 that the file claims.
+        unclaimed: conditions that are not claimed on all of their region.
+        boxes: how many boxes were bounded.
+        holds: whether every statement holds and every claimed level follows, complete or not.
+    """
+
+    verdict: Verdict
+    reason: str | None
+    statements: tuple[str, ...]
+    levels: tuple[Conclusion, ...]
+    unclaimed: tuple[str, ...]
+    boxes: int
+    holds: bool = False
+
+
+def check(claims: Claims, progress: Progress | None = None) -> Report:
+    """Check every statement of a proof file; stops at the first that is wrong.
+
+    Args:
+        claims: of `read_claims`.
+        progress: called with (leaves done, leaves) now and then.
+    """
+    report = Report(
+        verdict="consistent",
+        reason=NOT_TIED,
+        statements=tuple(line for s in claims.statements for line in in_words(s, claims.program)),
+        levels=(),
+        unclaimed=_unclaimed(claims),
+        boxes=0,
+    )
+    if claims.program.hash != claims.program_hash:
+        reason = f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"
+        return replace(report, verdict="rejected", reason=reason)
+    wrong = contradictions(claims.statements, claims.theorems, claims.asked)
+    if differs := _parameters_that_differ(claims):
+        wrong.append(differs)
+    if wrong:
+        return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]))
+    try:
+        trees = [statement.leaves() for statement in claims.statements]
+    except InconsistentError as error:
+        return replace(report, verdict="rejected", reason=str(error))
+    total, before = sum(len(low) for low, _ in trees), 0
+    for statement, leaves in zip(claims.statements, trees, strict=True):
+        checker = StatementCheck.of(claims.program, statement)
+        for done in checker.walk(leaves):
+            if progress is not None:
+                progress(before + done, total)
+        before += len(leaves[0])
+        report = replace(report, boxes=report.boxes + checker.boxes)
+        if checker.verdict != "holds":
+            report = replace(report, verdict=checker.verdict, reason=checker.reason)
+        if checker.verdict == "rejected":
+            break
+    return _concluded(claims, report) if report.verdict == "consistent" else report
+
+
+def tied(report: Report, claims: Claims, asked: Asked | None) -> Report:
+    """A consistent file once its Program is known to be a run's: proved, or what stands against it.
+
+    Args:
+        report: of `check`.
+        claims: of the file.
+        asked: conditions and regions of the run's spec; None if the file is about level 4 alone.
+    """
+    if not report.holds:
+        return report
+    if wrong := contradictions(claims.statements, claims.theorems, asked):
+        return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]), levels=())
+    if asked is not None:
+        report = replace(report, unclaimed=_not_on_all(claims, asked))
+        if missing := unstated(claims.statements, asked):
+            verdict: Verdict = "rejected" if claims.theorems.claimed else "undecided"
+            reason = why_incomplete(missing, len(asked.conditions))
+            return replace(report, verdict=verdict, reason=reason, levels=())
+    if report.verdict == "undecided":
+        return report
+    levels = tuple(replace(level, verdict="proved") for level in report.levels)
+    return replace(report, verdict="proved", reason=None, levels=levels)
+
+
+def _unclaimed(claims: Claims) -> tuple[str, ...]:
+    """Conditions that are not claimed, by box where the boxes are known."""
+    if claims.asked is not None:
+        return _not_on_all(claims, claims.asked)
+    claimed = {name for statement in claims.statements for name in statement.conditions}
+    return tuple(o.name for o in claims.program.outputs if o.name not in claimed)
+
+
+def _not_on_all(claims: Claims, asked: Asked) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for name, *_ in unstated(claims.statements, asked)))
+
+
+def _parameters_that_differ(claims: Claims) -> str | None:
+    """The first parameter of a claimed theorem that is not the Program's constant of that name."""
+    known = {constant.name: constant.array for constant in claims.program.constants}
+    for level in claims.theorems.claimed:
+        part = PARTS[level]
+        for name, values in series(claims.theorems.parameters[level]):
+            if name == "disturbance" and not any(values):
+                continue  # The Program has nothing to add.
+            array = known.get(f"{part}.{name}")
+            if array is None or array.tolist() != list(values):
+                return f"{name} of level {level} is not the Program's {part}.{name}"
+    return None
+
+
+def _concluded(claims: Claims, report: Report) -> Report:
+    """Draw the conclusions that the file claims from its statements, all of which hold by now."""
+    theorems, asked = claims.theorems, claims.asked
+    boxes = level_one_boxes(claims.statements) if asked is None else asked.boxes()
+    bounds = proved_bounds(claims.statements)
+    try:
+        found = conclude(theorems.walking, theorems.orbit, boxes, bounds)
+        if theorems.full is not None:
+            found.append(conclude_full_order(theorems.full, bounds))
+    except (OverflowError, ZeroDivisionError) as error:
+        reason = f"the parameters of its theorems leave the range of doubles: {error}"
+        return replace(report, verdict="rejected", reason=reason)
+    claimed = [answer for answer in found if answer.level in theorems.claimed]
+    wrong = [answer for answer in claimed if answer.verdict != "proved"]
+    if wrong:
+        reason = f"level {wrong[0].level} does not follow: {wrong[0].reason}"
+        return replace(report, verdict="rejected", reason=reason)
+    levels = tuple(replace(answer, verdict="consistent") for answer in claimed)
+    report = replace(report, levels=levels, holds=True)
+    if reason := _why_incomplete(claims):
+        return replace(report, verdict="undecided", reason=reason)
+    return report
+
+
+def _why_incomplete(claims: Claims) -> str | None:
+    """What a proof of the spec, or of level 4, would have to claim and this one does not."""
+    if claims.theorems.full is not None and not claims.theorems.claimed:
+        return "every statement of the file holds, but level 4 is not claimed"
+    if claims.asked is not None:
+        missing = unstated(claims.statements, claims.asked)
+        return why_incomplete(missing, len(claims.asked.conditions)) if missing else None
+    stated = {name for statement in claims.statements for name in statement.conditions}
+    names = [o.name for o in claims.program.outputs if "/" not in o.name]
+    left = [name for name in names if name not in stated]
+    if not left:
+        return None
+    named = ", ".join(left[:SHOWN]) + (f" and {len(left) - SHOWN} more" if left[SHOWN:] else "")
+    return (
+        f"every statement of the file holds, but {len(left)} of {len(names)} conditions are not "
+        f"claimed: {named}"
+    )
+
+
+def in_words(statement: Statement, program: Program) -> Iterator[str]:
+    """One sentence for each condition of a statement."""
+    fibre = f", and {FIBRE} of the unit ball" if len(program.inputs) > 1 else ""
+    for name in statement.conditions:
+        yield (
+            f"{name}: the margin is at least {statement.bounds[name]!r} of its scale "
+            f"{statement.scales[name]!r} at every phase in {_interval(statement, 0)} and level in "
+            f"{_interval(statement, 1)}{fibre} (region {statement.region})"
+        )
+
+
+def _interval(statement: Statement, axis: int) -> str:
+    return f"[{statement.low[axis]!r}, {statement.high[axis]!r}]"

@@ -1,0 +1,190 @@
+"""What a spec and the theorems ask of a proof: which output, on which box, in which scale.
+
+A verdict speaks of the names and boxes that are asked here, never of those that a file brings.
+Needs no JAX.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+from neuralgaits._names import why_no_name
+from neuralgaits.certificate.levels.conclusions import Claim
+from neuralgaits.certificate.levels.full_order.theorem import REGION
+from neuralgaits.certificate.levels.full_order.theorem import premises as full_order_premises
+from neuralgaits.certificate.levels.theorems import labelled_premises
+from neuralgaits.certificate.proof_file.json_fields import Corner, box_of, number_of, text_of
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+
+Root = tuple[str, Corner, Corner]
+"""An output and the box that a statement about it has for its root: (name, low, high)."""
+SHOWN = 3
+"""Boxes or names that are named where more of them are wrong."""
+
+
+class AskedCondition(NamedTuple):
+    """A condition of a spec.
+
+    Attributes:
+        region: its name.
+        scale: of its margins.
+        kind: of the package's kinds, or "user" for a kind that a user wrote.
+    """
+
+    region: str
+    scale: float
+    kind: str
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Regions and conditions of a spec, as data.
+
+    Attributes:
+        regions: boxes by name.
+        conditions: by name.
+    """
+
+    regions: Mapping[str, tuple[tuple[Corner, Corner], ...]]
+    conditions: Mapping[str, AskedCondition]
+
+    @classmethod
+    def read(cls, regions: Any, conditions: Any) -> "Asked":
+        """Read them as a proof's model or a run's config has them. Raises: ValueError."""
+        if not isinstance(regions, dict) or not isinstance(conditions, dict):
+            raise ValueError("regions and conditions that are no JSON objects")
+        for name in (*regions, *conditions):
+            if why := why_no_name(name):
+                raise ValueError(f"the name {why}")
+        boxes = {name: tuple(map(_box, _listed(rows))) for name, rows in regions.items()}
+        found = {name: _condition(name, row, boxes) for name, row in conditions.items()}
+        return cls(boxes, found)
+
+    def boxes(self) -> list[Root]:
+        """Every box of every condition."""
+        return [
+            (name, low, high)
+            for name, condition in self.conditions.items()
+            for low, high in self.regions[condition.region]
+        ]
+
+    def is_barrier(self, name: str) -> bool:
+        """Whether a condition may be kept as a barrier; a user's kind may."""
+        return name in self.conditions and self.conditions[name].kind in ("Barrier", "user")
+
+
+def _listed(rows: Any) -> list:
+    if not isinstance(rows, list) or not rows:
+        raise ValueError("a region without boxes")
+    return rows
+
+
+def _box(table: Any) -> tuple[Corner, Corner]:
+    low, high = box_of(table, "a box of a region", decimals=True)
+    if not all(0.0 <= a <= b <= 1.0 for a, b in zip(low, high, strict=True)):
+        raise ValueError(f"a region's box from {low} to {high}, which is no box of the chart")
+    return low, high
+
+
+def _condition(name: str, row: Any, regions: Mapping[str, Any]) -> AskedCondition:
+    if not isinstance(row, dict) or not {"region", "scale"} <= set(row):
+        raise ValueError(f"the condition {name}, which has no region or no scale")
+    region, scale = text_of(row["region"], "a region"), number_of(row["scale"], "scales")
+    if region not in regions:
+        raise ValueError(f"the condition {name} on the region {region!r}, which is none")
+    if not scale > 0.0:
+        raise ValueError(f"{scale!r} among the scales, for {name}")
+    return AskedCondition(region, scale, text_of(row.get("kind", "user"), "a kind"))
+
+
+class Stated(Claim, Protocol):
+    """A statement of a proof file."""
+
+    @property
+    def region(self) -> str:
+        """Its label."""
+        ...
+
+
+def stated_roots(statements: Iterable[Stated]) -> Iterator[tuple[Root, Stated]]:
+    """Every output and root box that a statement is about, with the statement."""
+    for statement in statements:
+        for name in statement.scales:
+            yield (name, statement.low, statement.high), statement
+
+
+def contradictions(
+    statements: Sequence[Stated], theorems: Theorems, asked: Asked | None
+) -> list[str]:
+    """Statements that no spec and no theorem asks for in this form, one sentence each.
+
+    Args:
+        statements: of a proof file.
+        theorems: of the file.
+        asked: the spec's conditions; None if they are not known.
+    """
+    labels = _labels(theorems, asked)
+    wrong = _barriers_that_are_none(theorems, asked)
+    for (name, low, high), statement in stated_roots(statements):
+        known = asked is not None or "/" in name
+        condition = None if asked is None else asked.conditions.get(name)
+        scale = 1.0 if condition is None else condition.scale
+        if known and statement.scales[name] != scale:
+            wrong.append(
+                f"{name} has the scale {scale!r}, {statement.scales[name]!r} in a statement"
+            )
+        label = labels.get((name, low, high))
+        if known and label is None:
+            about = f"region {condition.region}" if condition is not None else "premise"
+            wrong.append(f"the box from {low} to {high} of {name} is no box of its {about}")
+        elif known and label != statement.region:
+            wrong.append(f"{name} has the region {label}, {statement.region} in a statement")
+    return wrong
+
+
+def _labels(theorems: Theorems, asked: Asked | None) -> dict[Root, str]:
+    """What is asked: the label of each output on each of its boxes."""
+    boxes = [] if asked is None else asked.boxes()
+    found: dict[Root, str] = {}
+    for label, name, low, high in labelled_premises(theorems.walking, theorems.orbit, boxes):
+        found[name, low, high] = label
+    for name, low, high, _ in () if theorems.full is None else full_order_premises(theorems.full):
+        found[name, low, high] = REGION
+    for name, low, high in boxes:
+        assert asked is not None
+        found[name, low, high] = asked.conditions[name].region
+    return found
+
+
+def _barriers_that_are_none(theorems: Theorems, asked: Asked | None) -> list[str]:
+    if asked is None or theorems.walking is None:
+        return []
+    shape = theorems.walking
+    wrong = [f"{n} is no barrier of the spec" for n in shape.barriers if not asked.is_barrier(n)]
+    stray = set(shape.carried) - set(asked.conditions)
+    return wrong + [f"{name} is no condition of the spec" for name in sorted(stray)]
+
+
+def premise_names(theorems: Theorems) -> set[str]:
+    """Outputs that the theorems of a file rest on, beside the spec's conditions."""
+    found = {name for _, name, *_ in labelled_premises(theorems.walking, theorems.orbit, [])}
+    if theorems.full is not None:
+        found |= {premise.output for premise in full_order_premises(theorems.full)}
+    return found
+
+
+def unstated(statements: Sequence[Stated], asked: Asked) -> list[Root]:
+    """Boxes of conditions that no statement is about."""
+    found = {root for root, _ in stated_roots(statements)}
+    return [root for root in asked.boxes() if root not in found]
+
+
+def why_incomplete(missing: Sequence[Root], conditions: int) -> str:
+    """That conditions are not claimed, in one sentence."""
+    names = list(dict.fromkeys(name for name, *_ in missing))
+    shown = [f"{name} from {low} to {high}" for name, low, high in missing[:SHOWN]]
+    more = f" and {len(missing) - SHOWN} more boxes" if len(missing) > SHOWN else ""
+    return (
+        f"every statement of the file holds, but {len(names)} of {conditions} conditions are not "
+        f"claimed on all of their region: {', '.join(shown)}{more}"
+    )

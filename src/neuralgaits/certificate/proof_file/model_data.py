@@ -1,0 +1,134 @@
+"""The model of a proof as data: what a reader needs that derives the dynamics on its own.
+
+Numbers of links and policy stand here as the float64 they are, in hexadecimal; arrays that the
+Program carries by name are referred to by it. Nothing derived from the links is stored: no mass
+matrix, no coefficient of a position. Such a reader shares no formula with the Program.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Residuals
+from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.programs import Program
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.derive import LegData, TorsoData
+from neuralgaits.robots.loader import links_from_text
+from neuralgaits.runs import plain
+
+_NETWORK_POLICY = ("lower", "upper", "input_scale", "input_shift")
+_ARRAYS = {
+    HybridInvariantPolicy: (*_NETWORK_POLICY, "z_guard", "z_start", "cubic"),
+    MLPPolicy: (*_NETWORK_POLICY, "start_and_guard"),
+}
+"""Fields that desired outputs depend on, beside the network."""
+NO_RESIDUALS = Residuals()
+
+
+def model_data(
+    robot: PlanarBiped,
+    gait: Gait,
+    spec: GaitSpec,
+    program: Program,
+    residuals: Residuals = NO_RESIDUALS,
+) -> dict[str, Any] | None:
+    """The object "model" of a proof file.
+
+    "robot": a leg from the lowest link up, each link with the joint at its upper end; "torso"
+    or null; gravity, friction, foot radius. A centre of mass is "along" the line from the lower
+    to the upper joint (a torso's: from the hip upwards) and "across" it, counter-clockwise; SI.
+    "policy", "tube": arrays, each {"shape", "values"} or {"constant": name in the Program}.
+    "regions": boxes of the chart. "conditions": by name, as in `GaitSpec.describe`.
+
+    Returns: plain data; None for a policy that is not one of this package's, and for dynamics with
+        residuals, which do not follow from robot and policy.
+    """
+    if residuals.flow is not None or residuals.reset is not None:
+        return None
+    policy = _policy(gait.policy, program)
+    if policy is None:
+        return None
+    described = plain(spec.describe())
+    leg, torso = links_from_text(robot.layout.xml, robot.name)
+    tube = gait.tube
+    arrays = {"lower": tube.lower, "upper": tube.upper, "unit": tube.unit, "span": tube.span}
+    return {
+        "robot": _robot(robot, leg, torso),
+        "policy": policy,
+        "tube": _arrays("tube", arrays, program.parameters),
+        "regions": {
+            name: [{"low": _hex(box["low"]), "high": _hex(box["high"])} for box in boxes]
+            for name, boxes in described["regions"].items()
+        },
+        "conditions": {row.pop("name"): row for row in described["conditions"]},
+    }
+
+
+def _robot(robot: PlanarBiped, leg: LegData, torso: TorsoData | None) -> dict[str, Any]:
+    names = ("length", "mass", "inertia", "armature", "damping", "torque_limit", "lower", "upper")
+    links = []
+    for place, com in enumerate(leg.com):
+        row = {name: float(getattr(leg, name)[place]).hex() for name in names}
+        links.append(row | _centre(com))
+    trunk = None
+    if torso is not None:
+        trunk = {"mass": float(torso.mass).hex(), "inertia": float(torso.inertia).hex()}
+        trunk |= _centre(torso.com)
+    return {
+        "name": robot.name,
+        "leg": links,
+        "torso": trunk,
+        "gravity": float(robot.gravity).hex(),
+        "friction": float(robot.friction).hex(),
+        "foot_radius": float(robot.foot_radius).hex(),
+    }
+
+
+def _centre(com: complex) -> dict[str, str]:
+    return {"along": float(np.real(com)).hex(), "across": float(np.imag(com)).hex()}
+
+
+def _policy(policy: AbstractPolicy, program: Program) -> dict[str, Any] | None:
+    kind = type(policy)
+    if kind not in _ARRAYS or not isinstance(policy, HybridInvariantPolicy | MLPPolicy):
+        return None
+    arrays = {name: getattr(policy, name) for name in _ARRAYS[kind]}
+    for what in ("weights", "biases"):
+        for layer, array in enumerate(getattr(policy.network, what)):
+            arrays[f"network.{what}[{layer}]"] = array
+    return {
+        "kind": kind.__name__,
+        "activation": policy.network.activation,
+        "layers": len(policy.network.weights),
+        "z2_dependence": bool(getattr(policy, "z2_dependence", True)),
+        "arrays": _arrays("policy", arrays, program.parameters),
+    }
+
+
+def _arrays(
+    owner: str, arrays: Mapping[str, Any], constants: Mapping[str, np.ndarray]
+) -> dict[str, Any]:
+    """By name: the Program's constant of that name if it is this array, else the numbers."""
+    table: dict[str, Any] = {}
+    for name, value in arrays.items():
+        if value is None:
+            table[name] = None
+            continue
+        array, path = np.asarray(value, dtype=np.float64), f"{owner}.{name}"
+        stored = constants.get(path)
+        if (
+            stored is not None
+            and stored.shape == array.shape
+            and stored.tobytes() == array.tobytes()
+        ):
+            table[name] = {"constant": path}
+        else:
+            table[name] = {"shape": list(array.shape), "values": _hex(array.ravel())}
+    return table
+
+
+def _hex(values: Any) -> list[str]:
+    return [float(value).hex() for value in values]

@@ -1,0 +1,298 @@
+"""What a proof file says, read and judged as a file: fields, types, hash, trees.
+
+Only the standard library and NumPy are needed. The reader accepts the one format it knows,
+field by field; what it does not know may change the meaning of what it knows.
+"""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neuralgaits._names import LONGEST_NAME, why_no_name
+from neuralgaits.certificate.proof_file.coverage import Asked, premise_names
+from neuralgaits.certificate.proof_file.json_fields import (
+    box_of,
+    exactly,
+    number_of,
+    parse,
+    text_of,
+)
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.errors import InputError
+from neuralgaits.programs.program import Program
+
+FIBRE = "xi"
+"""Second input of a Program at full order: statements are about all of its unit ball."""
+FORMAT, KIND, CHART = 2, "neuralgaits certificate", "u = (phase, level)"
+FIELDS = frozenset(
+    "format kind robot weights_sha256 spec program program_hash chart statements theorems"
+    " model".split()
+)
+STATEMENT_FIELDS = frozenset("conditions region scales bounds degree root tree".split())
+FIRST_PHASE, LAST_PHASE = -0.05, 1.05
+"""Root boxes may reach this far: strips before the start of a step and behind its guard."""
+MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
+"""What a Program may have: elements of xi, of one value, and products of one matrix product."""
+MAX_DEPTH = 48
+"""Deepest tree: further halving would exhaust the digits of a double."""
+
+Corners = tuple[np.ndarray, np.ndarray]
+"""Boxes by their lower and upper corners. [boxes, 2] each."""
+
+
+class InconsistentError(Exception):
+    """The file can be read, but cannot be a proof of what it says."""
+
+
+@dataclass(frozen=True, eq=False)
+class Statement:
+    """Every element of each output is at least bound times scale, everywhere on the root box.
+
+    And, if the Program has the input xi, for every xi of the unit ball.
+
+    Attributes:
+        conditions: outputs of the Program.
+        region: its name in the spec.
+        scales, bounds: by condition; scales > 0, bounds of a spec's conditions >= 0.
+        degree: of the Taylor models, 1 or 2.
+        low, high: corners of the root box. [2] each
+        tree: the splits, depth first: 1 split, 0 leaf.
+    """
+
+    conditions: tuple[str, ...]
+    region: str
+    scales: dict[str, float]
+    bounds: dict[str, float]
+    degree: int
+    low: tuple[float, float]
+    high: tuple[float, float]
+    tree: str
+
+    def leaves(self) -> Corners:
+        """Boxes that cover the root box. Raises: InconsistentError if the tree is not one."""
+        lows, highs = [], []
+        bits = iter(self.tree)
+        stack = [(self.low, self.high, 0)]
+        while stack:
+            low, high, depth = stack.pop()
+            bit = next(bits, None)
+            if bit is None:
+                raise InconsistentError(f"the tree of {self.region} ends before its last leaf")
+            if bit == "0":
+                lows.append(low)
+                highs.append(high)
+                continue
+            parts = list(children(low, high))
+            if depth == MAX_DEPTH or not parts:
+                raise InconsistentError(f"the tree of {self.region} splits what has no width")
+            stack += [(*part, depth + 1) for part in reversed(parts)]
+        if next(bits, None) is not None:
+            raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
+        return np.array(lows), np.array(highs)
+
+
+@dataclass(frozen=True, eq=False)
+class Claims:
+    """All that a proof file says.
+
+    Attributes:
+        robot, spec: name and sha256 of the file.
+        weights_sha256: of the policy's weights file.
+        program: what the statements are about.
+        program_hash: the hash that the file gives for it.
+        statements: in the order of the file.
+        theorems: levels 2 and 3, or 4, whose premises are statements.
+        model: as in the file: data for readers that derive the dynamics, or None.
+        asked: the spec's conditions and regions, as the model has them; None without one.
+    """
+
+    robot: tuple[str, str]
+    spec: tuple[str, str]
+    weights_sha256: str
+    program: Program
+    program_hash: str
+    statements: tuple[Statement, ...]
+    theorems: Theorems
+    model: dict[str, Any] | None
+    asked: Asked | None
+
+
+def children(
+    low: tuple[float, float], high: tuple[float, float]
+) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
+    """Halves of a box along every axis that has a width, the first axis fastest."""
+    axes = []
+    for a, b in zip(low, high, strict=True):
+        middle = a + (b - a) * 0.5
+        axes.append([(a, b)] if a == b else [(a, middle), (middle, b)])
+    if len(axes[0]) == len(axes[1]) == 1:
+        return
+    for second in axes[1]:
+        for first in axes[0]:
+            yield (first[0], second[0]), (first[1], second[1])
+
+
+def read_claims(path: Path) -> Claims:
+    """Read a proof file. Raises: InputError in one line if it is not one of this format."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise InputError(f"expected a proof file at {path}, found none to read: {error}") from None
+    try:
+        return _claims(parse(text))
+    except (ValueError, RecursionError, OverflowError, MemoryError) as error:
+        raise InputError(
+            f"expected a proof file of format {FORMAT}, found in {path}: {error}; certify its "
+            "run again"
+        ) from None
+
+
+def _claims(table: Any) -> Claims:
+    if isinstance(table, dict) and "format" in table:
+        found = table["format"]
+        if type(found) is not int or found != FORMAT:
+            raise ValueError(f"format {found!r}")
+    fields = exactly(table, "the file", FIELDS)
+    for name, known in (("kind", KIND), ("chart", CHART)):
+        if fields[name] != known:
+            raise ValueError(f"{name} {fields[name]!r} instead of {known!r}")
+    program, theorems = _program(fields["program"]), Theorems.read(fields["theorems"])
+    outputs = {output.name for output in program.outputs}
+    _refuse_names(outputs, premise_names(theorems))
+    if (theorems.full is not None) is not (len(program.inputs) > 1):
+        raise ValueError(f"a Program of {FIBRE} without level 4, or level 4 without {FIBRE}")
+    entries = fields["statements"]
+    if not isinstance(entries, list) or not entries:
+        raise ValueError("no statements")
+    model = fields["model"]
+    if model is not None and not isinstance(model, dict):
+        raise ValueError("a model that is neither a JSON object nor null")
+    return Claims(
+        robot=_named_hash(fields["robot"], "robot"),
+        spec=_named_hash(fields["spec"], "spec"),
+        weights_sha256=text_of(fields["weights_sha256"], "weights_sha256"),
+        program=program,
+        program_hash=text_of(fields["program_hash"], "program_hash"),
+        statements=tuple(_statement(entry, outputs) for entry in entries),
+        theorems=theorems,
+        model=model,
+        asked=None if model is None else _asked(model, outputs),
+    )
+
+
+def _refuse_names(outputs: set[str], premises: set[str]) -> None:
+    """An output is a premise of one of the file's theorems, or has a name that none can have."""
+    for name in sorted(outputs - premises):
+        if why := why_no_name(name):
+            raise ValueError(f"an output of the Program named {why}")
+
+
+def _asked(model: dict[str, Any], outputs: set[str]) -> Asked:
+    asked = Asked.read(model.get("regions"), model.get("conditions"))
+    own = {name for name in outputs if "/" not in name}
+    if odd := sorted(own ^ set(asked.conditions)):
+        raise ValueError(f"{odd[0]}, which only one of model and Program has")
+    return asked
+
+
+def _program(given: Any) -> Program:
+    """A Program, written in its canonical form and no other."""
+    text = given if isinstance(given, str) else json.dumps(given)
+    table = parse(text, fractions=False)
+    canonical = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    try:
+        program = Program.from_json(canonical)
+    except InputError as error:
+        raise ValueError(str(error)) from None
+    if program.to_json() != canonical:
+        raise ValueError("a Program with fields that this version does not know")
+    names, shapes = [item.name for item in program.inputs], [item.shape for item in program.inputs]
+    if names not in (["u"], ["u", FIBRE]) or shapes[0] != (2,) or len(shapes[-1]) != 1:
+        raise ValueError(f"a Program that is no function of u, or of u and {FIBRE}")
+    if any(0 in output.shape for output in program.outputs):
+        raise ValueError("a Program with an output without elements")
+    _refuse_large(program)
+    return program
+
+
+def _refuse_large(program: Program) -> None:
+    """A few lines can ask for more memory than there is: no gait's Program does."""
+    wide, known = max(program.sizes), program.sizes
+    if len(program.inputs) > 1 and program.inputs[1].shape[0] > MOST_FIBRES:
+        raise ValueError(f"{program.inputs[1].shape[0]} elements of {FIBRE}")
+    if wide > MOST_ELEMENTS:
+        raise ValueError(f"a value of {wide} elements")
+    for row in program.operations:
+        if row.kind == "affine" and row.size * known[row.operands[1]] > MOST_PRODUCTS * row.columns:
+            raise ValueError(f"a product of {known[row.operands[0]]} and more elements")
+
+
+def _statement(entry: Any, outputs: set[str]) -> Statement:
+    fields = exactly(entry, "a statement", STATEMENT_FIELDS)
+    names = fields["conditions"]
+    if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
+        raise ValueError(f"conditions {names!r}, which are not a list of names")
+    if len(set(names)) < len(names) or not set(names) <= outputs:
+        raise ValueError(f"conditions {names} that are no different outputs of the Program")
+    if type(fields["degree"]) is not int or fields["degree"] not in (1, 2):
+        raise ValueError(f"degree {fields['degree']!r} instead of 1 or 2")
+    tree = text_of(fields["tree"], "tree")
+    if not tree or set(tree) - {"0", "1"}:
+        raise ValueError("a tree that is no string of 0 and 1")
+    low, high = box_of(fields["root"], "a root box")
+    chart = (FIRST_PHASE, 0.0), (LAST_PHASE, 1.0)
+    if not all(
+        first <= a <= b <= last
+        for first, a, b, last in zip(chart[0], low, high, chart[1], strict=True)
+    ):
+        raise ValueError(f"a root box from {low} to {high}, which is no box of the chart")
+    return Statement(
+        conditions=tuple(names),
+        region=text_of(fields["region"], "region"),
+        scales=_scales(fields["scales"], names),
+        bounds=_bounds(fields["bounds"], names),
+        degree=fields["degree"],
+        low=low,
+        high=high,
+        tree=tree,
+    )
+
+
+def _named_hash(table: Any, what: str) -> tuple[str, str]:
+    fields = exactly(table, what, ("name", "sha256"))
+    name = text_of(fields["name"], f"{what} name")
+    # Blanks could push words to the next line of a screen, where they look like ours.
+    if len(name) > LONGEST_NAME or "  " in name:
+        raise ValueError(f"the {what} name {name[:60]!r}, which is too long or has blanks in a row")
+    return name, text_of(fields["sha256"], f"{what} sha256")
+
+
+def _scales(table: Any, names: list[str]) -> dict[str, float]:
+    """A number > 0 for each name."""
+    scales = _numbers(table, names, "scales")
+    for name, value in scales.items():
+        if not value > 0:
+            raise ValueError(f"{value!r} among the scales, for {name}")
+    return scales
+
+
+def _bounds(table: Any, names: list[str]) -> dict[str, float]:
+    """A number for each name; a condition of a spec holds where it is not negative.
+
+    The premises of theorems, `LEVEL/NAME`, may be constants enclosed from one side.
+    """
+    bounds = _numbers(table, names, "bounds")
+    for name, value in bounds.items():
+        if not value >= 0 and "/" not in name:
+            raise ValueError(f"{value!r} among the bounds, for {name}")
+    return bounds
+
+
+def _numbers(table: Any, names: list[str], what: str) -> dict[str, float]:
+    """A finite number for each name, exactly as it stands in the file."""
+    fields = exactly(table, what, names)
+    return {name: number_of(value, f"{what}, for {name}") for name, value in fields.items()}

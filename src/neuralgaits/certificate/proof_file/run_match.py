@@ -1,0 +1,94 @@
+"""Whether a proof is about a run: its names, its robot, weights and spec files, the weights used.
+
+Reads the run's files as bytes and its weights as safetensors, with the standard library and
+NumPy only.
+"""
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+
+from neuralgaits.certificate.proof_file.reader import Claims
+from neuralgaits.errors import RunError
+
+SETS = ("walking.", "orbit.", "full.")
+"""Names of constants that are parameters of a theorem and not the gait's."""
+CONFIG = "config.json"
+ROBOT, WEIGHTS, SPEC = "robot.xml", "policy.safetensors", "spec.py"
+
+
+def differences(claims: Claims, run: Path) -> list[str]:
+    """What differs between the proof and the run, one sentence each; empty if nothing does.
+
+    Raises: RunError if a file of the run is missing or its weights cannot be read.
+    """
+    found = _names_that_differ(claims, run / CONFIG)
+    expected = {ROBOT: claims.robot[1], WEIGHTS: claims.weights_sha256, SPEC: claims.spec[1]}
+    for file, proved in expected.items():
+        digest = hashlib.sha256(_bytes(run / file)).hexdigest()
+        if digest != proved:
+            found.append(f"{file}: the run has sha256 {digest}, the proof {proved}")
+    return found + _weights_that_differ(claims, run / WEIGHTS)
+
+
+def _names_that_differ(claims: Claims, path: Path) -> list[str]:
+    try:
+        config = json.loads(_bytes(path))
+        names = {"robot": config["robot"], "spec": config["spec"]}
+    except (ValueError, KeyError, TypeError) as error:
+        raise RunError(
+            f"expected {CONFIG} of a run at {path}, found a damaged file ({error!r}): train again"
+        ) from None
+    given = {"robot": claims.robot[0], "spec": claims.spec[0]}
+    return [
+        f"{what}: the run has {names[what]!r}, the proof {given[what]!r}"
+        for what in names
+        if names[what] != given[what]
+    ]
+
+
+def _weights_that_differ(claims: Claims, path: Path) -> list[str]:
+    """Named constants of the Program that are not the run's arrays, bit for bit."""
+    stored = _read_tensors(path)
+    wrong = []
+    for constant in claims.program.constants:
+        if constant.name is None or constant.name.startswith(SETS):
+            continue
+        given = stored.get(constant.name)
+        same = (
+            given is not None
+            and given.shape == constant.array.shape
+            and given.dtype == constant.array.dtype
+            and given.tobytes() == constant.array.tobytes()
+        )
+        if not same:
+            wrong.append(f"{constant.name}: the Program's numbers are not those of {path.name}")
+    return wrong
+
+
+def _read_tensors(path: Path) -> dict[str, np.ndarray]:
+    """The float64 arrays of a safetensors file. Raises: RunError if it is damaged."""
+    data = _bytes(path)
+    try:
+        size = int.from_bytes(data[:8], "little")
+        table = json.loads(data[8 : 8 + size])
+        body = data[8 + size :]
+        tensors = {}
+        for name, entry in table.items():
+            if name != "__metadata__" and entry["dtype"] == "F64":
+                start, end = entry["data_offsets"]
+                array = np.frombuffer(body[start:end], dtype="<f8").astype(np.float64)
+                tensors[name] = array.reshape(entry["shape"])
+        return tensors
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise RunError(
+            f"expected safetensors in {path}, found a damaged file ({error}): train again"
+        ) from None
+
+
+def _bytes(path: Path) -> bytes:
+    if not path.is_file():
+        raise RunError(f"expected {path} of the run to compare with, found none: give a run folder")
+    return path.read_bytes()

@@ -1,0 +1,127 @@
+"""One statement of a proof file, bounded again leaf by leaf with Taylor models in balls.
+
+A leaf that does not reach its bound is split further, a few times. A comparison with a ball is true
+only if it holds for all of the ball, so neither rounding nor NaN can pass.
+"""
+
+import itertools
+import operator
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from flint import arb
+
+from neuralgaits.certificate.proof_file.reader import Corners, Statement, children
+from neuralgaits.programs.algebras.ball import BallAlgebra
+from neuralgaits.programs.algebras.ball_fibre import FibreBallAlgebra
+from neuralgaits.programs.evaluation import evaluate, fold
+from neuralgaits.programs.program import Program
+from neuralgaits.programs.prune import prune
+
+Verdict = Literal["holds", "rejected", "undecided"]
+
+BATCH = 64
+"""Boxes bounded at a time."""
+MORE_SPLITS = 6
+"""How often a leaf may be split before the check gives up on it."""
+
+
+class StatementCheck:
+    """One statement under check: its operations, its thresholds and what has been found."""
+
+    def __init__(self, program: Program, statement: Statement):
+        self.program, self.statement = program, statement
+        kind: type = BallAlgebra if len(program.inputs) == 1 else FibreBallAlgebra
+        self.algebra = kind(statement.degree)
+        self.folded = fold(program, self.algebra)
+        self.least = {
+            name: arb(statement.bounds[name]) * arb(statement.scales[name])
+            for name in statement.conditions
+        }
+        self.boxes = 0
+        self.verdict: Verdict = "holds"
+        self.reason: str | None = None
+
+    @classmethod
+    def of(cls, program: Program, statement: Statement) -> "StatementCheck":
+        """Evaluate only what the statement's conditions need."""
+        return cls(prune(program, statement.conditions), statement)
+
+    def walk(self, leaves: Corners) -> Iterator[int]:
+        """Bound all leaves, until one is found that fails. Yields: how many leaves are done."""
+        low, high = leaves
+        for start in range(0, len(low), BATCH):
+            chosen = slice(start, start + BATCH)
+            self._bound(low[chosen], high[chosen])
+            if self.verdict != "holds":
+                return
+            yield min(start + BATCH, len(low))
+
+    def _bound(self, low: np.ndarray, high: np.ndarray) -> None:
+        """Bound boxes, splitting those that fail depth first, so that a failure shows early."""
+        stack = [(low, high, 0)]
+        while stack:
+            low, high, depth = stack.pop()
+            failing = ~self._reached(low, high)
+            if not failing.any():
+                continue
+            low, high = low[failing], high[failing]
+            wrong = self._counterexample(low, high)
+            if wrong is not None:
+                self.verdict, self.reason = "rejected", wrong
+                return
+            parts = [part for a, b in zip(low, high, strict=True) for part in _split(a, b)]
+            if depth == MORE_SPLITS or not parts:
+                box = f"from {low[0].tolist()} to {high[0].tolist()}"
+                names = ", ".join(self.statement.conditions)
+                self.verdict = "undecided"
+                self.reason = (
+                    f"the box {box} of region {self.statement.region} ({names}) does not reach "
+                    f"its bound after {depth} more splits, and no point of it breaks it"
+                )
+                return
+            for start in range(0, len(parts), BATCH):
+                some = parts[start : start + BATCH]
+                lows, highs = np.array([p[0] for p in some]), np.array([p[1] for p in some])
+                stack.append((lows, highs, depth + 1))
+
+    def _ranges(self, low: np.ndarray, high: np.ndarray) -> dict[str, np.ndarray]:
+        models = evaluate(self.program, {"u": (low, high)}, self.algebra, self.folded)
+        return {name: np.atleast_2d(model.range()) for name, model in models.items()}
+
+    def _reached(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """Boxes on which every condition certainly reaches its bound. [boxes]."""
+        self.boxes += len(low)
+        good = np.ones(len(low), dtype=bool)
+        for name, ranges in self._ranges(low, high).items():
+            # An output that depends on no input has one column for all boxes.
+            least = self.least[name]
+            good &= np.all(_where(partial(operator.le, least), ranges), axis=0)
+        return good
+
+    def _counterexample(self, low: np.ndarray, high: np.ndarray) -> str | None:
+        """A centre or corner of the boxes at which a condition certainly misses its bound."""
+        shares = [np.array([0.5, 0.5]), *map(np.array, itertools.product((0.0, 1.0), repeat=2))]
+        points = np.concatenate([low + (high - low) * share for share in shares])
+        points = np.clip(points, self.statement.low, self.statement.high)
+        for name, values in self._ranges(points, points).items():
+            least = self.least[name]
+            for row, column in np.argwhere(_where(partial(operator.gt, least), values)):
+                value: Any = values[row, column]
+                where = f"u = {points[column].tolist()} of region {self.statement.region}"
+                return (
+                    f"{name} is {value.str(6, radius=False)} at {where}, "
+                    f"less than {least.str(6, radius=False)}"
+                )
+        return None
+
+
+def _split(low: np.ndarray, high: np.ndarray) -> list:
+    return list(children(tuple(low.tolist()), tuple(high.tolist())))
+
+
+def _where(certain: Callable[[arb], bool], balls: np.ndarray) -> np.ndarray:
+    """Balls for which a comparison is certain. [elements, boxes] bool."""
+    return np.array([[bool(certain(ball)) for ball in row] for row in balls])

@@ -1,0 +1,148 @@
+"""Proof files: what is claimed, and the trees of boxes on which it was found to hold.
+
+A file holds everything that a reader needs: the Program with the weights in it, root boxes,
+bounds, and one bit for each box. It holds no intermediate result to be believed.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.certificate.search.box_tree import Cells
+from neuralgaits.certificate.search.branch_and_bound import Search
+from neuralgaits.certificate.search.halving import to_bits
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.programs import Program
+from neuralgaits.runs import write_text
+
+FORMAT = 2
+KIND = "neuralgaits certificate"
+CHART = "u = (phase, level)"
+SIMILAR = 4.0
+"""Conditions whose numbers of boxes differ by about this factor or less share a statement."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """Every element of every condition is at least bound x scale on the root box.
+
+    Attributes:
+        conditions: outputs of the Program.
+        region: the box's name in the spec.
+        scales, bounds: by condition; the bound of a spec's condition is not negative.
+        degree: of the Taylor models it was found with.
+        low, high: corners of the root in (phase, level).
+        tree: see `tree`.
+    """
+
+    conditions: tuple[str, ...]
+    region: str
+    scales: Mapping[str, float]
+    bounds: Mapping[str, float]
+    degree: int
+    low: tuple[float, float]
+    high: tuple[float, float]
+    tree: str
+
+    @property
+    def boxes(self) -> int:
+        """Number of leaves."""
+        return self.tree.count("0")
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A proof file.
+
+    Attributes:
+        robot, spec: name and sha256 of the text of each.
+        weights_sha256: of the weights file.
+        program: whose outputs the statements are about.
+        statements: what is claimed.
+        theorems: level and parameters of each statement about trajectories; the statements above
+            are their premises.
+        model: robot, policy, tube and conditions as data, for readers that derive the dynamics
+            on their own; None if they cannot be described.
+    """
+
+    robot: Mapping[str, str]
+    spec: Mapping[str, str]
+    weights_sha256: str
+    program: Program
+    statements: tuple[Statement, ...]
+    theorems: tuple[Mapping[str, Any], ...] = ()
+    model: Mapping[str, Any] | None = None
+
+    def write(self, path: Path) -> None:
+        """Write the file, whole or not at all."""
+        table = {
+            "format": FORMAT,
+            "kind": KIND,
+            "robot": dict(self.robot),
+            "weights_sha256": self.weights_sha256,
+            "spec": dict(self.spec),
+            "chart": CHART,
+            "program_hash": self.program.hash,
+            "statements": [_row(statement) for statement in self.statements],
+            "theorems": [dict(theorem) for theorem in self.theorems],
+            "model": None if self.model is None else dict(self.model),
+        }
+        text = json.dumps(table, allow_nan=False, ensure_ascii=False, indent=1)
+        # The Program on one line: it is long, and nothing for the eye.
+        program = self.program.to_json()
+        write_text(path, f'{text.removesuffix("}").rstrip()},\n "program": {program}\n}}\n')
+
+
+def prove(problem: Problem, state: Search) -> list[Statement]:
+    """The statements that a search has found, with the smallest trees for them.
+
+    Conditions that need about as many boxes share a statement: a reader then shares most of the
+    work between them, and does not bound the easy ones on the boxes of the hard ones.
+    """
+    cells = state.cells
+    proved = np.all((cells.lower >= 0.0) | ~cells.is_leaf[:, None], axis=0)
+    groups: dict[int, list[int]] = {}
+    for column, name in enumerate(problem.names):
+        if proved[column] and name not in state.refuted:
+            boxes = _statement(problem, cells, [column]).boxes
+            groups.setdefault(round(math.log(boxes, SIMILAR)), []).append(column)
+    return [_statement(problem, cells, columns) for _, columns in sorted(groups.items())]
+
+
+def _statement(problem: Problem, cells: Cells, columns: list[int]) -> Statement:
+    """The statement about some columns, all proved on every leaf."""
+    margins = problem.claimed * cells.lower[cells.is_leaf][:, columns].min(axis=0)
+    enough = np.all(cells.lower[:, columns] >= margins, axis=1)
+    bounds = margins + np.array(problem.least or [0.0] * len(problem.names))[columns]
+    names = tuple(problem.names[column] for column in columns)
+    return Statement(
+        names,
+        problem.region,
+        {name: problem.scales[column] for name, column in zip(names, columns, strict=True)},
+        dict(zip(names, bounds.tolist(), strict=True)),
+        problem.degree,
+        problem.low,
+        problem.high,
+        to_bits(cells.first, enough, 2 ** len(cells.axes)),
+    )
+
+
+def _row(statement: Statement) -> dict[str, Any]:
+    return {
+        "conditions": list(statement.conditions),
+        "region": statement.region,
+        "scales": dict(statement.scales),
+        "bounds": dict(statement.bounds),
+        "degree": statement.degree,
+        "root": {"low": _hex(statement.low), "high": _hex(statement.high)},
+        "tree": statement.tree,
+    }
+
+
+def _hex(corner: Sequence[float]) -> list[str]:
+    return [float(value).hex() for value in corner]

@@ -1,0 +1,159 @@
+"""Branch and bound over the boxes of one root, a round at a time.
+
+A round halves every leaf on which a condition falls short of its target and bounds the
+children. First every target is 0, which decides; then it is a share of the smallest margin seen
+at points, which makes the proved margin meaningful. A condition found negative at a point is
+refuted; its boxes are halved a little further, for the map, and no more.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
+from neuralgaits.certificate.search.box_tree import Cells
+from neuralgaits.certificate.search.problem import Problem
+
+Confirm = Callable[[str, np.ndarray], Counterexample | None]
+"""(condition, u) to the counterexample there, if the Python functions find the margin negative."""
+Phase = Literal["decide", "tighten"]
+
+MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
+"""How deep boxes are split to decide, to raise a margin, and around a refutation."""
+MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
+"""Boxes added by one search of a root without a deadline, to decide and to raise margins."""
+TIGHT = 0.7
+"""Share of the smallest margin seen that is worth proving: the rest would cost more boxes."""
+GRID = 33
+"""Points along an edge of the root at which margins are looked at first."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """State of one root: everything a later call needs to go on.
+
+    Attributes:
+        cells: boxes so far, all bounded but the first few.
+        seen: smallest margin seen at a point, in scales; inf if none. [C]
+        refuted: counterexamples by condition.
+    """
+
+    cells: Cells
+    seen: Float[np.ndarray, " C"]
+    refuted: Mapping[str, Counterexample] = field(default_factory=dict)
+
+    @classmethod
+    def untouched(cls, problem: Problem) -> "Search":
+        """The first grid of boxes, about which nothing is known."""
+        cells = Cells.start(problem.low, problem.high, len(problem.names))
+        return cls(cells, np.full(len(problem.names), np.inf))
+
+    @property
+    def begun(self) -> bool:
+        """Whether anything was looked at."""
+        return bool(np.any(self.cells.lower > -np.inf) or np.any(self.seen < np.inf))
+
+
+def start(problem: Problem, confirm: Confirm) -> Search:
+    """Bound the first boxes, large and small, and look at points."""
+    state = Search.untouched(problem)
+    # All levels of the grid: where one box is enough, a proof says so with one.
+    cells, grid = state.cells, np.arange(len(state.cells.first))
+    for batch in np.split(grid, range(problem.batch, len(grid), problem.batch)):
+        cells = cells.with_bounds(batch, *problem.bounds(cells.low[batch], cells.high[batch]))
+    return _look(problem, replace(state, cells=cells), problem.grid(GRID), confirm)
+
+
+def search(
+    problem: Problem,
+    state: Search,
+    confirm: Confirm,
+    *,
+    phase: Phase,
+    most: int,
+    deadline: float = np.inf,
+    progress: Callable[[Search], None] | None = None,
+) -> Search:
+    """Go on until every condition is decided (or tight), or the deadline.
+
+    Args:
+        problem: conditions and root.
+        state: of `start`, or where an earlier search ended.
+        confirm: asks the Python functions about a point.
+        phase: "decide" for the sign of the margins, "tighten" for their size.
+        most: boxes that the root may have.
+        deadline: on the clock of `time.monotonic` [s].
+        progress: called after each round.
+    """
+    while time.monotonic() < deadline:
+        work = to_split(problem, state, phase, most)
+        if not len(work):
+            break
+        state = _round(problem, state, work, confirm, deadline)
+        if progress is not None:
+            progress(state)
+    return state
+
+
+def to_split(problem: Problem, state: Search, phase: Phase, most: int) -> np.ndarray:
+    """Numbers of the leaves that the next round splits; none if there is no room for more."""
+    work = np.flatnonzero(np.any(open_on(problem, state, phase), axis=1))
+    room = (most - len(state.cells.first)) // 2 ** len(state.cells.axes)
+    return work[: max(room, 0)]
+
+
+def open_on(problem: Problem, state: Search, phase: Phase) -> np.ndarray:
+    """Which leaves are to be split for the sake of which condition. [N, C] bool."""
+    cells = state.cells
+    refuted = np.array([name in state.refuted for name in problem.names])
+    with np.errstate(invalid="ignore"):
+        # A condition that is not decided yet has no margin to raise.
+        decided = np.all((cells.lower >= 0.0) | ~cells.is_leaf[:, None], axis=0)
+        worth = np.where(np.isfinite(state.seen), TIGHT * state.seen, 0.0)
+    if phase == "decide":
+        targets, depth = np.zeros(len(problem.names)), np.where(refuted, MAP_DEPTH, MAX_DEPTH)
+    else:
+        targets, depth = np.where(decided, np.maximum(worth, 0.0), -np.inf), TIGHTEN_DEPTH
+    short = ~(cells.lower >= targets) & (cells.depth[:, None] < depth)
+    if not cells.axes or (phase == "tighten" and not problem.tighten):
+        return np.zeros_like(short)
+    # Where every point violates a condition there is nothing left to find.
+    return short & cells.is_leaf[:, None] & ~(cells.upper < 0.0)
+
+
+def _round(
+    problem: Problem, state: Search, work: np.ndarray, confirm: Confirm, deadline: float
+) -> Search:
+    """Split the leaves `work`, as many as there is time for."""
+    family = 2 ** len(state.cells.axes)
+    done, parts = 0, []
+    size = problem.batch // family
+    for batch in np.split(work, range(size, len(work), size)):
+        low, high = state.cells.children_of(batch)
+        parts.append((low, high, *problem.bounds(low, high)))
+        done += len(batch)
+        if time.monotonic() >= deadline:
+            break
+    low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
+    state = replace(state, cells=state.cells.with_children(work[:done], low, high, lower, upper))
+    unsure = np.any(~(lower >= 0.0) | (lower < TIGHT * state.seen), axis=1)
+    points = (low + (high - low) * 0.5)[unsure]
+    return _look(problem, state, points, confirm) if len(points) else state
+
+
+def _look(problem: Problem, state: Search, points: np.ndarray, confirm: Confirm) -> Search:
+    """Evaluate the margins at points; confirm the worst where one is negative."""
+    values = problem.values(points)
+    worst = np.where(np.isnan(values), np.inf, values)
+    refuted = dict(state.refuted)
+    for column, name in enumerate(problem.names):
+        place = int(np.argmin(worst[:, column]))
+        if worst[place, column] < 0.0 and name not in refuted:
+            found = confirm(name, points[place])
+            if found is not None:
+                refuted[name] = found
+    return replace(state, seen=np.fmin(state.seen, worst.min(axis=0)), refuted=refuted)

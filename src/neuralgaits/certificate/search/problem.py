@@ -1,0 +1,107 @@
+"""Conditions on one box of the chart, and their bounds over boxes and values at points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.certificate.search.halving import Corners
+from neuralgaits.programs import POINT, Algebra, Program, evaluate, fold
+from neuralgaits.programs.algebras.taylor import TERMS, TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_fibre import FibreAlgebra
+
+LEAST_BATCH, MOST_BATCH = 64, 512
+"""Boxes bounded at once: fewer waste time in calls, more exhaust the processor's cache."""
+CACHE_BYTES = 2**22
+"""What the largest result of an operation may take, over a batch: about a core's own cache."""
+INPUT = "u"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Margins of some conditions on one root box.
+
+    Attributes:
+        region: name of the spec's region the box belongs to.
+        low, high: corners in (phase, level).
+        names: of the conditions, outputs of the Program.
+        scales: of the conditions. [C]
+        program: margins by condition name as a function of u; more outputs cost time only. A
+            second input is anywhere in the unit ball.
+        degree: of the Taylor models.
+        least: what each condition must reach, in scales; 0 for all if empty. Margins are counted
+            from there. [C]
+        claimed: share of the margin found that is claimed. A reader needs fewer boxes for less,
+            and bounds them in another arithmetic, perhaps less tightly.
+        tighten: whether the margins are worth raising once they are known not to be negative.
+    """
+
+    region: str
+    low: tuple[float, float]
+    high: tuple[float, float]
+    names: tuple[str, ...]
+    scales: tuple[float, ...]
+    program: Program
+    degree: int = 2
+    least: tuple[float, ...] = ()
+    claimed: float = 0.99
+    tighten: bool = True
+
+    @cached_property
+    def batch(self) -> int:
+        """Boxes to bound at once."""
+        largest = max((operation.size for operation in self.program.operations), default=1)
+        one = TERMS[self.degree] * largest * np.dtype(np.float64).itemsize
+        return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
+
+    def bounds(
+        self, low: Corners, high: Corners
+    ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
+        """Bounds on each condition's smallest margin over boxes, in scales; NaN if unbounded."""
+        centre = low + (high - low) * 0.5
+        # Up by two last places: the corners lie inside whatever the centre was rounded to.
+        half = np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)
+        with np.errstate(all="ignore"):
+            models = evaluate(self.program, {INPUT: (centre, half)}, self._algebra, self._folded)
+            ranges = [models[name].range() for name in self.names]
+        return self._smallest([r[0] for r in ranges], low), self._smallest(
+            [r[1] for r in ranges], low
+        )
+
+    def values(self, u: Corners) -> Float[np.ndarray, "B C"]:
+        """Each condition's smallest margin at points, in scales, in plain float64.
+
+        A second input is zero.
+        """
+        inputs = {item.name: np.zeros((len(u), *item.shape)) for item in self.program.inputs}
+        inputs[INPUT] = u
+        with np.errstate(all="ignore"):
+            values = evaluate(self.program, inputs, POINT)
+        return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
+
+    def grid(self, size: int) -> Corners:
+        """Points that cover the box, its edges included. [n, 2]."""
+        lines = [
+            np.linspace(self.low[k], self.high[k], size if self.high[k] > self.low[k] else 1)
+            for k in (0, 1)
+        ]
+        return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+
+    def _smallest(self, elements: Sequence[np.ndarray], boxes: np.ndarray) -> np.ndarray:
+        """Smallest of each condition's elements [n, B] from its least, in scales; NaN wins."""
+        rows = [np.broadcast_to(e.min(axis=0), len(boxes)) for e in elements]
+        least = np.array(self.least or (0.0,))
+        return np.stack(rows, axis=1) / np.array(self.scales) - least
+
+    @cached_property
+    def _algebra(self) -> Algebra[Any]:
+        one = len(self.program.inputs) == 1
+        return TaylorAlgebra(self.degree) if one else FibreAlgebra(self.degree)
+
+    @cached_property
+    def _folded(self):
+        with np.errstate(all="ignore"):
+            return fold(self.program, self._algebra)

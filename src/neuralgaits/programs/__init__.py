@@ -1,0 +1,22 @@
+"""One definition, several interpreters: Programs and the algebras that evaluate them.
+
+Importing this room imports no JAX; tracing does: `from neuralgaits.programs.tracing.tracer import
+trace`.
+"""
+
+from neuralgaits.programs.algebras.point import POINT, PointAlgebra
+from neuralgaits.programs.evaluation import Algebra, evaluate, fold
+from neuralgaits.programs.program import Constant, Input, Operation, Output, Program
+
+__all__ = [
+    "POINT",
+    "Algebra",
+    "Constant",
+    "Input",
+    "Operation",
+    "Output",
+    "PointAlgebra",
+    "Program",
+    "evaluate",
+    "fold",
+]

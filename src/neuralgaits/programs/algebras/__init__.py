@@ -1,0 +1,1 @@
+"""Numbers that a Program can be evaluated in: points, Taylor models, balls."""

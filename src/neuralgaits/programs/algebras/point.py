@@ -1,0 +1,163 @@
+"""The algebra of points: float64 numbers in NumPy, one or a batch at a time.
+
+Inside, a value is [size, batch], so that a batch is contiguous in memory and no operation
+loops over it. Outside, the batch axis leads, as in `jax.vmap`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from neuralgaits.errors import InputError
+from neuralgaits.programs.program import Program
+
+
+@dataclass(frozen=True)
+class PointAlgebra:
+    """IEEE double arithmetic; the reference for the other interpreters.
+
+    An input has the shape it was traced with, or that shape behind one batch axis. Inputs
+    without a batch axis are shared by the whole batch.
+    """
+
+    def enter(self, program: Program, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Flatten inputs to [size, batch]. Raises: InputError on names or shapes."""
+        names = [item.name for item in program.inputs]
+        if sorted(inputs) != names:
+            raise InputError(
+                f"expected the inputs {names}, found {sorted(inputs)}; pass one array for each"
+            )
+        _batch(program, inputs)
+        return {
+            item.name: np.asarray(inputs[item.name], dtype=np.float64)
+            .reshape(-1, int(np.prod(item.shape)))
+            .T.copy()
+            for item in program.inputs
+        }
+
+    def leave(
+        self,
+        program: Program,
+        outputs: dict[str, np.ndarray],
+        inputs: Mapping[str, np.ndarray],
+    ) -> dict[str, np.ndarray]:
+        """Give outputs their shapes, behind the batch axis if the inputs had one."""
+        batch = _batch(program, inputs)
+        shaped = {}
+        for output in program.outputs:
+            value = outputs[output.name]
+            if batch is None:
+                shaped[output.name] = value[:, 0].reshape(output.shape)
+            else:
+                full = np.broadcast_to(value, (value.shape[0], batch))
+                shaped[output.name] = full.T.reshape(batch, *output.shape)
+        return shaped
+
+    def constant(self, array: np.ndarray) -> np.ndarray:
+        """One column, shared by the batch."""
+        return array[:, None]
+
+    def move(self, operands: Sequence[np.ndarray], index: np.ndarray) -> np.ndarray:
+        """Gather rows."""
+        if len(operands) == 1:
+            return operands[0][index]
+        batch = max(operand.shape[1] for operand in operands)
+        rows = [np.broadcast_to(operand, (operand.shape[0], batch)) for operand in operands]
+        return np.concatenate(rows)[index]
+
+    def affine(
+        self,
+        matrix: np.ndarray,
+        right: np.ndarray,
+        offset: np.ndarray | None,
+        columns: int,
+    ) -> np.ndarray:
+        """One matrix product for all columns and the whole batch."""
+        inner, batch = right.shape[0] // columns, right.shape[1]
+        product = matrix.reshape(-1, inner) @ right.reshape(inner, columns * batch)
+        if offset is not None:
+            product = product + offset
+        return product.reshape(-1, batch)
+
+    def sum(self, a: np.ndarray, size: int) -> np.ndarray:
+        """Row sums."""
+        return a.reshape(size, -1, a.shape[1]).sum(axis=1)
+
+    def inner(self, a: np.ndarray, b: np.ndarray, size: int) -> np.ndarray:
+        """Row-wise inner products."""
+        return self.sum(a * b, size)
+
+    def add(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Sum."""
+        return a + b
+
+    def sub(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Difference."""
+        return a - b
+
+    def mul(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Product."""
+        return a * b
+
+    def div(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Quotient."""
+        return a / b
+
+    def neg(self, a: np.ndarray) -> np.ndarray:
+        """Negative."""
+        return -a
+
+    def square(self, a: np.ndarray) -> np.ndarray:
+        """Square."""
+        return a * a
+
+    def sqrt(self, a: np.ndarray) -> np.ndarray:
+        """Square root."""
+        return np.sqrt(a)
+
+    def exp(self, a: np.ndarray) -> np.ndarray:
+        """Exponential."""
+        return np.exp(a)
+
+    def log1p(self, a: np.ndarray) -> np.ndarray:
+        """Logarithm of 1 + a."""
+        return np.log1p(a)
+
+    def sin(self, a: np.ndarray) -> np.ndarray:
+        """Sine."""
+        return np.sin(a)
+
+    def cos(self, a: np.ndarray) -> np.ndarray:
+        """Cosine."""
+        return np.cos(a)
+
+    def tanh(self, a: np.ndarray) -> np.ndarray:
+        """Hyperbolic tangent."""
+        return np.tanh(a)
+
+    def logistic(self, a: np.ndarray) -> np.ndarray:
+        """Logistic function, without overflow for large negative arguments."""
+        small = np.exp(-np.abs(a))
+        return np.where(a >= 0.0, 1.0, small) / (1.0 + small)
+
+
+POINT = PointAlgebra()
+
+
+def _batch(program: Program, inputs: Mapping[str, np.ndarray]) -> int | None:
+    """Length of the batch axis, None without one. Raises: InputError on shapes."""
+    lengths = set()
+    for item in program.inputs:
+        shape = np.shape(inputs[item.name])
+        if shape == item.shape:
+            continue
+        if shape[1:] != item.shape or not shape:
+            raise InputError(
+                f"expected '{item.name}' of shape {item.shape} or (batch, *{item.shape}),"
+                f" found {shape}; reshape it"
+            )
+        lengths.add(shape[0])
+    if len(lengths) > 1:
+        raise InputError(f"expected one batch size, found {sorted(lengths)}; make them equal")
+    return lengths.pop() if lengths else None

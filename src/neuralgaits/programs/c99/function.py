@@ -1,0 +1,152 @@
+"""The algebra of C: a Program becomes one function of C99, arrays and loops.
+
+The walk records operations; `emit` lays them out. Operations of one size share a loop, products
+with one matrix share a pass over it, and arrays that are no longer needed lend their memory to
+later ones. The text calls `ng_sin`, `ng_cos`, `ng_tanh`, `ng_logistic`, `ng_exp` and `ng_log1p`
+on `ng_real`, which the caller defines, and nothing else: no heap, no state.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.errors import SpecError
+from neuralgaits.programs.algebras.point import POINT
+from neuralgaits.programs.c99.layout import lay_out
+from neuralgaits.programs.c99.nodes import Node
+from neuralgaits.programs.c99.tables import Tables, identifier
+from neuralgaits.programs.c99.writer import Emitted, Writer
+from neuralgaits.programs.evaluation import evaluate, fold
+from neuralgaits.programs.program import Program
+
+
+@dataclass
+class C99Algebra:
+    """Values are nodes; each rule records one."""
+
+    nodes: list[Node] = field(default_factory=list)
+
+    def enter(self, program: Program, inputs: Mapping[str, Any]) -> dict[str, Node]:
+        """A node for each input."""
+        del inputs
+        return {
+            item.name: self._note("input", (), int(np.prod(item.shape)), name=identifier(item.name))
+            for item in program.inputs
+        }
+
+    def leave(
+        self, program: Program, outputs: dict[str, Node], inputs: Mapping[str, Any]
+    ) -> dict[str, Node]:
+        """The nodes of the outputs."""
+        del program, inputs
+        return outputs
+
+    def constant(self, array: np.ndarray) -> Node:
+        """A constant without a name."""
+        return self.named(None, array)
+
+    def named(self, name: str | None, array: np.ndarray) -> Node:
+        """A constant, named after its path in the parameters if it has one."""
+        label = None if name is None else identifier(name)
+        return self._note("constant", (), array.size, name=label, array=array.reshape(-1))
+
+    def move(self, operands: Sequence[Node], index: np.ndarray) -> Node:
+        """Elements of the concatenated operands."""
+        return self._note("move", tuple(operands), index.size, index=tuple(int(i) for i in index))
+
+    def affine(self, matrix: Node, right: Node, offset: Node | None, columns: int) -> Node:
+        """Constant matrix times right, plus an offset."""
+        size = matrix.size // (right.size // columns) * columns
+        operands = (matrix, right) if offset is None else (matrix, right, offset)
+        return self._note("affine", operands, size, columns=columns)
+
+    def sum(self, a: Node, size: int) -> Node:
+        """Row sums."""
+        return self._note("sum", (a,), size)
+
+    def inner(self, a: Node, b: Node, size: int) -> Node:
+        """Row-wise inner products."""
+        return self._note("inner", (a, b), size)
+
+    def add(self, a: Node, b: Node) -> Node:
+        """Sum."""
+        return self._note("add", (a, b), max(a.size, b.size))
+
+    def sub(self, a: Node, b: Node) -> Node:
+        """Difference."""
+        return self._note("sub", (a, b), max(a.size, b.size))
+
+    def mul(self, a: Node, b: Node) -> Node:
+        """Product."""
+        return self._note("mul", (a, b), max(a.size, b.size))
+
+    def div(self, a: Node, b: Node) -> Node:
+        """Quotient."""
+        return self._note("div", (a, b), max(a.size, b.size))
+
+    def neg(self, a: Node) -> Node:
+        """Negative."""
+        return self._note("neg", (a,), a.size)
+
+    def square(self, a: Node) -> Node:
+        """Square."""
+        return self._note("square", (a,), a.size)
+
+    def exp(self, a: Node) -> Node:
+        """Exponential."""
+        return self._note("exp", (a,), a.size)
+
+    def log1p(self, a: Node) -> Node:
+        """Logarithm of 1 + a."""
+        return self._note("log1p", (a,), a.size)
+
+    def sin(self, a: Node) -> Node:
+        """Sine."""
+        return self._note("sin", (a,), a.size)
+
+    def cos(self, a: Node) -> Node:
+        """Cosine."""
+        return self._note("cos", (a,), a.size)
+
+    def tanh(self, a: Node) -> Node:
+        """Hyperbolic tangent."""
+        return self._note("tanh", (a,), a.size)
+
+    def logistic(self, a: Node) -> Node:
+        """Logistic function."""
+        return self._note("logistic", (a,), a.size)
+
+    def sqrt(self, a: Node) -> Node:
+        """Refused: no policy of the package needs it, and libm stays out. Raises: SpecError."""
+        del a
+        raise SpecError("cannot write the operation sqrt in C: write the policy without it")
+
+    def _note(self, kind: str, operands: tuple[Node, ...], size: int, **about: Any) -> Node:
+        node = Node(len(self.nodes), kind, operands, size, **about)
+        self.nodes.append(node)
+        return node
+
+
+def emit(program: Program, function: str, about: str, tables: Tables) -> Emitted:
+    """Write a Program as a C function.
+
+    Args:
+        program: what it computes; its inputs and outputs become the arguments, flat.
+        function: its name.
+        about: what it is, for the comment above it.
+        tables: of the file it will stand in; its constants are added.
+
+    Raises: SpecError naming the operation that has no form in C.
+    """
+    algebra = C99Algebra()
+    start = len(program.inputs)
+    names = {start + i: item.name for i, item in enumerate(program.constants)}
+    constants = {
+        number: algebra.named(names.get(number), np.asarray(value)[:, 0])
+        for number, value in fold(program, POINT).items()
+    }
+    outputs = evaluate(program, {}, algebra, constants)
+    layout = lay_out(algebra.nodes, list(outputs.values()))
+    return Writer(program, function, about, layout, outputs, tables).write()

@@ -1,0 +1,182 @@
+"""The only loop over a Program's operations, whatever its values are made of.
+
+An algebra says what a vector of reals is (numbers, Taylor models, balls, lines of C) and how
+the operations act on it. Operations that depend on no input are folded once, possibly in
+another algebra: a search over boxes takes `fold(program, balls)`, turns it into its own values
+and passes it to every call of `evaluate`.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from neuralgaits.programs.program import Operation, Program
+
+V = TypeVar("V")
+
+
+class Algebra(Protocol[V]):
+    """Rules for the operations of `ops.KINDS` on vectors of type V.
+
+    Operands of elementwise rules have the size of the result or size 1. A rule never changes
+    its operands: the walk may need them again.
+    """
+
+    def enter(self, program: Program, inputs: Mapping[str, Any]) -> dict[str, V]:
+        """Turn the caller's inputs into values, one for each input of the Program."""
+        ...
+
+    def leave(
+        self, program: Program, outputs: dict[str, V], inputs: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """Turn the values of the outputs into what the caller wants."""
+        ...
+
+    def constant(self, array: np.ndarray) -> V:
+        """Value of exactly these doubles, flat. [size]."""
+        ...
+
+    def move(self, operands: Sequence[V], index: np.ndarray) -> V:
+        """Elements of the concatenated operands at `index`."""
+        ...
+
+    def affine(self, matrix: V, right: V, offset: V | None, columns: int) -> V:
+        """Constant matrix times right [inner, columns], plus an offset for each row."""
+        ...
+
+    def sum(self, a: V, size: int) -> V:
+        """Row sums of a as [size, ...]."""
+        ...
+
+    def inner(self, a: V, b: V, size: int) -> V:
+        """Row-wise inner products of a and b as [size, ...]."""
+        ...
+
+    def add(self, a: V, b: V) -> V:
+        """Sum."""
+        ...
+
+    def sub(self, a: V, b: V) -> V:
+        """Difference."""
+        ...
+
+    def mul(self, a: V, b: V) -> V:
+        """Product."""
+        ...
+
+    def div(self, a: V, b: V) -> V:
+        """Quotient."""
+        ...
+
+    def neg(self, a: V) -> V:
+        """Negative."""
+        ...
+
+    def square(self, a: V) -> V:
+        """Square."""
+        ...
+
+    def sqrt(self, a: V) -> V:
+        """Square root."""
+        ...
+
+    def exp(self, a: V) -> V:
+        """Exponential."""
+        ...
+
+    def log1p(self, a: V) -> V:
+        """Logarithm of 1 + a."""
+        ...
+
+    def sin(self, a: V) -> V:
+        """Sine of radians."""
+        ...
+
+    def cos(self, a: V) -> V:
+        """Cosine of radians."""
+        ...
+
+    def tanh(self, a: V) -> V:
+        """Hyperbolic tangent."""
+        ...
+
+    def logistic(self, a: V) -> V:
+        """Logistic function 1 / (1 + exp(-a))."""
+        ...
+
+
+def fold(program: Program, algebra: Algebra[V]) -> dict[int, V]:
+    """Evaluate every operation that depends on no input.
+
+    Returns: by number, the constant values that `evaluate` needs: operands of operations that
+    do depend on inputs, and outputs.
+    """
+    start, varies = len(program.inputs), program.varies
+    values: dict[int, V] = {
+        number: algebra.constant(constant.array.reshape(-1))
+        for number, constant in enumerate(program.constants, start=start)
+    }
+    needed = {output.value for output in program.outputs}
+    for number, operation in enumerate(program.operations, start=program.first_operation):
+        if varies[number]:
+            needed.update(operation.operands)
+        else:
+            values[number] = _apply(algebra, operation, values)
+    return {number: value for number, value in values.items() if number in needed}
+
+
+def evaluate(
+    program: Program,
+    inputs: Mapping[str, Any],
+    algebra: Algebra[V],
+    folded: Mapping[int, V] | None = None,
+) -> dict[str, Any]:
+    """Evaluate a Program.
+
+    Args:
+        program: what to evaluate.
+        inputs: what the algebra's `enter` takes for each input name.
+        algebra: the rules.
+        folded: the result of `fold`, as values of this algebra; computed if absent.
+
+    Returns: what the algebra's `leave` gives for each output name.
+    """
+    constants = fold(program, algebra) if folded is None else folded
+    values: dict[int, V] = dict(constants)
+    entered = algebra.enter(program, inputs)
+    values |= {number: entered[item.name] for number, item in enumerate(program.inputs)}
+    last = _last_uses(program)
+    for number, operation in enumerate(program.operations, start=program.first_operation):
+        if not program.varies[number]:
+            continue
+        values[number] = _apply(algebra, operation, values)
+        for operand in set(operation.operands):
+            if last[operand] == number:
+                # A large batch should hold only the values still needed.
+                values.pop(operand, None)
+    outputs = {output.name: values[output.value] for output in program.outputs}
+    return algebra.leave(program, outputs, inputs)
+
+
+def _apply(algebra: Algebra[V], operation: Operation, values: Mapping[int, V]) -> V:
+    operands = [values[operand] for operand in operation.operands]
+    match operation.kind:
+        case "move":
+            return algebra.move(operands, np.asarray(operation.index))
+        case "affine":
+            offset = operands[2] if len(operands) == 3 else None
+            return algebra.affine(operands[0], operands[1], offset, operation.columns)
+        case "sum" | "inner":
+            return getattr(algebra, operation.kind)(*operands, operation.size)
+        case _:
+            return getattr(algebra, operation.kind)(*operands)
+
+
+def _last_uses(program: Program) -> dict[int, int]:
+    """Number of the last operation that reads each value; outputs are never let go."""
+    last: dict[int, int] = {}
+    for number, operation in enumerate(program.operations, start=program.first_operation):
+        last.update(dict.fromkeys(operation.operands, number))
+    last.update(dict.fromkeys((output.value for output in program.outputs), len(program.sizes)))
+    return last

@@ -1,0 +1,245 @@
+"""The algebra of ONNX: a Program becomes a graph of standard operators on flat vectors.
+
+One state at a time: inputs and outputs have the shapes they were traced with. Every operation of
+`ops` has a form in operator set 17; `onnx` is needed only where a graph is built.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from onnx import GraphProto, NodeProto, TensorProto, ValueInfoProto, helper, numpy_helper
+
+from neuralgaits.errors import SpecError
+from neuralgaits.programs.algebras.point import POINT
+from neuralgaits.programs.evaluation import evaluate, fold
+from neuralgaits.programs.program import Input, Output, Program
+
+OPERATOR_SET = 17
+_TYPES = {np.dtype(np.float64): TensorProto.DOUBLE, np.dtype(np.float32): TensorProto.FLOAT}
+
+
+@dataclass(frozen=True, eq=False)
+class Tensor:
+    """One value: the name of a flat tensor in the graph.
+
+    Attributes:
+        name: in the graph; of a constant, the wish for one.
+        size: number of elements.
+        array: of a constant, which joins the graph where it is read. [size]
+    """
+
+    name: str
+    size: int
+    array: np.ndarray | None = None
+
+
+@dataclass
+class OnnxAlgebra:
+    """Rules that append nodes.
+
+    Attributes:
+        real: float64 or float32.
+        taken: names that no constant may have.
+        nodes: of the graph so far.
+        constants: initialisers by name.
+    """
+
+    real: np.dtype
+    taken: frozenset[str]
+    nodes: list[NodeProto] = field(default_factory=list)
+    constants: dict[str, TensorProto] = field(default_factory=dict)
+    _known: dict[tuple[bytes, str, tuple[int, ...]], str] = field(default_factory=dict)
+
+    def enter(self, program: Program, inputs: Mapping[str, Any]) -> dict[str, Tensor]:
+        """A flat tensor for each input."""
+        del inputs
+        flat = {}
+        for item in program.inputs:
+            given = Tensor(item.name, int(np.prod(item.shape)))
+            straight = len(item.shape) == 1
+            flat[item.name] = given if straight else self._shaped(given, (given.size,))
+        return flat
+
+    def leave(
+        self, program: Program, outputs: dict[str, Tensor], inputs: Mapping[str, Any]
+    ) -> dict[str, Tensor]:
+        """Tensors with the names and shapes of the outputs."""
+        del inputs
+        for item in program.outputs:
+            shape = self._whole(np.array(item.shape, dtype=np.int64), "shape")
+            self.nodes.append(
+                helper.make_node("Reshape", [self._read(outputs[item.name]), shape], [item.name])
+            )
+        return outputs
+
+    def constant(self, array: np.ndarray) -> Tensor:
+        """A constant without a name."""
+        return self.named("constant", array)
+
+    def named(self, name: str, array: np.ndarray) -> Tensor:
+        """A constant, named after its path in the parameters if it has one."""
+        return Tensor(name, array.size, array.reshape(-1))
+
+    def move(self, operands: Sequence[Tensor], index: np.ndarray) -> Tensor:
+        """Gather from the concatenated operands."""
+        joined = operands[0]
+        if len(operands) > 1:
+            names = [self._read(operand) for operand in operands]
+            joined = self._note("Concat", names, sum(o.size for o in operands), axis=0)
+        places = self._whole(np.asarray(index, dtype=np.int64), "places")
+        return self._note("Gather", [self._read(joined), places], len(index), axis=0)
+
+    def affine(self, matrix: Tensor, right: Tensor, offset: Tensor | None, columns: int) -> Tensor:
+        """Constant matrix times right, plus an offset. A vector goes to the left of the matrix."""
+        inner = right.size // columns
+        rows = matrix.size // inner
+        if columns == 1:
+            turned = self._read(matrix, (rows, inner), turned=True)
+            product = self._note("MatMul", [self._read(right), turned], rows)
+            return product if offset is None else self.add(product, offset)
+        factors = [self._read(matrix, (rows, inner)), self._read(right, (inner, columns))]
+        product = self._note("MatMul", factors, rows * columns)
+        if offset is not None:
+            names = [product.name, self._read(offset, (rows, 1))]
+            product = self._note("Add", names, rows * columns)
+        return self._shaped(product, (rows * columns,))
+
+    def sum(self, a: Tensor, size: int) -> Tensor:
+        """Row sums."""
+        table, axis = self._read(a, (size, a.size // size)), self._whole(np.array([1]), "axis")
+        return self._note("ReduceSum", [table, axis], size, keepdims=0)
+
+    def inner(self, a: Tensor, b: Tensor, size: int) -> Tensor:
+        """Row-wise inner products."""
+        return self.sum(self.mul(a, b), size)
+
+    def add(self, a: Tensor, b: Tensor) -> Tensor:
+        """Sum."""
+        return self._elementwise("Add", a, b)
+
+    def sub(self, a: Tensor, b: Tensor) -> Tensor:
+        """Difference."""
+        return self._elementwise("Sub", a, b)
+
+    def mul(self, a: Tensor, b: Tensor) -> Tensor:
+        """Product."""
+        return self._elementwise("Mul", a, b)
+
+    def div(self, a: Tensor, b: Tensor) -> Tensor:
+        """Quotient."""
+        return self._elementwise("Div", a, b)
+
+    def neg(self, a: Tensor) -> Tensor:
+        """Negative."""
+        return self._elementwise("Neg", a)
+
+    def square(self, a: Tensor) -> Tensor:
+        """Square."""
+        return self._elementwise("Mul", a, a)
+
+    def sqrt(self, a: Tensor) -> Tensor:
+        """Square root."""
+        return self._elementwise("Sqrt", a)
+
+    def exp(self, a: Tensor) -> Tensor:
+        """Exponential."""
+        return self._elementwise("Exp", a)
+
+    def log1p(self, a: Tensor) -> Tensor:
+        """Logarithm of 1 + a, to rounding of 1 + a: ONNX has no operator of its own for it."""
+        return self._elementwise("Log", self.add(self.named("one", np.ones(1)), a))
+
+    def sin(self, a: Tensor) -> Tensor:
+        """Sine."""
+        return self._elementwise("Sin", a)
+
+    def cos(self, a: Tensor) -> Tensor:
+        """Cosine."""
+        return self._elementwise("Cos", a)
+
+    def tanh(self, a: Tensor) -> Tensor:
+        """Hyperbolic tangent."""
+        return self._elementwise("Tanh", a)
+
+    def logistic(self, a: Tensor) -> Tensor:
+        """Logistic function."""
+        return self._elementwise("Sigmoid", a)
+
+    def _elementwise(self, operator: str, *operands: Tensor) -> Tensor:
+        names = [self._read(operand) for operand in operands]
+        return self._note(operator, names, max(operand.size for operand in operands))
+
+    def _shaped(self, value: Tensor, shape: tuple[int, ...]) -> Tensor:
+        target = self._whole(np.array(shape, dtype=np.int64), "shape")
+        return self._note("Reshape", [value.name, target], value.size)
+
+    def _note(self, operator: str, operands: list[str], size: int, **about: Any) -> Tensor:
+        name = f"_{len(self.nodes)}"
+        self.nodes.append(helper.make_node(operator, operands, [name], **about))
+        return Tensor(name, size)
+
+    def _read(
+        self, value: Tensor, shape: tuple[int, ...] | None = None, *, turned: bool = False
+    ) -> str:
+        """Name of a tensor with this shape, flat if None."""
+        if value.array is None:
+            return value.name if shape is None else self._shaped(value, shape).name
+        array = value.array.reshape(shape or -1).astype(self.real)
+        return self._kept(np.ascontiguousarray(array.T) if turned else array, value.name)
+
+    def _whole(self, array: np.ndarray, wish: str) -> str:
+        return self._kept(array.astype(np.int64), wish)
+
+    def _kept(self, array: np.ndarray, wish: str) -> str:
+        """Name of an initialiser; equal ones stand in the graph once."""
+        key = (array.tobytes(), array.dtype.str, array.shape)
+        if key not in self._known:
+            name, count = wish, 2
+            while name in self.constants or name in self.taken:
+                name, count = f"{wish}_{count}", count + 1
+            self._known[key] = name
+            self.constants[name] = numpy_helper.from_array(array, name)
+        return self._known[key]
+
+
+def graph(
+    program: Program, name: str, real: type[np.floating], about: Mapping[str, str]
+) -> GraphProto:
+    """Write a Program as a graph.
+
+    Args:
+        program: what it computes; its inputs and outputs keep their names and shapes.
+        name: of the graph.
+        real: float64 or float32, of every number in it.
+        about: what inputs and outputs are, with units, by name.
+
+    Raises: SpecError if an output has the name of an input.
+    """
+    ends = [[item.name for item in items] for items in (program.inputs, program.outputs)]
+    if set(ends[0]) & set(ends[1]):
+        raise SpecError(
+            f"expected outputs with names of their own, found the inputs {ends[0]} and the outputs "
+            f"{ends[1]}: rename them"
+        )
+    algebra = OnnxAlgebra(np.dtype(real), frozenset(ends[0] + ends[1]))
+    start = len(program.inputs)
+    names = {start + i: item.name or "constant" for i, item in enumerate(program.constants)}
+    constants = {
+        number: algebra.named(names.get(number, "constant"), np.asarray(value)[:, 0])
+        for number, value in fold(program, POINT).items()
+    }
+    evaluate(program, {}, algebra, constants)
+    inputs, outputs = (
+        [_described(item, algebra.real, about) for item in items]
+        for items in (program.inputs, program.outputs)
+    )
+    weights = list(algebra.constants.values())
+    return helper.make_graph(algebra.nodes, name, inputs, outputs, weights)
+
+
+def _described(item: Input | Output, real: np.dtype, about: Mapping[str, str]) -> ValueInfoProto:
+    return helper.make_tensor_value_info(
+        item.name, _TYPES[real], item.shape, doc_string=about.get(item.name, "")
+    )

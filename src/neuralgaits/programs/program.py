@@ -1,0 +1,247 @@
+"""A Program: a spec as a short list of operations on flat vectors of reals.
+
+Values are numbered: inputs first, then constants, then the results of operations in the order
+of their evaluation. This file needs no JAX: a Program that was saved with a run or stands in a
+proof file is read, hashed and evaluated without it.
+"""
+
+import base64
+import hashlib
+import json
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from neuralgaits.errors import InputError, SpecError
+from neuralgaits.programs.ops import complaint
+
+FORMAT = "neuralgaits-program"
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class Input:
+    """A named input. `shape` is the shape of one point, without any batch axis."""
+
+    name: str
+    shape: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Constant:
+    """A float64 array. `name` is its path in the parameters, or None."""
+
+    name: str | None
+    array: np.ndarray
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One operation, see `ops`.
+
+    Attributes:
+        kind: its name in `ops.KINDS`.
+        operands: numbers of earlier values.
+        size: number of elements of the result.
+        index: of `move` only, positions in the concatenated operands. [size]
+        columns: of `affine` only, number of columns of the right-hand matrix.
+    """
+
+    kind: str
+    operands: tuple[int, ...]
+    size: int
+    index: tuple[int, ...] = ()
+    columns: int = 1
+
+
+@dataclass(frozen=True)
+class Output:
+    """A named output: the value with number `value`, of shape `shape`."""
+
+    name: str
+    shape: tuple[int, ...]
+    value: int
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """Inputs, constants, operations and outputs; equal Programs have equal hashes."""
+
+    inputs: tuple[Input, ...]
+    constants: tuple[Constant, ...]
+    operations: tuple[Operation, ...]
+    outputs: tuple[Output, ...]
+
+    def __post_init__(self):
+        """Refuse what no interpreter could evaluate. Raises: SpecError."""
+        for constant in self.constants:
+            constant.array.setflags(write=False)
+        problem = _problem(self)
+        if problem:
+            raise SpecError(f"a Program must be well formed, found {problem}")
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other is a Program with the same hash."""
+        return isinstance(other, Program) and self.hash == other.hash
+
+    def __hash__(self) -> int:
+        """Consistent with equality."""
+        return hash(self.hash)
+
+    @cached_property
+    def sizes(self) -> tuple[int, ...]:
+        """Number of elements of each value."""
+        return (
+            *(math.prod(given.shape) for given in self.inputs),
+            *(constant.array.size for constant in self.constants),
+            *(operation.size for operation in self.operations),
+        )
+
+    @cached_property
+    def varies(self) -> tuple[bool, ...]:
+        """For each value, whether it depends on an input."""
+        flags = [True] * len(self.inputs) + [False] * len(self.constants)
+        for operation in self.operations:
+            flags.append(any(flags[operand] for operand in operation.operands))
+        return tuple(flags)
+
+    @property
+    def first_operation(self) -> int:
+        """Number of the value of the first operation."""
+        return len(self.inputs) + len(self.constants)
+
+    @property
+    def parameters(self) -> dict[str, np.ndarray]:
+        """The constants that have a name."""
+        return {item.name: item.array for item in self.constants if item.name is not None}
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of the canonical serialisation, in hexadecimal digits."""
+        return hashlib.sha256(self.to_json().encode("ascii")).hexdigest()
+
+    def to_json(self) -> str:
+        """Canonical serialisation: equal Programs give equal text.
+
+        Constants are little-endian float64 in base64, so no bit is lost.
+        """
+        return json.dumps(
+            {
+                "format": FORMAT,
+                "version": VERSION,
+                "inputs": [[item.name, list(item.shape)] for item in self.inputs],
+                "constants": [
+                    [item.name, list(item.array.shape), _encode(item.array)]
+                    for item in self.constants
+                ],
+                "operations": [_row(operation) for operation in self.operations],
+                "outputs": [[item.name, list(item.shape), item.value] for item in self.outputs],
+            },
+            sort_keys=True,
+            separators=(",", ":"),
+            ensure_ascii=True,
+            allow_nan=False,
+        )
+
+    @classmethod
+    def from_json(cls, text: str) -> "Program":
+        """Read what `to_json` wrote. Raises: SpecError if it is not a Program."""
+        try:
+            table = json.loads(text)
+            found = (table["format"], table["version"])
+            if found == (FORMAT, VERSION):
+                return _read(table)
+        except (ValueError, KeyError, TypeError, IndexError) as error:
+            raise SpecError(
+                f"expected the JSON text of a Program, found {type(error).__name__} ({error});"
+                " save it again with to_json"
+            ) from None
+        raise SpecError(
+            f"expected {FORMAT} version {VERSION}, found {found[0]} version {found[1]};"
+            " trace the spec again with this version"
+        )
+
+
+def fibre_input(program: Program, given: Collection[str]) -> Input:
+    """The input of a Program of the chart point u that is in the unit ball over every box of u.
+
+    Raises: InputError if there is not one, or if more than u is given.
+    """
+    shapes = {item.name: item.shape for item in program.inputs}
+    beside = [item for item in program.inputs if item.name != "u"]
+    if list(given) != ["u"] or shapes.get("u") != (2,) or len(beside) != 1:
+        raise InputError(
+            f"expected u of shape (2,) and one more input, u given, found {shapes} and values for "
+            f"{sorted(given)}: trace a function of u and xi"
+        )
+    return beside[0]
+
+
+def _row(operation: Operation) -> list:
+    row: list = [operation.kind, list(operation.operands), operation.size]
+    if operation.kind == "move":
+        row.append(list(operation.index))
+    if operation.kind == "affine":
+        row.append(operation.columns)
+    return row
+
+
+def _read(table: dict) -> Program:
+    operations = []
+    for kind, operands, size, *rest in table["operations"]:
+        index = tuple(rest[0]) if kind == "move" else ()
+        columns = rest[0] if kind == "affine" else 1
+        operations.append(Operation(kind, tuple(operands), size, index, columns))
+    return Program(
+        tuple(Input(name, tuple(shape)) for name, shape in table["inputs"]),
+        tuple(
+            Constant(name, _decode(data, tuple(shape))) for name, shape, data in table["constants"]
+        ),
+        tuple(operations),
+        tuple(Output(name, tuple(shape), value) for name, shape, value in table["outputs"]),
+    )
+
+
+def _encode(array: np.ndarray) -> str:
+    data = np.ascontiguousarray(array, dtype="<f8").tobytes()
+    return base64.b64encode(data).decode("ascii")
+
+
+def _decode(text: str, shape: tuple[int, ...]) -> np.ndarray:
+    data = np.frombuffer(base64.b64decode(text, validate=True), dtype="<f8")
+    return data.astype(np.float64).reshape(shape)
+
+
+def _problem(program: Program) -> str | None:
+    """The first thing that makes the Program unusable, or None."""
+    for constant in program.constants:
+        if constant.array.dtype != np.float64 or not np.all(np.isfinite(constant.array)):
+            return f"NaN, infinity or no float64 in the constant {constant.name or 'of a formula'}"
+    for group in (program.inputs, program.outputs):
+        names = [item.name for item in group]
+        if sorted(set(names)) != names:
+            return f"names {names} that are not unique and sorted"
+    for number, operation in enumerate(program.operations, start=program.first_operation):
+        if any(not 0 <= operand < number for operand in operation.operands):
+            return f"operation {number} with operands {operation.operands} that come later"
+    return _problem_of_operations(program)
+
+
+def _problem_of_operations(program: Program) -> str | None:
+    sizes, varies = program.sizes, program.varies
+    for number, operation in enumerate(program.operations, start=program.first_operation):
+        operands = [sizes[operand] for operand in operation.operands]
+        found = complaint(
+            operation.kind, operands, operation.size, operation.index, operation.columns
+        )
+        if found:
+            return f"{found} (value {number})"
+        if operation.kind == "affine" and any(varies[i] for i in operation.operands[::2]):
+            return f"affine with a matrix or offset that is not constant (value {number})"
+    for output in program.outputs:
+        if not 0 <= output.value < len(sizes) or sizes[output.value] != math.prod(output.shape):
+            return f"output {output.name} of shape {output.shape} and value {output.value}"
+    return None
