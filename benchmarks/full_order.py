@@ -13,7 +13,8 @@ import time
 from common import seeds, show, trained
 
 from neuralgaits.certificate.levels.full_order.conclude import constants
-from neuralgaits.workflows.full_order import FullOrderResult, full_order
+from neuralgaits.certificate.levels.full_order.prove import FullOrderResult, full_order
+from neuralgaits.workflows.certify_full_order import model_of
 from neuralgaits.workflows.full_order_check import check_by_force, check_in_mujoco
 from neuralgaits.workflows.run import Run
 
@@ -23,7 +24,7 @@ DEFAULT_SEEDS = 5
 def prove(name: str, run: Run) -> FullOrderResult:
     """Prove, and print a row."""
     before = time.process_time()
-    found = full_order(run)
+    found = full_order(model_of(run))
     seconds = f"{found.wall_s:.1f} s, {time.process_time() - before:.1f} s of processor time"
     show(f"{name}: level 4", found.conclusion.verdict, "proved")
     show(f"{name}: time, {found.boxes} boxes", seconds)

@@ -14,8 +14,8 @@ from neuralgaits.certificate.levels.orbit import return_map
 from neuralgaits.certificate.levels.orbit.find import find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins, thin_gait
 from neuralgaits.certificate.levels.orbit.return_map import slope
+from neuralgaits.certificate.levels.sets import fences_of, look_at
 from neuralgaits.certificate.levels.walking_set.find import find_set
-from neuralgaits.workflows.sets import fences_of, look_at
 
 STEPS = 200
 QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}

@@ -25,6 +25,7 @@ from neuralgaits.barriers import (
     specs,
 )
 from neuralgaits.barriers import functions as f
+from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
@@ -33,7 +34,6 @@ from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.workflows.provable import trace_spec
-from neuralgaits.workflows.sets import Sets, trace_certificate
 
 EVERYWHERE = Box((0.0, 0.0), (1.0, 1.0))
 

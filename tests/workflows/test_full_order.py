@@ -11,7 +11,12 @@ from flint import arb
 from neuralgaits.barriers import Barrier
 from neuralgaits.certificate.levels.conclusions import proved_bounds
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
-from neuralgaits.certificate.levels.full_order.margins import output_coordinates, scaled_coordinates
+from neuralgaits.certificate.levels.full_order.margins import (
+    BANDWIDTH,
+    output_coordinates,
+    scaled_coordinates,
+)
+from neuralgaits.certificate.levels.full_order.prove import full_order
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, series
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
@@ -21,7 +26,7 @@ from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.algebras.ball_fibre import FibreBallAlgebra
 from neuralgaits.programs.prune import prune
 from neuralgaits.workflows import certify_full_order, check_proof, retrace
-from neuralgaits.workflows.full_order import BANDWIDTH, full_order, model_of
+from neuralgaits.workflows.certify_full_order import model_of
 from neuralgaits.workflows.full_order_check import (
     check_by_force,
     check_in_mujoco,
@@ -32,7 +37,7 @@ from neuralgaits.workflows.full_order_check import (
 
 @pytest.fixture(scope="module")
 def result(trained):
-    return full_order(trained)
+    return full_order(model_of(trained))
 
 
 @pytest.fixture(scope="module")

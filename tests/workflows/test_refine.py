@@ -9,6 +9,7 @@ import planted_walk
 import pytest
 
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
+from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, RunError
@@ -25,7 +26,6 @@ from neuralgaits.workflows.run import (
     open_run,
     untrained,
 )
-from neuralgaits.workflows.sets import Sets, trace_certificate
 from neuralgaits.workflows.train import train
 
 STEPS = 120

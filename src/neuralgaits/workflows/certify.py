@@ -16,6 +16,14 @@ from neuralgaits.certificate.levels.conditions.verdicts import (
     Counterexample,
     Verdict,
 )
+from neuralgaits.certificate.levels.sets import (
+    Sets,
+    condition_boxes,
+    find_sets,
+    premise_problems,
+    set_margins,
+    trace_certificate,
+)
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Statement, prove
@@ -36,14 +44,6 @@ from neuralgaits.workflows.certificate_reader import MAP, hashes
 from neuralgaits.workflows.certify_full_order import FILE, certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
 from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.sets import (
-    Sets,
-    condition_boxes,
-    find_sets,
-    premise_problems,
-    set_margins,
-    trace_certificate,
-)
 from neuralgaits.workflows.settings import check_budget, check_disturbance
 
 FOLDER = "certificate"
@@ -111,7 +111,7 @@ def certify(
     deadline = time.monotonic() + (np.inf if budget is None else budget)
     trained = open_run(run)
     try:
-        sets = find_sets(trained, level, disturbance)
+        sets = find_sets(trained.spec, trained.gait, trained.zero_dynamics, level, disturbance)
         parts = trained.spec, trained.robot, trained.gait, sets, trained.residuals
         program = trace_certificate(*parts)
     except SpecError as error:

@@ -6,11 +6,12 @@ from pathlib import Path
 
 from neuralgaits.certificate.levels.conclusions import Conclusion
 from neuralgaits.certificate.levels.full_order.conclude import LEVEL
+from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH, FullOrderModel
+from neuralgaits.certificate.levels.full_order.prove import BUDGET_S, FullOrderResult, full_order
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Proof
 from neuralgaits.certificate.search.schedule import Progress
 from neuralgaits.errors import SpecError
-from neuralgaits.workflows.full_order import BUDGET_S, FullOrderResult, full_order
 from neuralgaits.workflows.proof_of import proof_of
 from neuralgaits.workflows.run import Run
 
@@ -39,13 +40,18 @@ def certify_full_order(run: Run, deadline: float, progress: Progress | None) -> 
     if not budget > 0.0:
         return _undecided("the budget was spent on the levels before")
     try:
-        result = full_order(run, budget=budget, progress=progress)
+        result = full_order(model_of(run), budget=budget, progress=progress)
     except SpecError as error:
         return _undecided(str(error))
     if not result.statements:
         return FullOrderAnswer(result.conclusion, boxes=result.boxes)
     proof(run, result).write(path)
     return FullOrderAnswer(result.conclusion, path, result.boxes)
+
+
+def model_of(run: Run, bandwidth: float = BANDWIDTH) -> FullOrderModel:
+    """Robot, gait and spec of a run at full order."""
+    return FullOrderModel(run.robot, run.gait, run.spec, bandwidth)
 
 
 def _undecided(reason: str) -> FullOrderAnswer:

@@ -28,7 +28,7 @@ from neuralgaits.simulation.full_order import ExactOutputs, ExactWalk, walk_exac
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.tick import Record
 from neuralgaits.simulation.walk import walk
-from neuralgaits.workflows.full_order import model_of
+from neuralgaits.workflows.certify_full_order import model_of
 from neuralgaits.workflows.run import Run
 
 WALKS, STEPS = 10_000, 3

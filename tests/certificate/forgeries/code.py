@@ -132,7 +132,7 @@ from pathlib import Path
 
 import neuralgaits.programs.tracing.tracer as tracer
 import neuralgaits.workflows.provable as provable
-import neuralgaits.workflows.sets as sets
+import neuralgaits.certificate.levels.sets as sets
 from neuralgaits.programs import Program
 
 table = json.loads(Path({proof!r}).read_text())["program"]

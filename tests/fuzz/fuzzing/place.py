@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from neuralgaits.certificate.levels.sets import find_sets, premise_problems, trace_certificate
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.training import Trainer, TrainState
 from neuralgaits.workflows.certify import _problems
 from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.sets import find_sets, premise_problems, trace_certificate
 
 TESTS = Path(__file__).parents[2]
 OUTPUTS = ("report.html", "figures", "report", "episodes.png", "MUJOCO_LOG.TXT")
@@ -75,7 +75,7 @@ class Place:
     @cached_property
     def problems(self) -> list[Problem]:
         """What the boxes of the run's certificate are about, in their order."""
-        sets = find_sets(self.run, 3, (0.0, 0.0))
+        sets = find_sets(self.run.spec, self.run.gait, self.run.zero_dynamics, 3, (0.0, 0.0))
         run = self.run
         program = trace_certificate(run.spec, run.robot, run.gait, sets, run.residuals)
         return [*_problems(run, program), *premise_problems(run.spec, sets, program)]

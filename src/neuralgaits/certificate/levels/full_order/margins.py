@@ -47,6 +47,10 @@ def scaled_coordinates(eta: Vector, bandwidth: float | Scalar) -> Vector:
     return jnp.concatenate([rate, float(STIFF) * (y + rate)])
 
 
+BANDWIDTH = 30.0
+"""Double pole of the outputs [rad/s]: that of `control.fblin`."""
+
+
 @dataclass(frozen=True)
 class FullOrderModel:
     """Robot, gait and spec whose full order is looked at.
@@ -59,7 +63,7 @@ class FullOrderModel:
     robot: PlanarBiped
     gait: Gait
     spec: GaitSpec
-    bandwidth: float | Scalar
+    bandwidth: float | Scalar = BANDWIDTH
 
     @property
     def size(self) -> int:

@@ -1,4 +1,4 @@
-"""The sets of levels 2 and 3 for a run: found at points, traced, and laid out for the search."""
+"""The sets of levels 2 and 3 of a gait: found at points, traced, and laid out for the search."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -28,7 +28,6 @@ from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.workflows.run import Run
 
 CLAIMED = 0.4
 """Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
@@ -52,13 +51,18 @@ class Sets:
     least: Mapping[str, float] = field(default_factory=dict)
 
 
-def find_sets(run: Run, level: int, disturbance: tuple[float, float]) -> Sets:
+def find_sets(
+    spec: GaitSpec,
+    gait: Gait,
+    zd: ZeroDynamics,
+    level: int,
+    disturbance: tuple[float, float],
+) -> Sets:
     """Look for the sets that a level speaks of. Raises: SpecError if nothing can be traced."""
     if level < 2:
         return Sets()
-    gait = run.gait
-    look = look_at(gait, run.zero_dynamics)
-    walking = find_set(run.spec, look, disturbance)
+    look = look_at(gait, zd)
+    walking = find_set(spec, look, disturbance)
     if isinstance(walking, str):
         return Sets(reason=walking)
     least = {"set/reset-phase": -walking.start_strip}

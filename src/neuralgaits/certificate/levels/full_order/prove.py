@@ -1,9 +1,8 @@
-"""The full-order theorem for a run (level 4): constants found at points, premises proved."""
+"""The full-order theorem of a gait (level 4): constants found at points, premises proved."""
 
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import jax
 import numpy as np
@@ -22,10 +21,7 @@ from neuralgaits.certificate.search.schedule import Progress, box_count, explore
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.workflows.run import Run, open_run
 
-BANDWIDTH = 30.0
-"""Double pole of the outputs [rad/s]: that of `control.fblin`."""
 BUDGET_S = 240.0
 """Seconds that all attempts together may take."""
 SHARES = (0.6, 0.3, 0.1)
@@ -68,27 +64,24 @@ class FullOrderResult:
 
 
 def full_order(
-    run: Run | str | Path,
+    model: FullOrderModel,
     *,
-    bandwidth: float = BANDWIDTH,
     budget: float = BUDGET_S,
     progress: Progress | None = None,
 ) -> FullOrderResult:
-    """Prove the paper's Theorem 5 for a run, with computed constants and across impacts.
+    """Prove the paper's Theorem 5 for a gait, with computed constants and across impacts.
 
     Args:
-        run: a run, its folder, or `latest`.
-        bandwidth: w of the exact input-output linearisation [rad/s].
+        model: robot, gait and spec at full order, w a number.
         budget: seconds for all attempts.
         progress: called with (proved share, boxes) now and then.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
     began = time.perf_counter()
-    model = model_of(open_run(run), bandwidth)
     looks, best = looks_of(model), None
     for number, share in enumerate(SHARES):
-        shape = find_full_order(looks, model.names, bandwidth, share)
+        shape = find_full_order(looks, model.names, float(model.bandwidth), share)
         if isinstance(shape, str):
             found = _nothing(shape, began)
         else:
@@ -109,11 +102,6 @@ def _nothing(reason: str, began: float) -> FullOrderResult:
     """Undecided, with no set to speak of."""
     conclusion = Conclusion(LEVEL, "undecided", reason, (), {})
     return FullOrderResult(conclusion, None, None, (), 0, time.perf_counter() - began)
-
-
-def model_of(run: Run, bandwidth: float = BANDWIDTH) -> FullOrderModel:
-    """Robot, gait and spec of a run at full order."""
-    return FullOrderModel(run.robot, run.gait, run.spec, bandwidth)
 
 
 def prove_full_order(
