@@ -8,10 +8,10 @@ from small_proof import sha256, statement, write
 
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
+from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows import retrace
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.provable import trace_spec
-from neuralgaits.workflows.run import ROBOT, SPEC, WEIGHTS
 
 NAME, REGION = "tube-width", "fence-lower"
 

@@ -10,7 +10,7 @@ import pytest
 from neuralgaits.errors import RunError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import resolve_unfinished
-from neuralgaits.workflows.run import PROGRAM, STATE, WEIGHTS
+from neuralgaits.runs.names import PROGRAM, STATE, WEIGHTS
 from neuralgaits.workflows.train import train
 
 MOMENTS = ("config.json", STATE, "summary.json")

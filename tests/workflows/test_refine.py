@@ -14,18 +14,11 @@ from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.runs.names import RESIDUAL, START, STATE, WEIGHTS
 from neuralgaits.workflows import certificate_reader, retrace
 from neuralgaits.workflows.provable import trace_spec
 from neuralgaits.workflows.refine import refine
-from neuralgaits.workflows.run import (
-    RESIDUAL,
-    START,
-    STATE,
-    WEIGHTS,
-    open_parts,
-    open_run,
-    untrained,
-)
+from neuralgaits.workflows.run import open_parts, open_run, untrained
 from neuralgaits.workflows.train import train
 
 STEPS = 120

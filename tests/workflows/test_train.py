@@ -19,8 +19,9 @@ from neuralgaits.barriers import functions as f
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.runs.folder import NAN_STATE
+from neuralgaits.runs.names import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS
 from neuralgaits.workflows.report import write_report
-from neuralgaits.workflows.run import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS, open_run
+from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
 
 SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
@@ -141,7 +142,7 @@ import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
 from neuralgaits.training import gradient_steps
-from neuralgaits.workflows.run import STATE
+from neuralgaits.runs.names import STATE
 
 gradient_steps.CHECKPOINT_S = 0.0
 out = Path(sys.argv[2])

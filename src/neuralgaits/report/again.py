@@ -13,8 +13,8 @@ from neuralgaits.report.page import words
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC
 
-ROBOT, SPEC, RESIDUAL = "robot.xml", "spec.py", "residual.safetensors"
 """Copies in a run folder."""
 CONTROLLERS = ("pd", "fblin", "paper", "c")
 _LOCKSTEP = "lock-step"

@@ -21,9 +21,9 @@ from neuralgaits.report.certificate import FULL_ORDER, PROOF, SUMMARY
 from neuralgaits.report.shapes import CERTIFIED
 from neuralgaits.runs import RunFolder, from_json, plain
 from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.names import RESIDUAL
 from neuralgaits.runs.shape import complaint
 
-RESIDUAL = "residual.safetensors"
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF, FULL_ORDER)
 """What a certificate is about, and what it rests on."""
 MAP = "certificate/map.safetensors"

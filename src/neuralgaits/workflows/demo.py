@@ -5,8 +5,8 @@ from pathlib import Path
 import neuralgaits
 from neuralgaits.errors import RunError
 from neuralgaits.runs.commands import LATEST, command
+from neuralgaits.runs.names import ROBOT
 from neuralgaits.viewer import page
-from neuralgaits.workflows.run import ROBOT
 from neuralgaits.workflows.view import LiveView, view
 
 FOLDER = Path(neuralgaits.__file__).parent / "demo_run"

@@ -15,10 +15,11 @@ from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.runs import plain
+from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.certificate_reader import read_certificate
-from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
+from neuralgaits.workflows.run import Run, open_run
 
 PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
 FORMATS = ("c", "onnx")

@@ -13,7 +13,8 @@ from neuralgaits.report.data import GaitData
 from neuralgaits.report.skeleton import skeleton
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
-from neuralgaits.workflows.run import RESIDUAL, ROBOT, SPEC, WEIGHTS, Run
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, WEIGHTS
+from neuralgaits.workflows.run import Run
 
 FILE = "figures/data.safetensors"
 VERSION = 1

@@ -7,7 +7,8 @@ from typing import Any
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Proof, Statement
 from neuralgaits.programs import Program
-from neuralgaits.workflows.run import ROBOT, SPEC, WEIGHTS, Run
+from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
+from neuralgaits.workflows.run import Run
 
 
 def proof_of(

@@ -20,10 +20,11 @@ from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder
+from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
 from neuralgaits.training.gradient_steps import GradientSteps
 from neuralgaits.workflows.certify import FOLDER, certify
-from neuralgaits.workflows.run import WEIGHTS, Run
+from neuralgaits.workflows.run import Run
 
 ROUNDS = 10
 """Repairs after which a training gives up."""

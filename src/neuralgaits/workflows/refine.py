@@ -8,10 +8,11 @@ from neuralgaits.errors import RunError
 from neuralgaits.residual import stored
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.runs.commands import learning
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows import fit
 from neuralgaits.workflows.proof_rounds import Watch
-from neuralgaits.workflows.run import RESIDUAL, ROBOT, SPEC, START, WEIGHTS, Run, open_run
+from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.settings import (
     check_disturbance,
     check_proof_budget,

@@ -14,10 +14,11 @@ from neuralgaits.report.page.document import MOST_BYTES, document
 from neuralgaits.report.page.saved import Contents, Saved, read
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve, write_text
+from neuralgaits.runs.names import ROBOT
 from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.run import ROBOT, Run, asked_of, open_run
+from neuralgaits.workflows.run import Run, asked_of, open_run
 from neuralgaits.workflows.shown_walk import shown_walk
 
 FILE = "report.html"

@@ -12,10 +12,11 @@ from neuralgaits.report.residual_field import ResidualData
 from neuralgaits.residual import stored
 from neuralgaits.runs import from_json, read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
+from neuralgaits.runs.names import RESIDUAL
 from neuralgaits.runs.shape import TEXT, complaint, list_of
 from neuralgaits.workflows import fit
 from neuralgaits.workflows.gait_data import fingerprint, gait_data
-from neuralgaits.workflows.run import RESIDUAL, Run
+from neuralgaits.workflows.run import Run
 
 FILE = "figures/residual.safetensors"
 LOGS, STATES = 4, 2500

@@ -20,17 +20,8 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.folder import CONFIG, refuse_misshapen
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.shape import NUMBER, TEXT, Shape, list_of, may, one_of, table_of, whole
-
-WEIGHTS, STATE, ROBOT, SPEC, PROGRAM = (
-    "policy.safetensors",
-    "state.safetensors",
-    "robot.xml",
-    "spec.py",
-    "program.json",
-)
-START, RESIDUAL = "start.safetensors", "residual.safetensors"
-"""Copies in a refined run: weights it started from, and what was learned of the robot."""
 
 WIDEST, DEEPEST = 2**14, 16
 """Hidden layers that a config may ask for: what is more is damage, and would fill the memory."""

@@ -19,6 +19,7 @@ from neuralgaits.report.again import plant_word
 from neuralgaits.report.shapes import RECORDED
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import from_json, plain
+from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.runs.shape import complaint
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
@@ -26,7 +27,7 @@ from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, Walk, walk
 from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.native_walk import engine_of_run
-from neuralgaits.workflows.run import WEIGHTS, Run
+from neuralgaits.workflows.run import Run
 
 FILE = "report/walk.json"
 STEPS = 12

@@ -17,6 +17,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot, registry
 from neuralgaits.runs import plain, write_text
 from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
@@ -27,7 +28,7 @@ from neuralgaits.simulation.starts import full_states, momentum_range, periodic_
 from neuralgaits.simulation.walk import Walk, law_named, walk
 from neuralgaits.workflows.connect import connected
 from neuralgaits.workflows.native_walk import Choice, Engine, engine_of_run
-from neuralgaits.workflows.run import ROBOT, WEIGHTS, Run, open_run
+from neuralgaits.workflows.run import Run, open_run
 
 SUMMARY, PLANT = "simulation/summary.json", "simulation/plant.xml"
 _ALL = 2**31 - 1

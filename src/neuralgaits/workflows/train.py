@@ -11,10 +11,11 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
+from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
-from neuralgaits.workflows.run import ROBOT, SPEC, Run, asked_of, open_parts, untrained
+from neuralgaits.workflows.run import Run, asked_of, open_parts, untrained
 from neuralgaits.workflows.settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.workflows.training_session import TrainingSession
 

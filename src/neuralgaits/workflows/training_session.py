@@ -15,18 +15,12 @@ from neuralgaits.programs import Program
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish, write_text
 from neuralgaits.runs.commands import resuming
+from neuralgaits.runs.names import PROGRAM, START, STATE, WEIGHTS
 from neuralgaits.training import Trainer, TrainState, start_from_posture
 from neuralgaits.training.gradient_steps import GradientSteps, Progress
 from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
 from neuralgaits.workflows.provable import after_impact, trace_spec
-from neuralgaits.workflows.run import (
-    PROGRAM,
-    START,
-    STATE,
-    WEIGHTS,
-    learned_of,
-    residuals_of,
-)
+from neuralgaits.workflows.run import learned_of, residuals_of
 
 FRESH_SAMPLES_SEED = 2**31
 """Seed of the samples the summary is measured on; no run can have it."""

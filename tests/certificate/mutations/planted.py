@@ -13,7 +13,7 @@ from mutations.base import BOTH, Base, Mutation, Table, altered, corners, grid, 
 from mutations.numbers import changed_constant
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.prune import prune
-from neuralgaits.workflows.run import WEIGHTS
+from neuralgaits.runs.names import WEIGHTS
 
 DEEPEST, SHALLOWEST = -0.02, -0.0005
 """The planted margin lies between these, in scales."""

@@ -28,6 +28,7 @@ from neuralgaits.residual import stored
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import from_json, plain, read_arrays, resolve, to_json
+from neuralgaits.runs.names import ROBOT, STATE
 from neuralgaits.runs.shape import complaint
 from neuralgaits.workflows import (
     certificate_reader,
@@ -47,8 +48,7 @@ from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.export import _origin
 from neuralgaits.workflows.inspect import inspect
 from neuralgaits.workflows.report import saved_of
-from neuralgaits.workflows.run import ROBOT, asked_of, open_run, untrained
-from neuralgaits.workflows.training_session import STATE
+from neuralgaits.workflows.run import asked_of, open_run, untrained
 
 RARELY = 20
 """One input in so many is drawn where drawing takes long."""

@@ -6,6 +6,7 @@ from typing import Any
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import Html, bound, join, number, paragraph, tag
 from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.runs.names import RESIDUAL
 
 
 def answer(contents: Contents) -> Html:
@@ -158,7 +159,7 @@ def _borne(saved: Saved) -> str:
 def _left_open(saved: Saved) -> str:
     rests = "; ".join(words.assumptions(saved.proved_level))
     model = ""
-    if "residual.safetensors" in (saved.config.get("copies") or {}):
+    if RESIDUAL in (saved.config.get("copies") or {}):
         model = " The model is the robot file's, corrected by what was learned from logs."
     seen = (
         " The simulation covers some of that, in the walks it made."

@@ -6,11 +6,12 @@ from typing import Any
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import Html, facts, number, paragraph, section, table
 from neuralgaits.report.page.saved import Saved
+from neuralgaits.runs.names import RESIDUAL
 
 
 def learning(saved: Saved) -> Html:
     """Residual and episodes; nothing if the run has neither."""
-    carries = "residual.safetensors" in (saved.config.get("copies") or {})
+    carries = RESIDUAL in (saved.config.get("copies") or {})
     if not (carries or saved.residual or saved.episodes):
         return Html("")
     parts = []

@@ -17,6 +17,7 @@ from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, TRAINED, WALKE
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, learning, named, resuming
 from neuralgaits.runs.folder import NAN, file_hashes, refuse_misshapen
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
 
 Json = Mapping[str, Any]
@@ -24,11 +25,11 @@ LEARNING, WALK = "residual/summary.json", "simulation/summary.json"
 _NAN: Shape = {"step": COUNT, "conditions": list_of(TEXT)}
 """Of `nan.json`: where a training ended."""
 _HASHED = (
-    "policy.safetensors",
-    "robot.xml",
-    "spec.py",
-    "residual.safetensors",
-    "start.safetensors",
+    WEIGHTS,
+    ROBOT,
+    SPEC,
+    RESIDUAL,
+    START,
     PROOF,
     FULL_ORDER,
 )

@@ -1,0 +1,10 @@
+"""Names of the files of a run folder."""
+
+ROBOT, SPEC = "robot.xml", "spec.py"
+"""Copies of what the run was asked for."""
+WEIGHTS, STATE = "policy.safetensors", "state.safetensors"
+"""The trained gait; the last checkpoint."""
+PROGRAM = "program.json"
+"""The spec's conditions under the trained gait."""
+START, RESIDUAL = "start.safetensors", "residual.safetensors"
+"""Copies in a refined run: weights it started from, and what was learned of the robot."""
