@@ -3,7 +3,7 @@
 Asked: held-out 0.1 s error on walking strides at most 60 % of the model's alone and 1.3 times the
 best table's; a gradient step (16 windows of 3 samples, one RK4 step each) in 2 ms. The ablation
 fits the same strides with three optimisers, in seconds and with the authors' unit error
-(milliseconds integrated as if they were seconds, LESSONS 17), and judges every fit in seconds.
+(milliseconds integrated as if they were seconds), and judges every fit in seconds.
 SEEDS sets the number of fits of each kind.
 """
 

@@ -97,7 +97,7 @@ def test_the_orbit_closes(walker):
 
 
 def test_the_multiplier_is_that_of_the_formula(walker):
-    """P' = rho exp(integral of dF/dz2 dz1), F = dz2/dz1. Source: CERTIFICATE.md section 6."""
+    """P' = rho exp(integral of dF/dz2 dz1), F = dz2/dz1."""
     zd, orbit = walker
 
     def slope(z):

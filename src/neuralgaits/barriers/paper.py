@@ -2,7 +2,7 @@
 
 `paper` is Table 1 read as y_d(Delta(z)) = R y_d(z) and -0.15 <= Delta(z)_1 + z1 <= 0.15, with
 the authors' settings where the paper is silent. `authors` is what their code enforces. Both
-use their ReLU policy, which trains but is not provable. Source: LESSONS 29-31.
+use their ReLU policy, which trains but is not provable. What differs is in docs/notation.md.
 """
 
 from functools import partial

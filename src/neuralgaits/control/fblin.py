@@ -1,7 +1,7 @@
 """Input-output linearisation: the outputs obey ddy = -w^2 y - 2 w dy, with no linear solve.
 
 With ddq_a = slope ddz1 + known and ddq_1 from c . ddq = ddz1, the unactuated row of the dynamics
-is one scalar equation for ddz1; the actuated rows then give the torque. Source: LESSONS 7;
+is one scalar equation for ddz1; the actuated rows then give the torque. Source:
 Westervelt et al. (2007), section 5.
 """
 

@@ -2,7 +2,7 @@
 
 z2 is the true angular momentum about the stance foot, taken from the floating-base state: it is
 continuous across touchdown. Computed as D_row dq, for a pinned foot, it would jump while a soft
-contact settles and throw the policy off. Source: LESSONS 15.
+contact settles and throw the policy off.
 """
 
 import jax.numpy as jnp

@@ -12,7 +12,7 @@ from neuralgaits.robots import PlanarBiped
 class Pd(AbstractLaw):
     """Torque = -stiffness (q_a - y_d) - damping (dq_a - dy_d), without feed-forward.
 
-    Stiff gains hold at 1 kHz because reflected rotor inertia slows the joints (LESSONS 16).
+    Stiff gains hold at 1 kHz because reflected rotor inertia slows the joints.
 
     Attributes:
         stiffness: per joint [N m/rad].
@@ -42,4 +42,4 @@ class Pd(AbstractLaw):
 
 
 PAPER = Pd(stiffness=578.0, damping=16.2, measure_z2=False)
-"""The paper's deployment: its gains, and a policy that is told z2 = 0 (LESSONS 16, 31)."""
+"""The paper's deployment: its gains, and a policy that is told z2 = 0."""

@@ -3,7 +3,7 @@
 The outputs obey ddy = -w^2 y - 2 w dy exactly, whatever z does, so eta is an input here and no
 feedback law appears. The zero dynamics coordinates move with dz2 = M g x_com(q) and the dz1 that
 the momentum row fixes; both stay closed form, as on the zero dynamics manifold. Source:
-CERTIFICATE.md section 7; Westervelt et al. (2007), section 5.
+docs/full_order.md; Westervelt et al. (2007), section 5.
 """
 
 from functools import cached_property

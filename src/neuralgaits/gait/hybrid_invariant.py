@@ -4,7 +4,7 @@ Near both ends of a step y_d follows a cubic in logit space whose end values and
 free at the guard and *computed* at the start of the step: the robot's own plastic impact, legs
 relabelled, gives them. A network bends the path in between and vanishes with its slope at
 both ends. The guard is therefore the line z1 = z_G, the zero dynamics manifold is hybrid
-invariant, and the impact multiplies z2 by a constant. Source: LESSONS 42; hybrid invariance as
+invariant, and the impact multiplies z2 by a constant. Hybrid invariance as
 in Westervelt, Grizzle and Koditschek (2003).
 """
 

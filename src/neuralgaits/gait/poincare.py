@@ -1,7 +1,7 @@
 """Poincare map on the mid-step section z1 = 0: fixed point, multiplier, period, step length.
 
 One step of the projected hybrid zero dynamics is flow to the guard, reset, flow back to the
-section, a scalar map of z2. Source: paper section 2.2; CERTIFICATE.md section 6.
+section, a scalar map of z2. Source: paper section 2.2; docs/notation.md.
 """
 
 from typing import NamedTuple

@@ -3,7 +3,7 @@
 On the zero dynamics manifold the outputs are zero, so z alone fixes positions, rates,
 accelerations, torques and contact forces. Nothing needs a linear solve: rates are affine in
 dz1, the momentum row is one scalar equation for it, and its time derivative one for ddz1 with
-the same denominator. Source: LESSONS 7; CERTIFICATE.md section 1.
+the same denominator. Source: docs/notation.md.
 """
 
 from collections.abc import Callable

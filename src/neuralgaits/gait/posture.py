@@ -1,7 +1,7 @@
 """A nominal walking posture: where training starts, and the bounds of the outputs.
 
-With random initial weights every run falls into the minimum with both feet together; from a
-rough posture none does (LESSONS 13). Angles are the same for every robot; lengths scale with
+With random initial weights every run fell into the minimum with both feet together; from a
+rough posture none did. Angles are the same for every robot; lengths scale with
 leg length, z2 with m l sqrt(g l).
 """
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 REFERENCE_LEG_M = 0.8731
-"""Leg length of AMBER-3M, on which lengths and slopes were found (LESSONS 42)."""
+"""Leg length of AMBER-3M, on which lengths and slopes were found."""
 GUARD = 0.17 / REFERENCE_LEG_M
 """z1 at the guard, in leg lengths."""
 HIP_HEIGHT = 0.835 / REFERENCE_LEG_M

@@ -1,6 +1,6 @@
 """What a residual of the reset map is, and how it enters the state after an impact.
 
-A residual of the flow cannot repair the impact (LESSONS 36). Rates after a plastic impact are
+A residual of the flow cannot repair the impact. Rates after a plastic impact are
 linear in those before it, and on the zero dynamics manifold these are proportional to z2; so a
 correction is per unit of z2 before the impact. Positions are only relabelled: nothing to correct.
 """

@@ -3,7 +3,7 @@
 A row holds t [ms], five numbers of the robot's phase, the stance flag (1: the right leg), pitch
 and joint angles from left knee to right knee, their rates, desired angles and rates, torques,
 desired torques, and six positions. Signs and zeros are those of `PlanarBiped`. The robot writes no
-z. Source: LESSONS 33; the column list of the paper's public code.
+z. Source: the column list of the paper's public code.
 """
 
 import numpy as np

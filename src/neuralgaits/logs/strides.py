@@ -1,7 +1,7 @@
 """Strides of logged walks: cut at contact changes, then split for learning.
 
 Strides are split, not windows: windows of one stride share samples, which a split of windows
-would put on both sides. Source: LESSONS 18.
+would put on both sides.
 """
 
 from collections.abc import Sequence

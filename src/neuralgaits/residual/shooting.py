@@ -1,6 +1,6 @@
 """Trajectories of the zero dynamics over windows: one RK4 step from each sample to the next.
 
-A step of 10 ms is accurate to 1.4e-5 of the state's change (LESSONS 19).
+A step of 10 ms was found accurate to 1.4e-5 of the state's change.
 """
 
 from collections.abc import Callable

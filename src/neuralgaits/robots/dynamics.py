@@ -3,7 +3,7 @@
 With centres of mass sum_k a_ik e(theta_k), kinetic energy is a double sum of
 |C_kl| cos(theta_k - theta_l + phase_kl) over link rates, so mass matrix and Coriolis terms are
 one cosine and one sine of the same angle table. No linear solve, no symbolic generation.
-Source: CERTIFICATE.md section 1; any text on planar manipulators in absolute angles.
+Source: docs/notation.md; any text on planar manipulators in absolute angles.
 """
 
 from typing import TYPE_CHECKING

@@ -4,7 +4,7 @@ The floating-base robot meets the ground with its swing foot; the old stance foo
 leave; the impulse acts on the new stance foot alone. Momentum conjugate to every other
 coordinate is therefore conserved, which needs only the pinned mass matrix:
 D(q+) dq+ = D(q+) R dq- + B(q+)^T v_foot with B the coupling of joint rates to the
-translation of the foot. Source: LESSONS 5 and 7; Westervelt et al. (2007), section 3.4.
+translation of the foot. Source: Westervelt et al. (2007), section 3.4.
 """
 
 from typing import TYPE_CHECKING, NamedTuple

@@ -1,7 +1,7 @@
 """The disturbances that every policy is tried on, one at a time.
 
 Sizes are the project's choice of what a model of a robot may be off by; they combine, since each
-is a `Disturbance`. Source of the robot's own numbers: LESSONS 1.
+is a `Disturbance`. The robot's own numbers stand in its model file.
 """
 
 from math import pi

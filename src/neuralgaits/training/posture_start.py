@@ -1,6 +1,6 @@
 """A few supervised steps that put a free network into a walking posture before training.
 
-From random weights every run falls into the minimum with both feet together (LESSONS 13).
+From random weights every run fell into the minimum with both feet together.
 """
 
 import equinox as eqx

@@ -30,7 +30,7 @@ from neuralgaits.workflows.settings import check_seed
 FOLDER = "residual"
 FILE, SUMMARY = f"{FOLDER}/residual.safetensors", f"{FOLDER}/summary.json"
 SAMPLES, STEP_S = 3, 0.01
-"""Windows that are learned from: three samples 10 ms apart (paper's code, LESSONS 19)."""
+"""Windows that are learned from: three samples 10 ms apart (as in the paper's code)."""
 JUDGED_SAMPLES = 11
 """Windows that errors are reported on: 0.1 s."""
 

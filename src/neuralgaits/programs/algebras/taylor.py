@@ -3,7 +3,7 @@
 A value is a polynomial of degree one or two in (e1, e2) in [-1, 1]^2 plus a remainder [-r, r].
 Operations keep the polynomial part exact up to rounding and bound what they drop; a unary
 function is expanded about the constant term with a bound on its next derivative over the
-model's range. Source: CERTIFICATE.md sections 2 and 3; Makino and Berz (2003).
+model's range. Source: Makino and Berz (2003).
 
 Rounding: NumPy's + - x / sqrt are IEEE; sin, cos, tanh, exp, log1p are assumed within
 4 ulp. After every operation the remainder grows by `SLACK` times the sum of all coefficient
