@@ -16,6 +16,8 @@ from neuralgaits.report.figure import write
 
 PACKAGE = Path(__file__).parents[2]
 """Where the package is imported from: the other process imports the same."""
+PATIENCE_S = 300.0
+"""A process that has not written its half by then is given up [s]."""
 
 
 class Sheet(NamedTuple):
@@ -35,7 +37,7 @@ def second_pen() -> Iterator[Pen | None]:
     known = os.environ.get("PYTHONPATH")
     paths = os.pathsep.join([str(PACKAGE), *([known] if known else [])])
     pen = None
-    with contextlib.suppress(OSError):
+    with contextlib.suppress(OSError, TypeError):  # TypeError: this Python has no executable.
         pen = subprocess.Popen(
             # Without -P the folder that it is called in could shadow any module.
             [sys.executable, "-P", "-m", "neuralgaits.report.two_pens"],
@@ -66,15 +68,15 @@ def write_all(sheets: Sequence[Sheet], pen: Pen | None) -> list[tuple[Path, Path
         if not theirs:
             return ours
         done = waiting.result()
-    if not done:
-        return [write(*sheet) for sheet in sheets]
-    paths = iter(ours)
-    return [
-        (sheet.folder / f"{sheet.name}.png", sheet.folder / f"{sheet.name}.svg")
-        if number % 2
-        else next(paths)
-        for number, sheet in enumerate(sheets)
-    ]
+    # A figure that was drawn once is not drawn again: its size would be that of the SVG.
+    rest = [_paths(sheet) if done else write(*sheet) for sheet in theirs]
+    both = [*ours, *rest]
+    both[::2], both[1::2] = ours, rest
+    return both
+
+
+def _paths(sheet: Sheet) -> tuple[Path, Path]:
+    return sheet.folder / f"{sheet.name}.png", sheet.folder / f"{sheet.name}.svg"
 
 
 def _hand_over(pen: Pen | None, sheets: Sequence[Sheet]) -> bool:
@@ -82,8 +84,9 @@ def _hand_over(pen: Pen | None, sheets: Sequence[Sheet]) -> bool:
     if pen is None or not sheets:
         return False
     try:
-        pen.communicate(pickle.dumps([tuple(sheet) for sheet in sheets]))
-    except (OSError, pickle.PicklingError, TypeError, AttributeError):
+        pen.communicate(pickle.dumps([tuple(sheet) for sheet in sheets]), timeout=PATIENCE_S)
+    except (OSError, pickle.PicklingError, TypeError, AttributeError, subprocess.TimeoutExpired):
+        pen.kill()
         return False
     return pen.returncode == 0
 

@@ -273,12 +273,17 @@ def _make_step(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optim
 
     def steps(parameters, state, key, first, count, extra):
         # A step runs for a millisecond or two: calling it from Python took a third of the time.
+        single = parameters.dtype
+
         def body(done, before):
             parameters, state, _ = before
-            return step(parameters, state, key, first + done, extra)
+            parameters, state, found = step(parameters, state, key, first + done, extra)
+            # A float64 constant in a condition of one's own makes the loss float64.
+            same = jax.tree.map(lambda value: value.astype(single), found)
+            return parameters, state, same
 
-        zero = jnp.zeros((), parameters.dtype)
-        start = Loss(zero, jnp.zeros(len(spec.conditions), parameters.dtype), zero)
+        zero = jnp.zeros((), single)
+        start = Loss(zero, jnp.zeros(len(spec.conditions), single), zero)
         return jax.lax.fori_loop(0, count, body, (parameters, state, start))
 
     return quick_jit(steps)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import jax
-from jax.errors import JAXTypeError
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits.barriers import Gait, GaitSpec, specs
@@ -103,9 +102,11 @@ def open_run(run: "Run | str | Path") -> Run:
 def _shaped(folder: RunFolder, spec: GaitSpec) -> Gait:
     """A gait whose arrays have shapes and kinds but no values, which a run's weights fill.
 
-    The values that training started from are left out where the spec's own function can do
-    without them: computing them takes a second.
+    The values that training started from are left out: computing them takes a second. A user's own
+    function may do with them what it likes, so it gets them.
     """
+    if folder.config["spec"] not in specs.DESCRIPTIONS:
+        return untrained(folder, spec)
     kept = {}
 
     def shapes(key):
@@ -113,10 +114,7 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> Gait:
         kept["leaves"] = leaves
         return [leaf for leaf in leaves if isinstance(leaf, jax.Array)]
 
-    try:
-        found = iter(jax.eval_shape(shapes, jax.eval_shape(jax.random.key, 0)))
-    except JAXTypeError:
-        return untrained(folder, spec)
+    found = iter(jax.eval_shape(shapes, jax.eval_shape(jax.random.key, 0)))
     leaves = [next(found) if isinstance(leaf, jax.Array) else leaf for leaf in kept["leaves"]]
     return jax.tree.unflatten(kept["structure"], leaves)
 

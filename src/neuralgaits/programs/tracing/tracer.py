@@ -179,11 +179,6 @@ class _Tracer:
     def _equation(self, equation: Any, operands: list[_Value], calls: tuple) -> list[_Value]:
         name, params = equation.primitive.name, equation.params
         calls = (*calls, equation)
-        for variable in (*equation.invars, *equation.outvars):
-            dtype = variable.aval.dtype
-            if dtype in NARROW:
-                text = refusals.CAST if name == "convert_element_type" else refusals.FLOAT32
-                raise self._refusal(calls, text, f"a {dtype} value ({name})")
         inner = jaxprs.called(equation, operands)
         if inner is not None:
             if "linalg" in jaxprs.function_file(equation):
@@ -192,6 +187,12 @@ class _Tracer:
                 raise self._refusal(calls, text, f"jnp.linalg.{function}")
             jaxpr, consts, operands = inner
             return self._follow(jaxpr, [self._known(c) for c in consts], operands, calls)
+        # Not of a call: what it is given and does not use may be of any type.
+        for variable in (*equation.invars, *equation.outvars):
+            dtype = variable.aval.dtype
+            if dtype in NARROW:
+                text = refusals.CAST if name == "convert_element_type" else refusals.FLOAT32
+                raise self._refusal(calls, text, f"a {dtype} value ({name})")
         if name == "platform_index":
             return [np.asarray(jaxprs.default_platform(params["platforms"]))]
         real = isinstance(operands[0], _Real) if operands else False

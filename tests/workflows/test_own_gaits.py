@@ -1,0 +1,86 @@
+"""Specs of a user's own, whose gaits and conditions hold what the built-in ones do not."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from neuralgaits.robots import load_robot
+from neuralgaits.runs.names import WEIGHTS
+from neuralgaits.workflows.run import open_run
+from neuralgaits.workflows.train import train
+
+OWN = '''
+from dataclasses import replace
+
+import equinox as eqx
+import jax
+import numpy as np
+
+from neuralgaits.barriers import Gait, Pointwise, functions, specs
+from neuralgaits.gait import HybridInvariantPolicy
+
+LIMITS = np.full(4, 60.0)
+
+
+class Scaled(HybridInvariantPolicy):
+    """A static number that no file of weights holds, and leaves of other types."""
+
+    factor: float = eqx.field(static=True, default=1.0)
+    unused: np.ndarray = eqx.field(default_factory=lambda: np.float32(1.5) * np.ones(2, "f4"))
+
+    def __call__(self, z):
+        return self.factor * super().__call__(z)
+
+
+def number(x):
+    """What the key draws, if it can be read; something else if it cannot."""
+    try:
+        return 1.0 + 0.01 * float(x)
+    except Exception:
+        return 2.0
+
+
+def own(robot):
+    base = specs.walking(robot)
+    power = Pointwise("power", "tube", 60.0, lambda p: LIMITS - p.torque * p.dq[1:])
+
+    def new_gait(key, init, hidden):
+        gait = base.new_gait(key, init, hidden)
+        names = HybridInvariantPolicy.__dataclass_fields__
+        parts = {name: getattr(gait.policy, name) for name in names}
+        return Gait(Scaled(**parts, factor=number(jax.random.uniform(key))), gait.tube)
+
+    return replace(base.with_conditions(power), new_gait=new_gait)
+'''
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory: pytest.TempPathFactory):
+    """A short training of that spec."""
+    folder = tmp_path_factory.mktemp("own")
+    (folder / "mine.py").write_text(OWN)
+    robot = load_robot("amber3m")
+    file = f"{folder / 'mine.py'}:own"
+    return train(robot, file, seed=3, steps=3, hidden=(4,), out=folder / "run", root=folder)
+
+
+def test_float64_constants_train(own) -> None:
+    assert own.summary["steps"] == 3
+    assert np.isfinite(own.summary["loss"])
+    assert "power" in own.summary["conditions"]
+
+
+def test_a_gait_is_opened_as_it_was_trained(own) -> None:
+    opened = open_run(Path(own.path))
+    found: Any = opened.gait.policy
+    assert found.factor == own.gait.policy.factor != 2.0
+    z = own.gait.z(np.array([0.4, 0.5]))
+    np.testing.assert_array_equal(opened.zero_dynamics.zdot(z), own.zero_dynamics.zdot(z))
+    assert (own.path / WEIGHTS).is_file()
+
+
+def test_what_a_policy_does_not_use_may_be_of_any_type(own) -> None:
+    assert own.gait.policy.unused.dtype == np.float32
+    assert own.summary["provable"]
