@@ -66,3 +66,31 @@ def test_program_equals_function(plan):
     for name, value in evaluate(again, {"x": point}, POINT).items():
         np.testing.assert_array_equal(value, found[name])
     assert trace(function, {"x": (3,)}).hash == program.hash
+
+
+def test_the_same_operands_in_operations_that_differ_in_a_parameter_alone():
+    """What was done once is remembered: by operation, operands and parameters."""
+
+    def function(x):
+        a, b = x[:3], x[3:]
+        table = a[:, None] * b[None, :]
+        return {
+            "cube": a**3,
+            "fifth": a**5,
+            "inverse": (1.5 + a * a) ** -1,
+            "inverse square": (1.5 + a * a) ** -2,
+            "columns": jnp.sum(table, axis=0),
+            "rows": jnp.sum(table, axis=1),
+            "difference": a - b,
+            "turned around": b - a,
+            "product": table @ jnp.sin(table),
+            "other product": jnp.einsum("ij,kj->ik", table, jnp.sin(table)),
+            "again": jnp.sum(table, axis=0) - a**3,
+        }
+
+    program = trace(function, {"x": (6,)})
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (5, 6))
+    found = evaluate(program, {"x": points}, POINT)
+    for index, point in enumerate(points):
+        for name, expected in function(jnp.asarray(point)).items():
+            np.testing.assert_allclose(found[name][index], expected, rtol=1e-12, atol=1e-14)

@@ -1,12 +1,12 @@
 """Figures are the same whoever writes them, and a process that cannot write them loses none."""
 
+import sys
 from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
-from neuralgaits.report import two_pens
 from neuralgaits.report.style import new_figure, settings
 from neuralgaits.report.two_pens import Sheet, second_pen, write_all
 
@@ -49,7 +49,7 @@ def test_without_the_other_process_all_are_written_here(
     (tmp_path / "one").mkdir()
     (tmp_path / "two").mkdir()
     alone = list(_files(write_all(_sheets(tmp_path / "one"), None)))
-    monkeypatch.setattr(two_pens.sys, "executable", executable)
+    monkeypatch.setattr(sys, "executable", executable)
     with second_pen() as pen:
         assert list(_files(write_all(_sheets(tmp_path / "two"), pen))) == alone
 

@@ -54,6 +54,16 @@ def test_resuming_from_a_file_is_exact(states, trainer, gait, tmp_path):
     same(state, found[-1])
 
 
+def test_steps_come_to_the_same_bits_however_they_are_counted_out(states, trainer, gait):
+    found, losses = states
+    state = trainer.init(gait)
+    for count in (7, 1, 31):
+        state, loss = trainer.step(state, count)
+        assert float(loss.total) == losses[int(state.step) - 1]
+    assert int(state.step) == 39
+    same((state.parameters, state.optimizer), (found[38].parameters, found[38].optimizer))
+
+
 def test_the_best_parameters_are_kept(states, trainer):
     """The lowest of the validated losses, measured again."""
     found, _ = states

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from neuralgaits.robots import load_robot
-from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
 
@@ -78,7 +77,6 @@ def test_a_gait_is_opened_as_it_was_trained(own) -> None:
     assert found.factor == own.gait.policy.factor != 2.0
     z = own.gait.z(np.array([0.4, 0.5]))
     np.testing.assert_array_equal(opened.zero_dynamics.zdot(z), own.zero_dynamics.zdot(z))
-    assert (own.path / WEIGHTS).is_file()
 
 
 def test_what_a_policy_does_not_use_may_be_of_any_type(own) -> None:

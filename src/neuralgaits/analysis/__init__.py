@@ -1,1 +1,1 @@
-"""What figures, report and viewer show of a gait, computed without compiling anything."""
+"""What figures, report and viewer show of a gait: its flow, its orbit, its quantities."""

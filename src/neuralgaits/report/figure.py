@@ -29,9 +29,14 @@ def svg(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
+def paths_of(folder: Path, name: str) -> tuple[Path, Path]:
+    """The PNG and the SVG file that a figure becomes."""
+    return folder / f"{name}.png", folder / f"{name}.svg"
+
+
 def write(figure: Figure, folder: Path, name: str) -> tuple[Path, Path]:
     """Write NAME.png and NAME.svg. Returns: both paths."""
-    paths = folder / f"{name}.png", folder / f"{name}.svg"
+    paths = paths_of(folder, name)
     # The layout is found once; both files share it.
     with style.settings():
         FigureCanvasAgg(figure)

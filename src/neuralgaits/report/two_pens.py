@@ -1,7 +1,6 @@
 """Figures written by two processes at once: most of what a report takes is drawing its files."""
 
 import contextlib
-import os
 import pickle
 import subprocess
 import sys
@@ -12,10 +11,9 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
-from neuralgaits.report.figure import write
+from neuralgaits._own_process import command_of, environment_of
+from neuralgaits.report.figure import paths_of, write
 
-PACKAGE = Path(__file__).parents[2]
-"""Where the package is imported from: the other process imports the same."""
 PATIENCE_S = 300.0
 """A process that has not written its half by then is given up [s]."""
 
@@ -34,17 +32,14 @@ Pen = subprocess.Popen[bytes]
 @contextlib.contextmanager
 def second_pen() -> Iterator[Pen | None]:
     """A process that imports what drawing needs while figures are made here; None without one."""
-    known = os.environ.get("PYTHONPATH")
-    paths = os.pathsep.join([str(PACKAGE), *([known] if known else [])])
     pen = None
     with contextlib.suppress(OSError, TypeError):  # TypeError: this Python has no executable.
         pen = subprocess.Popen(
-            # Without -P the folder that it is called in could shadow any module.
-            [sys.executable, "-P", "-m", "neuralgaits.report.two_pens"],
+            command_of("neuralgaits.report.two_pens"),
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            env=os.environ | {"PYTHONPATH": paths},
+            env=environment_of(),
         )
     try:
         yield pen
@@ -61,28 +56,21 @@ def write_all(sheets: Sequence[Sheet], pen: Pen | None) -> list[tuple[Path, Path
 
     Returns: paths of the PNG and SVG files, in order.
     """
-    theirs = [] if pen is None else list(sheets[1::2])
+    if pen is None:
+        return [write(*sheet) for sheet in sheets]
     with ThreadPoolExecutor(1) as beside:
-        waiting = beside.submit(_hand_over, pen, theirs)
-        ours = [write(*sheet) for sheet in (sheets[::2] if theirs else sheets)]
-        if not theirs:
-            return ours
-        done = waiting.result()
-    # A figure that was drawn once is not drawn again: its size would be that of the SVG.
-    rest = [_paths(sheet) if done else write(*sheet) for sheet in theirs]
-    both = [*ours, *rest]
-    both[::2], both[1::2] = ours, rest
-    return both
+        written = beside.submit(_hand_over, pen, sheets[1::2])
+        for sheet in sheets[::2]:
+            write(*sheet)
+        if not written.result():
+            # Only these: a figure that was drawn once would be drawn in the size of its SVG.
+            for sheet in sheets[1::2]:
+                write(*sheet)
+    return [paths_of(sheet.folder, sheet.name) for sheet in sheets]
 
 
-def _paths(sheet: Sheet) -> tuple[Path, Path]:
-    return sheet.folder / f"{sheet.name}.png", sheet.folder / f"{sheet.name}.svg"
-
-
-def _hand_over(pen: Pen | None, sheets: Sequence[Sheet]) -> bool:
+def _hand_over(pen: Pen, sheets: Sequence[Sheet]) -> bool:
     """Let the process write them. Returns: whether it did."""
-    if pen is None or not sheets:
-        return False
     try:
         pen.communicate(pickle.dumps([tuple(sheet) for sheet in sheets]), timeout=PATIENCE_S)
     except (OSError, pickle.PicklingError, TypeError, AttributeError, subprocess.TimeoutExpired):

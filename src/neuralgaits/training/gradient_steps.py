@@ -69,13 +69,13 @@ class GradientSteps:
         """
         saved, kept, count = time.perf_counter(), state, 1
         while not trainer.done(state) and time.monotonic() < deadline:
-            began, before_them = time.perf_counter(), int(state.step)
-            ahead = min(VALIDATE_EVERY - before_them % VALIDATE_EVERY, trainer.steps - before_them)
+            began, first = time.perf_counter(), int(state.step)
+            ahead = min(VALIDATE_EVERY - first % VALIDATE_EVERY, trainer.steps - first)
             state, loss = trainer.step(state, min(count, ahead))
             step = int(state.step)
             jax.block_until_ready(loss)
             # As many at once as a user who stops it, or a budget, can wait for.
-            each = (time.perf_counter() - began) / (step - before_them)
+            each = (time.perf_counter() - began) / (step - first)
             count = max(1, round(AT_ONCE_S / each))
             if step % VALIDATE_EVERY and not trainer.done(state):
                 continue

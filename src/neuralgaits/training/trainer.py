@@ -16,30 +16,26 @@ import numpy as np
 import optax
 from jax.flatten_util import ravel_pytree
 
-from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec, Recipe
 from neuralgaits.gait import Residuals
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.training.compiled import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import (
     NO_RESIDUALS,
     Layout,
     Loss,
-    barrier_loss,
     lay_out,
-    margin_matrix,
 )
 from neuralgaits.training.precision import cast, cast_named
-from neuralgaits.training.pushes import Disturbance, pushes_of
-from neuralgaits.training.repair import Boxes, Extra, with_extra
+from neuralgaits.training.pushes import Disturbance
+from neuralgaits.training.repair import Boxes, Extra
 from neuralgaits.training.sampling import Sampler
 
 VALIDATE_EVERY = 100
 """Steps between two looks at the fixed validation samples."""
-VALIDATION_SAMPLES = 8
-"""Validation samples for each training sample."""
 REPAIR_RATE = 0.5
 """Share of the recipe's learning rate in further training: the gait is nearly there."""
 
@@ -145,9 +141,9 @@ class Trainer:
             cast(fixed, np.float32),
             cast(residuals, np.float32),
         )
-        step = _make_step(spec, light, disturbance, unflatten, optimizer)
+        step = make_steps(spec, light, disturbance, unflatten, optimizer)
         checked = lay_out(spec, robot, template, validation)
-        evaluate = _make_evaluate(spec, robot, validation, checked, residuals, disturbance)
+        evaluate = make_evaluate(spec, robot, validation, checked, residuals, disturbance)
         return cls(
             robot=robot,
             spec=spec,
@@ -172,7 +168,7 @@ class Trainer:
         factor = REPAIR_RATE * width_factor(self.spec, self._template)
         optimizer = _optimizer(self.spec.recipe, steps, factor)
         parts = self.spec, self._light, self.disturbance, self._unflatten
-        step = _make_step(*parts, optimizer)
+        step = make_steps(*parts, optimizer)
         return replace(self, steps=steps, _step=step, _optimizer=optimizer)
 
     def on(self, extra: Extra, number: int) -> "Trainer":
@@ -251,59 +247,6 @@ class Trainer:
 def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTransformation:
     rate = replace(recipe, learning_rate=factor * recipe.learning_rate)
     return optax.adamw(schedule(rate, steps), weight_decay=recipe.weight_decay)
-
-
-def _make_step(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optimizer) -> Callable:
-    robot, layout, sampler, fixed, residuals = light
-
-    def loss(parameters, u, counts, pushes):
-        gait = eqx.combine(unflatten(parameters), fixed).matched(robot, residuals.reset)
-        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
-        result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
-        return result.total, result
-
-    def step(parameters, state, key, index, extra):
-        key = jax.random.fold_in(key, index)
-        u, counts = with_extra(extra, 1, sampler.draw(key), layout.counts, key)
-        gradient_of = jax.value_and_grad(loss, has_aux=True)
-        u, pushes = u.astype(jnp.float32), pushes_of(disturbance, key, len(u), jnp.float32)
-        (_, result), gradient = gradient_of(parameters, u, counts, pushes)
-        update, state = optimizer.update(gradient, state, parameters)
-        return optax.apply_updates(parameters, update), state, result
-
-    def steps(parameters, state, key, first, count, extra):
-        # A step runs for a millisecond or two: calling it from Python took a third of the time.
-        single = parameters.dtype
-
-        def body(done, before):
-            parameters, state, _ = before
-            parameters, state, found = step(parameters, state, key, first + done, extra)
-            # A float64 constant in a condition of one's own makes the loss float64.
-            same = jax.tree.map(lambda value: value.astype(single), found)
-            return parameters, state, same
-
-        zero = jnp.zeros((), single)
-        start = Loss(zero, jnp.zeros(len(spec.conditions), single), zero)
-        return jax.lax.fori_loop(0, count, body, (parameters, state, start))
-
-    return quick_jit(steps)
-
-
-def _make_evaluate(
-    spec: GaitSpec,
-    robot: PlanarBiped,
-    sampler: Sampler,
-    layout: Layout,
-    residuals: Residuals,
-    disturbance: Disturbance,
-) -> Callable:
-    def evaluate(gait, key, extra, share):
-        u, counts = with_extra(extra, VALIDATION_SAMPLES, sampler.draw(key), layout.counts, key)
-        pushes = pushes_of(disturbance, key, len(u), u.dtype, share)
-        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
-        return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
-
-    return quick_filter_jit(evaluate)
 
 
 @eqx.filter_jit

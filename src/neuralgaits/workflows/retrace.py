@@ -6,19 +6,17 @@ can patch no checker.
 """
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._own_process import command_of, environment_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.runs import plain, write_text
 
-PACKAGE = Path(__file__).parents[2]
-"""Where the package is imported from: the other process imports the same."""
 LAST_LINES = 3
 """Of what a process that failed left on its standard error."""
 
@@ -28,20 +26,17 @@ def ask(run: Path, theorems: Theorems) -> dict[str, Any]:
 
     Raises: RunError if the run cannot be opened or its spec ends the process; InputError likewise.
     """
-    known = os.environ.get("PYTHONPATH")
-    paths = [str(PACKAGE), *([known] if known else [])]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "answer.json"
         done = subprocess.run(
-            # Without -P the folder that it is called in could shadow any module.
-            [sys.executable, "-P", "-m", "neuralgaits.workflows.retrace", str(run), str(file)],
+            command_of("neuralgaits.workflows.retrace", str(run), str(file)),
             input=json.dumps(theorems.tables()),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
             errors="replace",
             check=False,
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(paths), "JAX_ENABLE_X64": "1"},
+            env=environment_of(JAX_ENABLE_X64="1"),
         )
         found = _read(file)
     if found is None or done.returncode != 0:

@@ -1,1 +1,1 @@
-"""Proof files: written, read, and checked by code that shares nothing with the search."""
+"""Proof files: written from searches; read and checked by code that shares nothing with them."""

@@ -1,0 +1,20 @@
+"""How a module of this package is run in a process of its own."""
+
+import os
+import sys
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+"""Where the package is imported from: the other process imports the same."""
+
+
+def command_of(module: str, *arguments: str) -> list[str]:
+    """The command line. `-P`: the folder that it is called in could shadow any module."""
+    return [sys.executable, "-P", "-m", module, *arguments]
+
+
+def environment_of(**more: str) -> dict[str, str]:
+    """This process's environment, the package's place and more variables in it."""
+    known = os.environ.get("PYTHONPATH")
+    paths = [str(PACKAGE), *([known] if known else [])]
+    return os.environ | {"PYTHONPATH": os.pathsep.join(paths)} | more

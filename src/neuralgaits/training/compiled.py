@@ -1,0 +1,90 @@
+"""What a trainer compiles: gradient steps in one loop, and the look at a gait."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import optax
+
+from neuralgaits._quick_jit import quick_filter_jit, quick_jit
+from neuralgaits.barriers import GaitSpec
+from neuralgaits.gait import Residuals
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.training.loss import Layout, Loss, barrier_loss, margin_matrix
+from neuralgaits.training.pushes import Disturbance, pushes_of
+from neuralgaits.training.repair import with_extra
+from neuralgaits.training.sampling import Sampler
+
+VALIDATION_SAMPLES = 8
+"""Validation samples for each training sample."""
+
+
+def make_steps(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optimizer) -> Callable:
+    """Gradient steps in one loop.
+
+    Args:
+        spec: conditions and recipe.
+        light: robot, layout, sampler, untrained leaves and residuals, in single precision.
+        disturbance: that the conditions must bear beside them (m/s, N m).
+        unflatten: flat parameters to the trained leaves.
+        optimizer: of optax.
+
+    Returns: (parameters, optimiser state, key, first step, count, extra) to parameters, state and
+        the `Loss` of the last step before it was taken.
+    """
+    robot, layout, sampler, fixed, residuals = light
+
+    def loss(parameters, u, counts, pushes):
+        gait = eqx.combine(unflatten(parameters), fixed).matched(robot, residuals.reset)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
+        result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
+        return result.total, result
+
+    def step(parameters, state, key, index, extra):
+        key = jax.random.fold_in(key, index)
+        u, counts = with_extra(extra, 1, sampler.draw(key), layout.counts, key)
+        gradient_of = jax.value_and_grad(loss, has_aux=True)
+        u, pushes = u.astype(jnp.float32), pushes_of(disturbance, key, len(u), jnp.float32)
+        (_, result), gradient = gradient_of(parameters, u, counts, pushes)
+        update, state = optimizer.update(gradient, state, parameters)
+        return optax.apply_updates(parameters, update), state, result
+
+    def steps(parameters, state, key, first, count, extra):
+        # A step runs for a millisecond or two: calling it from Python took a third of the time.
+        single = parameters.dtype
+
+        def body(done, before):
+            parameters, state, _ = before
+            parameters, state, found = step(parameters, state, key, first + done, extra)
+            # A float64 constant in a condition of one's own makes the loss float64.
+            same = jax.tree.map(lambda value: value.astype(single), found)
+            return parameters, state, same
+
+        zero = jnp.zeros((), single)
+        start = Loss(zero, jnp.zeros(len(spec.conditions), single), zero)
+        return jax.lax.fori_loop(0, count, body, (parameters, state, start))
+
+    return quick_jit(steps)
+
+
+def make_evaluate(
+    spec: GaitSpec,
+    robot: PlanarBiped,
+    sampler: Sampler,
+    layout: Layout,
+    residuals: Residuals,
+    disturbance: Disturbance,
+) -> Callable:
+    """A look at a gait on validation samples.
+
+    Returns: (gait, key, extra, share of the disturbance) to `Loss` and margins [N, K].
+    """
+
+    def evaluate(gait, key, extra, share):
+        u, counts = with_extra(extra, VALIDATION_SAMPLES, sampler.draw(key), layout.counts, key)
+        pushes = pushes_of(disturbance, key, len(u), u.dtype, share)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
+        return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
+
+    return quick_filter_jit(evaluate)
