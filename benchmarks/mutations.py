@@ -29,8 +29,8 @@ from pathlib import Path
 from common import show, trained
 
 from neuralgaits.errors import InputError
+from neuralgaits.records.certified import FULL_ORDER as FULL_ORDER_PROOF
 from neuralgaits.workflows.certify import PROOF, certify
-from neuralgaits.workflows.certify_full_order import FILE as FULL_ORDER_PROOF
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.run import open_run
 

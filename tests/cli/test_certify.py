@@ -1,16 +1,20 @@
 """The verb certify: exit codes, one JSON object, a table."""
 
 import json
-from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 
 import neuralgaits as ng
-from neuralgaits.certificate.levels.conclusions import Conclusion
 from neuralgaits.cli import proof_screen
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
+from neuralgaits.records.certified import (
+    Certified,
+    Conclusion,
+    ConditionVerdict,
+    Counterexample,
+)
 from neuralgaits.workflows.certify import HIGHEST
 from neuralgaits.workflows.train import train
 
@@ -88,20 +92,18 @@ def test_the_help_names_every_level(capfd: Captured) -> None:
 
 
 def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
-    entry = {"verdict": "undecided", "proved_fraction": 0.99999, "boxes": 7, "margin": None}
-    point = {"u": [0.5, 0.5], "z": [0.01, 17.5], "margin": -0.25}
-    result = {
-        "verdict": "refuted",
-        "level": 2,
-        "levels": [asdict(Conclusion(2, "undecided", "no strip", (), {}))],
-        "boxes": 9,
-        "wall_s": 1.5,
-        "proof": None,
-        "conditions": {
-            "open": entry | {"counterexample": None, "undecided_boxes": 3},
-            "broken": entry | {"verdict": "refuted", "counterexample": point},
+    point = Counterexample(u=(0.5, 0.5), z=(0.01, 17.5), margin=-0.25)
+    result = Certified(
+        verdict="refuted",
+        level=2,
+        levels=(Conclusion(2, "undecided", "no strip"),),
+        boxes=9,
+        wall_s=1.5,
+        conditions={
+            "open": ConditionVerdict("undecided", 0.99999, 7, None, None, 3),
+            "broken": ConditionVerdict("refuted", 0.99999, 7, None, point, 0),
         },
-    }
+    )
     proof_screen.show_proof(result)
     out = capsys.readouterr().out
     assert "99.99 %" in out

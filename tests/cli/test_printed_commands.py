@@ -3,6 +3,7 @@
 import json
 import shlex
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from printed import check, on_page, on_screen
 import neuralgaits
 from neuralgaits.cli.arguments import Train
 from neuralgaits.cli.main import main
+from neuralgaits.records.simulated import SUMMARY, Simulated
 from neuralgaits.report.again import simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
@@ -151,16 +153,16 @@ def test_a_plant_that_is_in_no_file_is_not_named(own, at):
     """A summary of an earlier version has only the name that the plant gave itself."""
     place = at(own)
     folder = RunFolder.open(place.run)
-    done = folder.read_json("simulation/summary.json")
-    old = {name: value for name, value in done.items() if name != "plant_given"}
-    assert simulating(folder, old | {"plant": "crutches"}, place.run) is None
+    done = folder.read_json(SUMMARY)
+    old = Simulated.of({name: value for name, value in done.items() if name != "plant_given"})
+    assert simulating(folder, replace(old, plant="crutches"), place.run) is None
     assert "--plant" not in (simulating(folder, old, place.run) or "--plant")
-    assert "--plant rabbit" in (simulating(folder, old | {"plant": "rabbit"}, place.run) or "")
+    assert "--plant rabbit" in (simulating(folder, replace(old, plant="rabbit"), place.run) or "")
 
 
 def test_a_frictionless_simulation_is_repeated_without_friction(own, at):
     place = at(own)
     folder = RunFolder.open(place.run)
-    done = folder.read_json("simulation/summary.json")
-    changed = done | {"disturb": done["disturb"] | {"friction": 0.0}}
+    done = Simulated.read(place.run / SUMMARY)
+    changed = replace(done, disturb=dict(done.disturb or {}) | {"friction": 0.0})
     assert "--disturb friction=0.0" in (simulating(folder, changed, place.run) or "")

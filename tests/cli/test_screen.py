@@ -4,16 +4,23 @@ import pytest
 
 from neuralgaits.cli import screen
 from neuralgaits.cli.usage import condense
+from neuralgaits.records.installed import BuiltIn, Named
+from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.trained import Trained, Violations
+
+ASKED = {"plant": "amber3m", "controller": "pd", "start": "centre", "seed": 0, "episodes": 2}
+HOLDS = Violations(mean_violation=0.0, max_violation=0.0, min_margin=0.5)
 
 
 def test_a_fall_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    result = {
+    result = ASKED | {
         "steps_walked": [50, 7],
         "fell": [False, True],
+        "fall_reasons": [None, "hip too low"],
         "speed_m_s": 0.65432,
-        "poincare": {"multiplier": None},
+        "poincare": {"multiplier": None, "step_length_m": None},
     }
-    screen.show_walks(result)
+    screen.show_walks(Simulated.of(result))
     out = capsys.readouterr().out
     assert "falls: 1 of 2 episodes stayed up, 7 to 50 steps" in out
     assert "0.6543 m/s" in out
@@ -22,14 +29,14 @@ def test_a_fall_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) -> None:
     disturb = {"friction": 0.2, "mass_scale": 1.0, "delay_ms": 0.0}
-    result = {
+    result = ASKED | {
         "steps_walked": [1, 2, 50],
         "fell": [True, True, False],
         "fall_reasons": ["hip too low", "hip too low", None],
         "disturb": disturb,
-        "poincare": {"multiplier": 0.7},
+        "poincare": {"multiplier": 0.7, "step_length_m": None},
     }
-    screen.show_walks(result)
+    screen.show_walks(Simulated.of(result))
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["hip", "too", "low", "2"] in lines
     assert ["disturb", "friction=0.2"] in lines
@@ -37,11 +44,10 @@ def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) ->
 
 
 def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    conditions = {
-        "torso-upper": {"mean_violation": 0.0, "max_violation": 1.5e-7},
-        "step-length": {"mean_violation": 0.0, "max_violation": 0.0},
-    }
-    screen.show_training({"run": "runs/a", "loss": 0.0, "conditions": conditions})
+    conditions = {"torso-upper": Violations(0.0, 1.5e-7, -1.5e-7), "step-length": HOLDS}
+    screen.show_training(
+        Trained(run="runs/a", steps=9, loss=0.0, conditions=conditions, wall_s=1.0)
+    )
     out = capsys.readouterr().out
     assert "1 of 2 conditions fail" in out
     assert "torso-upper" in out
@@ -51,17 +57,19 @@ def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) ->
 
 
 def test_conditions_that_hold_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    conditions = {name: {"mean_violation": 0.0, "max_violation": 0.0} for name in "ab"}
-    timed = {"wall_s": 23.2, "compile_s": 18.04}
-    screen.show_training({"run": "runs/a", "conditions": conditions} | timed)
+    conditions = dict.fromkeys("ab", HOLDS)
+    screen.show_training(
+        Trained(
+            run="runs/a", steps=9, loss=0.0, conditions=conditions, wall_s=23.2, compile_s=18.04
+        )
+    )
     out = capsys.readouterr().out
     assert out.startswith("trained: all 2 conditions hold on fresh samples")
     assert "23 s, 18 s compiling" in out
 
 
 def test_names_are_not_read_as_markup(capsys: pytest.CaptureFixture[str]) -> None:
-    names = [{"name": "[red]robot[/red]", "about": "x"}]
-    screen.show_names({"robots": names, "specs": []})
+    screen.show_names(BuiltIn((Named("[red]robot[/red]", "x"),), ()))
     assert "[red]robot[/red]" in capsys.readouterr().out
 
 

@@ -12,6 +12,14 @@ from neuralgaits.cli import (
     screen,
 )
 from neuralgaits.cli.tables import ROWS, show_facts, show_sentence, show_table
+from neuralgaits.records.certified import Certified
+from neuralgaits.records.checked import Checked
+from neuralgaits.records.exported import ControllerExport
+from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.installed import BuiltIn, Machine
+from neuralgaits.records.reported import Reported
+from neuralgaits.records.trained import Trained
+from neuralgaits.records.walked import EpisodesDone
 
 Captured = pytest.CaptureFixture[str]
 Environment = pytest.MonkeyPatch
@@ -62,6 +70,8 @@ PROOF = {
     "conditions": {f"a-condition-of-the-spec-{k}": _entry(k) for k in range(CONDITIONS)},
 }
 CHECK = {
+    "proof": PATH,
+    "run": None,
     "verdict": "proved",
     "reason": None,
     "robot": "amber3m",
@@ -79,11 +89,17 @@ CHECK = {
 TRAINED = {
     "run": PATH,
     "robot": "amber3m",
+    "spec": "walking",
+    "steps": 400,
     "loss": 0.007855,
     "wall_s": 23.0,
     "compile_s": 18.0,
     "conditions": {
-        f"a-condition-of-the-spec-{k}": {"mean_violation": 0.01 * k, "max_violation": 0.1 * k}
+        f"a-condition-of-the-spec-{k}": {
+            "mean_violation": 0.01 * k,
+            "max_violation": 0.1 * k,
+            "min_margin": -0.1 * k,
+        }
         for k in range(CONDITIONS)
     },
 }
@@ -93,13 +109,18 @@ ROUND = {
     "share_that_walks": 0.5,
     "share_of_speeds": 0.5,
     "speed_range_m_s": [0.35, 0.96],
-    "barriers": {"tube": 0.98},
+    "barriers": {"tube": 0.98, "all": 0.9, "conditions": {}},
     "heldout_error": 0.01,
     "nominal_heldout_error": 0.1,
+    "binned_floor": None,
     "loss": 0.012345,
     "reason": "logs: expected at least 3 strides that can be learned from, found 1: walk longer",
 }
 ROUNDS = {
+    "robot": "amber3m",
+    "plant": None,
+    "controller": "pd",
+    "logs": PATH,
     "rounds": [ROUND] * 3,
     "figure": PATH,
     "run": PATH,
@@ -110,6 +131,7 @@ ROUNDS = {
 TOUCHDOWN = {"z1_m": 0.00412, "z2_kg_m2_s": 0.512, "output_rad": 0.00712, "rate_rad_s": 0.612}
 FIT = {
     "run": PATH,
+    "logs": [PATH],
     "residual": PATH,
     "train_error": 0.00412,
     "nominal_train_error": 0.0512,
@@ -129,10 +151,17 @@ BUILD = {
     "precision": "double",
     "compiler": "clang",
     "flags": "-O2 -march=native",
-    "agreement": {"output": 1.2e-15, "rate": 3.4e-15, "torque": 1.2e-15},
+    "agreement": {
+        "output": 1.2e-15,
+        "rate": 3.4e-15,
+        "slope": 3.4e-15,
+        "torque": 1.2e-15,
+        "absolute": 1e-14,
+    },
     "latency_us": TIMES,
 }
 EXPORT = {
+    "run": PATH,
     "format": "c",
     "files": ["gait.c"] * 9,
     "out": PATH,
@@ -141,34 +170,41 @@ EXPORT = {
     "builds": [BUILD] * 4,
     "laws": ["pd", "fblin", "paper"],
     "warnings": ["this gait is refuted: knee is broken at z1 = 0.0125 m, z2 = 14.25 kg m^2/s"],
-    "sizes": {"float": {"flash_bytes": 31234, "ram_bytes": 1234}},
-    "float_bound": {"output": 1.2e-5},
+    "limits": {},
+    "sizes": {
+        "float": {"flash_bytes": 31234, "ram_bytes": 1234, "stack_bytes": 234, "structs": {}}
+    },
+    "float_bound": {"output": 1.2e-5, "rate": 1.2e-5},
 }
 REPORT = {
+    "run": PATH,
     "report": PATH,
     "figures": ["a"] * 11,
     "bytes": 1_234_567,
     "damaged": {"metrics.csv": "expected the columns step, loss and the like, found others " * 3},
-    "missing": [{"command": f"neuralgaits certify {PATH} --level 4"}] * 2,
+    "missing": [{"what": "level 4", "command": f"neuralgaits certify {PATH} --level 4"}] * 2,
 }
+READY = {"ok": True, "needed": False, "found": "MUJOCO_GL=default: renders", "fix": None}
 DOCTOR = {
+    "ok": True,
+    "neuralgaits": "0.1",
+    **dict.fromkeys(("python", "device", "x64", "opengl", "video"), READY),
     "compiler": {"ok": False, "needed": False, "found": "none", "fix": "apt-get install gcc " * 4},
-    "opengl": {"ok": True, "needed": False, "found": "MUJOCO_GL=default: renders", "fix": None},
 }
 ROBOTS = {
     "robots": [{"name": "amber3m-paper", "about": "nominal model of the paper, without " * 4}],
     "specs": [],
 }
 SCREENS = {
-    "proof": (proof_screen.show_proof, PROOF),
-    "check": (proof_screen.show_check, CHECK),
-    "training": (screen.show_training, TRAINED),
-    "episodes": (episodes_screen.show_episodes, ROUNDS),
-    "fit": (learning_screen.show_fit, FIT),
-    "export": (export_screen.show_export, EXPORT),
-    "report": (report_verb.show_report, REPORT),
-    "doctor": (screen.show_findings, DOCTOR),
-    "robots": (screen.show_names, ROBOTS),
+    "proof": (proof_screen.show_proof, Certified.of(PROOF)),
+    "check": (proof_screen.show_check, Checked.of(CHECK)),
+    "training": (screen.show_training, Trained.of(TRAINED)),
+    "episodes": (episodes_screen.show_episodes, EpisodesDone.of(ROUNDS)),
+    "fit": (learning_screen.show_fit, Fitted.of(FIT)),
+    "export": (export_screen.show_export, ControllerExport.of(EXPORT)),
+    "report": (report_verb.show_report, Reported.of(REPORT)),
+    "doctor": (screen.show_findings, Machine.of(DOCTOR)),
+    "robots": (screen.show_names, BuiltIn.of(ROBOTS)),
 }
 
 
@@ -203,7 +239,7 @@ def test_what_is_urgent_stands_first_and_the_rest_is_a_sentence(
     monkeypatch.setenv("COLUMNS", "200")
     conditions = dict(PROOF["conditions"])
     conditions |= {"worst": _entry(0, "refuted"), "open": _entry(0, "undecided")}
-    proof_screen.show_proof(PROOF | {"conditions": conditions, "levels": []})
+    proof_screen.show_proof(Certified.of(PROOF | {"conditions": conditions, "levels": []}))
     lines = capsys.readouterr().out.splitlines()
     assert {lines[1].split()[0], lines[2].split()[0]} == {"worst", "open"}
     # By margin: condition 26 has the smallest.
@@ -216,12 +252,12 @@ def test_what_is_urgent_stands_first_and_the_rest_is_a_sentence(
 
 def test_open_conditions_are_never_counted_as_proved(capsys: Captured) -> None:
     conditions = {f"c{k}": _entry(k, "undecided") for k in range(20)} | {"p": _entry(0)}
-    proof_screen.show_proof(PROOF | {"conditions": conditions, "levels": []})
+    proof_screen.show_proof(Certified.of(PROOF | {"conditions": conditions, "levels": []}))
     assert "and 9 more, 8 of them not proved; --json has all" in capsys.readouterr().out
 
 
 def test_violations_left_out_are_smaller(capsys: Captured) -> None:
-    screen.show_training(TRAINED)
+    screen.show_training(Trained.of(TRAINED))
     out = capsys.readouterr().out
     # Condition 0 is not broken; 26 down to 15 are shown; 14 is the worst of the rest.
     assert "26 of 27 conditions fail" in out

@@ -80,8 +80,8 @@ def test_float_is_inside_its_bound(design, agreements, asked):
     """The bound over the region covers what is measured, and says something."""
     agreement = agreements["float"]
     bound = float_bound(design, policy_rate(design.gait.policy), asked)
-    assert agreement.output <= bound["output"] < 1e-3
-    assert agreement.rate <= bound["rate"] < 1e-3
+    assert agreement.output <= bound.output < 1e-3
+    assert agreement.rate <= bound.rate < 1e-3
 
 
 PLANTED = {

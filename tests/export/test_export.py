@@ -9,6 +9,7 @@ import pytest
 from neuralgaits.cli.export_screen import show_export
 from neuralgaits.errors import InputError, MismatchError, RunError, SpecError
 from neuralgaits.export import build
+from neuralgaits.runs import to_json
 from neuralgaits.workflows import demo
 from neuralgaits.workflows import export as workflow
 from neuralgaits.workflows.export import export_controller
@@ -34,7 +35,7 @@ def exported(trained, tmp_path_factory):
 
 def test_what_is_printed(exported):
     out, done = exported
-    summary = json.loads(json.dumps(done.summary))
+    summary = json.loads(to_json(done.summary))
     assert FIELDS <= set(summary) and done.checked
     assert sorted(str(path) for path in out.iterdir()) == summary["files"]
     assert 0.0 < summary["max_abs_error"] < 1e-10

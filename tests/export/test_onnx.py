@@ -15,6 +15,7 @@ from program_cases import CASES, points_of
 from neuralgaits.errors import InputError, MismatchError, SpecError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.runs import to_json
 from neuralgaits.workflows.export import export_controller
 
 pytestmark = pytest.mark.skipif(
@@ -86,7 +87,7 @@ def exported(trained, tmp_path_factory):
 
 def test_what_is_printed(exported):
     out, done = exported
-    summary = json.loads(json.dumps(done.summary))
+    summary = json.loads(to_json(done.summary))
     assert done.checked and summary["format"] == "onnx"
     assert summary["files"] == [str(out / "policy.onnx"), str(out / "policy_float.onnx")]
     assert sorted(str(path) for path in out.iterdir()) == summary["files"]

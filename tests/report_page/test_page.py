@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.cli.words import read as read_words
-from neuralgaits.report.certificate import proved_level
 from neuralgaits.report.drawn import Missing
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
@@ -111,14 +110,6 @@ def test_an_undecided_level_is_not_proved_and_says_why(contents, shipped):
     page = contents(shipped)
     assert page.saved.proved_level == 1
     assert "Level 2 is undecided: fences meet." in failures(page)
-
-
-def test_a_level_counts_only_with_all_below_it():
-    condition = {"verdict": "proved"}
-    levels = [{"level": 4, "verdict": "proved"}, {"level": 2, "verdict": "proved"}]
-    assert proved_level({"conditions": {"a": condition}, "levels": levels}) == 2
-    assert proved_level({"conditions": {}, "levels": levels}) == 0
-    assert proved_level(None) == 0
 
 
 def test_a_proof_of_other_weights_is_not_shown(contents, shipped):
@@ -342,9 +333,9 @@ def test_nothing_that_a_run_says_becomes_markup(contents, shipped, walk, hostile
     _change(shipped, "summary.json", told)
     _change(shipped, "certificate/summary.json", told)
     _simulated(shipped, fall_reasons=[None, hostile, hostile], plant=hostile, controller=hostile)
-    walk |= {"plant": hostile, "fall_reason": hostile, "origin": hostile, "controller": hostile}
+    walk = replace(walk, plant=hostile, fall_reason=hostile, origin=hostile, controller=hostile)
     page = contents(shipped, walk=walk, figures=[Missing(hostile, hostile, hostile, hostile)])
-    page = replace(page, robot=dict(page.robot) | {"robot": hostile}, assumptions=(hostile,))
+    page = replace(page, robot=replace(page.robot, robot=hostile), assumptions=(hostile,))
     tags = _Tags(document(page)).found
     kinds = [name for name, _ in tags]
     assert kinds.count("script") == 2 and "img" not in kinds
@@ -353,8 +344,7 @@ def test_nothing_that_a_run_says_becomes_markup(contents, shipped, walk, hostile
 
 
 def test_a_recording_cannot_end_its_script(contents, shipped, walk):
-    walk["plant"] = HOSTILE
-    page = animation(contents(shipped, walk=walk))
+    page = animation(contents(shipped, walk=replace(walk, plant=HOSTILE)))
     block = re.search(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.S)
     assert block is not None and "<" not in block.group(1)
     assert json.loads(block.group(1))["plant"] == HOSTILE

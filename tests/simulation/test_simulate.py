@@ -8,7 +8,7 @@ import pytest
 from neuralgaits import logs
 from neuralgaits.barriers import Gait, Tube, specs
 from neuralgaits.errors import InputError, NeuralGaitsError
-from neuralgaits.runs import RunFolder
+from neuralgaits.runs import RunFolder, to_json
 from neuralgaits.simulation import video as films
 from neuralgaits.workflows import simulate as workflow
 from neuralgaits.workflows.run import Run
@@ -59,7 +59,7 @@ def test_the_periodic_orbit_is_the_one_that_is_walked(walked):
 
 
 def test_the_summary_is_json_and_in_the_run_folder(run, walked):
-    assert json.loads(json.dumps(walked[0].summary)) == walked[0].summary
+    assert json.loads(to_json(walked[0].summary)) == walked[0].summary
     assert run.folder.read_json("simulation/summary.json") == walked[0].summary
 
 

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from neuralgaits.errors import NeuralGaitsError, RunError
+from neuralgaits.records.fitted import Logs
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.episode_folder import EpisodeFolder, read, write
 
@@ -44,7 +45,7 @@ def test_what_was_asked_is_found_again(begun, tmp_path):
 )
 def test_a_setting_that_nobody_can_ask_for_is_refused(begun, tmp_path, changed):
     file = begun.path / "episodes.json"
-    file.write_text(json.dumps(begun.config | changed))
+    file.write_text(json.dumps(dict(begun.config) | changed))
     with pytest.raises(RunError, match=f"is damaged .* in {next(iter(changed))}"):
         EpisodeFolder.find(begun.path, tmp_path)
     for content in ("[1]", '{"format": NaN}', "[" * 100_000):
@@ -82,7 +83,8 @@ def test_a_start_that_was_killed_is_made_again(tmp_path, monkeypatch):
 
 
 def test_a_result_of_another_shape_is_refused(tmp_path):
-    write(tmp_path / "a.json", {"wall_s": "long"})
-    assert read(tmp_path / "a.json", {}) == {"wall_s": "long"}
-    with pytest.raises(RunError, match=r"a\.json.*in wall_s.*delete its round"):
-        read(tmp_path / "a.json", {"wall_s": lambda value: "expected a number"})
+    write(tmp_path / "a.json", {"logs": ["walk.csv"], "wall_s": "long"})
+    assert read(tmp_path / "a.json", Logs).logs == ("walk.csv",)
+    write(tmp_path / "a.json", {"logs": "walk.csv"})
+    with pytest.raises(RunError, match=r"a\.json.*in logs.*delete its round"):
+        read(tmp_path / "a.json", Logs)

@@ -6,6 +6,7 @@ that leave the same files.
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,6 +16,8 @@ import pytest
 
 from neuralgaits import logs
 from neuralgaits.errors import InputError, NeuralGaitsError, NonFiniteError, RunError
+from neuralgaits.records.fitted import Fitted, Strides
+from neuralgaits.records.walked import EpisodesDone
 from neuralgaits.report import rounds as figure
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.disturbance import Disturbance
@@ -25,7 +28,16 @@ from neuralgaits.workflows.episodes import episodes
 from neuralgaits.workflows.run import open_run
 
 FIELDS = {"steps_walked", "speed_range_m_s", "heldout_error", "nominal_heldout_error", "loss"}
-LEARNED = {"heldout_error": 0.1, "nominal_heldout_error": 0.4, "wall_s": 1.0}
+LEARNED = Fitted(
+    logs=("walk.csv",),
+    strides=Strides(train=3, heldout=1),
+    walked_s=3.0,
+    error_bound=(0.1, 0.2),
+    heldout_error=0.1,
+    nominal_heldout_error=0.4,
+    binned_floor=None,
+    wall_s=1.0,
+)
 
 
 class Stopped(BaseException):
@@ -49,7 +61,7 @@ class StandIns:
         del field, momentum, seed
         self._called("walk", run.path)
         shutil.copytree(Path(self.walked["logs"][0]).parent, folder)
-        return self.walked | {"logs": [str(file) for file in sorted(folder.iterdir())]}
+        return replace(self.walked, logs=tuple(str(file) for file in sorted(folder.iterdir())))
 
     def fit(self, run, files, *, seed):
         del seed
@@ -283,7 +295,9 @@ def test_speeds_held_are_the_longest_row_of_neighbours():
 def test_the_figure_draws_rounds_with_and_without_figures(tmp_path):
     entry = {
         "round": 0,
+        "loss": 0.1,
         "steps_walked": [3, 4],
+        "share_that_walks": 0.5,
         "speed_range_m_s": None,
         "barriers": {"rows": 0, "tube": 0.0, "all": 0.0, "conditions": {}},
         "heldout_error": None,
@@ -292,11 +306,10 @@ def test_the_figure_draws_rounds_with_and_without_figures(tmp_path):
     }
     good = entry | {"round": 1, "speed_range_m_s": [0.4, 0.9], "heldout_error": 0.1}
     names = {"robot": "a", "plant": None, "logs": "own", "controller": "pd"}
-    drawn = figure.draw({"rounds": [entry, good], **names})
+    drawn = figure.draw(EpisodesDone.of({"rounds": [entry, good], **names}))
     steps, speeds, _, errors = drawn.axes
     assert [float(y) for line in steps.lines for y in np.asarray(line.get_ydata())] == [3, 4, 3, 4]
     assert [np.asarray(line.get_ydata()).tolist() for line in speeds.lines] == [[0.4, 0.9]]
     assert len(errors.lines) == 1
-    file = tmp_path / "summary.json"
-    file.write_text(json.dumps({"rounds": [], **names}))
-    assert figure.draw_file(file, tmp_path / "none.png").stat().st_size > 1000
+    empty = EpisodesDone.of({"rounds": [], **names})
+    assert figure.draw_file(empty, tmp_path / "none.png").stat().st_size > 1000

@@ -1,11 +1,9 @@
 """What was learned from logs, as tables for a person, on stdout."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from rich.text import Text
 
 from neuralgaits.cli.tables import show_facts, show_sentence, show_table
+from neuralgaits.records.fitted import Fitted, TouchdownErrors
 from neuralgaits.runs.commands import command, named
 
 _LANDINGS = (
@@ -16,15 +14,14 @@ _LANDINGS = (
 )
 
 
-def show_fit(result: Mapping[str, Any]) -> None:
+def show_fit(result: Fitted) -> None:
     """Errors with and without the residual, at touchdowns too, and what was used."""
-    learned, nominal = result["heldout_error"], result["nominal_heldout_error"]
-    share = f"{100.0 * learned / nominal:.3g} %" if nominal else "all"
-    better = learned < nominal
+    learned, nominal, better = result.heldout_error, result.nominal_heldout_error, result.better
+    share = f"{100.0 * learned / nominal:.3g} %" if nominal and learned is not None else "all"
     verdict = Text("learned" if better else "not learned", "green" if better else "red")
     show_sentence(verdict, f": {share} of the model's error is left on held-out strides")
-    floor = _number(result["binned_floor"])
-    trained = _number(result["nominal_train_error"]), _number(result["train_error"])
+    floor = _number(result.binned_floor)
+    trained = _number(result.nominal_train_error), _number(result.train_error)
     show_table(
         ("error over 0.1 s, in steps and momenta", "model", "learned", "best table"),
         [
@@ -32,37 +29,37 @@ def show_fit(result: Mapping[str, Any]) -> None:
             ("held out", _number(nominal), _number(learned), floor),
         ],
     )
-    _landings(result["touchdowns"])
-    bounds = ("what dz may still be off by", "error_bound"), ("largest residual", "bound")
+    _landings(result.touchdowns)
+    bounds = ("what dz may still be off by", result.error_bound), ("largest residual", result.bound)
     show_table(
         ("", "m/s", "N m"),
-        [(label, *(_number(value) for value in result[name])) for label, name in bounds],
+        [(label, *(_number(value) for value in pair)) for label, pair in bounds],
     )
-    strides = ", ".join(f"{count} {name}" for name, count in result["strides"].items())
-    out = ", ".join(f"{count} {reason}" for reason, count in result["left_out"].items() if count)
+    strides = ", ".join(f"{count} {name}" for name, count in vars(result.strides).items())
+    out = ", ".join(f"{count} {reason}" for reason, count in result.left_out.items() if count)
     show_facts(
         [
-            ("used", f"{result['walked_s']:.1f} s of walking, strides: {strides}"),
+            ("used", f"{result.walked_s:.1f} s of walking, strides: {strides}"),
             ("rows left out", out or "none"),
-            ("time", f"{result['wall_s']:.0f} s"),
-            ("residual", result["residual"]),
-            ("next", command("refine", named(result["run"]))),
+            ("time", f"{result.wall_s:.0f} s"),
+            ("residual", result.residual),
+            ("next", command("refine", named(result.run))),
         ]
     )
 
 
-def _landings(touchdowns: Mapping[str, Any]) -> None:
+def _landings(touchdowns: TouchdownErrors | None) -> None:
     """What the residual of the flow cannot see."""
-    before, after = touchdowns["before"], touchdowns["after"]
-    if before is None:
+    if touchdowns is None or touchdowns.before is None:
         return
-    head = f"error at {touchdowns['count']} held-out touchdowns"
+    head = f"error at {touchdowns.count} held-out touchdowns"
     rows = []
     for name, label, unit in _LANDINGS:
-        corrected = "-" if after is None else f"{_number(after[name])} {unit}"
-        rows.append((label, f"{_number(before[name])} {unit}", corrected))
+        before, after = (getattr(one, name, None) for one in (touchdowns.before, touchdowns.after))
+        corrected = "-" if after is None else f"{_number(after)} {unit}"
+        rows.append((label, f"{_number(before)} {unit}", corrected))
     show_table((head, "model", "learned"), rows)
 
 
-def _number(value: float) -> str:
-    return f"{value:.3g}"
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"

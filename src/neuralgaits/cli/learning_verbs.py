@@ -22,8 +22,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
         done = fit(
             verb.run, verb.logs, optimizer=verb.optimizer, seed=verb.seed, progress=progress
         ).summary
-    better = done["heldout_error"] < done["nominal_heldout_error"]
-    return Outcome(done, better, learning_screen.show_fit)
+    return Outcome(done, done.better, learning_screen.show_fit)
 
 
 def carry_out_refine(verb: Refine) -> Outcome:
@@ -47,9 +46,8 @@ def carry_out_refine(verb: Refine) -> Outcome:
             progress=progress,
             watch=Watch(progress.proved, progress.round_ended),
         )
-    proof = run.summary["certificate"]
-    proved = proof is None or proof["verdict"] == "proved"
-    return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
+    done = run.summary
+    return Outcome(done, done.proved, screen.show_training, undecided=not done.proved)
 
 
 def carry_out_episodes(verb: Episodes) -> Outcome:

@@ -1,6 +1,6 @@
 """A verb's answer: what is printed, and how it is judged."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,9 +17,9 @@ class Outcome:
         then: what goes on once the answer is printed, as a page that is served; None for nothing.
     """
 
-    result: dict[str, Any]
+    result: Mapping[str, Any]
     good: bool
-    table: Callable[[dict[str, Any]], None]
+    table: Callable[[Any], None]
     undecided: bool = False
     then: Callable[[], None] | None = None
 

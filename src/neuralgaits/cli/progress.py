@@ -17,7 +17,7 @@ from rich.progress import (
 )
 
 if TYPE_CHECKING:
-    from neuralgaits.workflows.proof_rounds import Round
+    from neuralgaits.records.trained import ProofRound
 
 _LINES = 10
 """Lines that stand for a bar, about."""
@@ -120,7 +120,7 @@ class TrainingProgress(_OnTerminal):
                 description="proved",
             )
 
-    def round_ended(self, ended: "Round") -> None:
+    def round_ended(self, ended: "ProofRound") -> None:
         """Print what a certificate found, in a line that stays."""
         line = f"certificate after {ended.steps} steps: {ended.verdict}"
         if ended.failing:

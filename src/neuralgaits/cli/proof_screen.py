@@ -1,7 +1,7 @@
 """What is proved, for a person, on stdout."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from neuralgaits._digits import at_least, at_most
@@ -13,8 +13,8 @@ from neuralgaits.cli.tables import (
     show_table,
     verdict,
 )
-
-Result = Mapping[str, Any]
+from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Constant
+from neuralgaits.records.checked import Checked
 
 _INDENT = 2
 _TOGETHER = 4
@@ -23,62 +23,60 @@ _PREMISE = "/"
 """In the name of a premise, as in orbit/inside; conditions of a spec have none."""
 
 
-def show_proof(result: Result) -> None:
+def show_proof(result: Certified) -> None:
     """The verdict on each condition, with its margin (in scales) or the state that breaks it."""
-    conditions = sorted(result["conditions"].items(), key=_urgency)
+    conditions = sorted(result.conditions.items(), key=_urgency)
     head = ("condition", "verdict", "proved", "margin", "boxes", "")
     show_table(head, [_row(name, entry) for name, entry in conditions[:ROWS]])
     others = [entry for _, entry in conditions[ROWS:]]
     if others:
-        left = sum(entry["verdict"] != "proved" for entry in others)
-        least = min((entry["margin"] for entry in others if entry["margin"] is not None), default=0)
+        left = sum(entry.verdict != "proved" for entry in others)
+        least = min((entry.margin for entry in others if entry.margin is not None), default=0)
         what = (
             f"{left} of them not proved"
             if left
             else f"proved with margins of {at_least(least, 4)} or more"
         )
         show_sentence(f"and {len(others)} more, {what}; --json has all")
-    _show_levels(result)
-    reason = f": {result['reason']}" if result.get("reason") else ""
-    asked = f" at level {result['level']}"
-    if result["verdict"] == "refuted" and result["level"] > 1:
+    _show_levels(result.levels)
+    reason = f": {result.reason}" if result.reason else ""
+    asked = f" at level {result.level}"
+    if result.verdict == "refuted" and result.level > 1:
         # What is refuted is a condition; nothing above stands on it.
-        asked = f" at level 1, level {result['level']} was asked"
-    show_sentence(verdict(result["verdict"]), f"{asked}{reason}")
-    facts = {"boxes": result["boxes"], "time": f"{result['wall_s']:.0f} s"}
-    facts |= {name: result.get(name) for name in ("proof", "map")}
+        asked = f" at level 1, level {result.level} was asked"
+    show_sentence(verdict(result.verdict), f"{asked}{reason}")
+    facts = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
+    facts += [("proof", result.proof), ("map", result.map)]
     if "full_order_proof" in result:
-        facts["proof of level 4"] = result["full_order_proof"]
-    show_facts(facts.items())
+        facts.append(("proof of level 4", result.full_order_proof))
+    show_facts(facts)
 
 
-def _urgency(item: tuple[str, Result]) -> tuple[bool, float]:
+def _urgency(item: tuple[str, ConditionVerdict]) -> tuple[bool, float]:
     """What is not proved comes first, then the smallest margin."""
     _, entry = item
-    margin = entry["margin"]
-    return entry["verdict"] == "proved", math.inf if margin is None else margin
+    return entry.verdict == "proved", math.inf if entry.margin is None else entry.margin
 
 
-def _row(name: str, entry: Result) -> tuple[Any, ...]:
-    point, detail = entry["counterexample"], ""
+def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
+    point, detail = entry.counterexample, ""
     if point is not None:
-        detail = f"{point['margin']:.3g} at z = ({point['z'][0]:.6g}, {point['z'][1]:.6g})"
-    elif entry["verdict"] == "undecided":
-        detail = f"{entry['undecided_boxes']} boxes left"
+        detail = f"{point.margin:.3g} at z = ({point.z[0]:.6g}, {point.z[1]:.6g})"
+    elif entry.verdict == "undecided":
+        detail = f"{entry.undecided_boxes} boxes left"
     # Rounded down: less than everything never reads as everything.
-    share = f"{math.floor(1e4 * entry['proved_fraction']) / 100:g} %"
-    margin = entry["margin"]
-    bound = number(None) if margin is None else at_least(margin, 4)
-    return name, verdict(entry["verdict"]), share, bound, number(entry["boxes"]), detail
+    share = f"{math.floor(1e4 * entry.proved_fraction) / 100:g} %"
+    bound = number(None) if entry.margin is None else at_least(entry.margin, 4)
+    return name, verdict(entry.verdict), share, bound, number(entry.boxes), detail
 
 
-def show_check(result: Result) -> None:
+def show_check(result: Checked) -> None:
     """The verdict and why, what the file claims, and what the claim rests on."""
-    reason = f": {result['reason']}" if result["reason"] else ""
-    show_sentence(verdict(result["verdict"]), reason)
-    weights = f"weights of sha256 {result['weights_sha256'][:12]}..."
-    show_sentence(f"claims for {result['robot']}, spec {result['spec']}, {weights}")
-    statements: Sequence[str] = result["statements"]
+    reason = f": {result.reason}" if result.reason else ""
+    show_sentence(verdict(result.verdict), reason)
+    weights = f"weights of sha256 {result.weights_sha256[:12]}..."
+    show_sentence(f"claims for {result.robot}, spec {result.spec}, {weights}")
+    statements = result.statements
     shown = [text for text in statements if _PREMISE not in text.partition(":")[0]]
     shown = shown or list(statements[:ROWS])
     for statement in shown:
@@ -86,33 +84,33 @@ def show_check(result: Result) -> None:
     if len(shown) < len(statements):
         rest = len(statements) - len(shown)
         show_sentence(f"and {rest} premises of the levels; --json has them", indent=_INDENT)
-    _show_levels(result)
-    if result["unclaimed"]:
-        show_sentence(f"not claimed: {', '.join(result['unclaimed'])}", hang=_INDENT)
+    _show_levels(result.levels)
+    if result.unclaimed:
+        show_sentence(f"not claimed: {', '.join(result.unclaimed)}", hang=_INDENT)
     show_sentence("assuming that")
-    for assumption in result["assumptions"]:
+    for assumption in result.assumptions:
         show_sentence(assumption, indent=_INDENT, hang=_INDENT)
-    show_facts({"boxes": result["boxes"], "time": f"{result['wall_s']:.0f} s"}.items())
+    show_facts([("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")])
 
 
-def _show_levels(result: Result) -> None:
+def _show_levels(levels: Sequence[Conclusion]) -> None:
     """What was concluded about trajectories, sentence by sentence."""
-    for level in result["levels"]:
-        reason = f": {level['reason']}" if level["reason"] else ""
-        show_sentence(f"level {level['level']} ", verdict(level["verdict"]), reason, hang=_INDENT)
-        for sentence in level["words"]:
+    for level in levels:
+        reason = f": {level.reason}" if level.reason else ""
+        show_sentence(f"level {level.level} ", verdict(level.verdict), reason, hang=_INDENT)
+        for sentence in level.words:
             show_sentence(sentence, indent=_INDENT, hang=_INDENT)
-        _show_constants(level["constants"])
+        _show_constants(level.constants)
 
 
-def _show_constants(constants: Sequence[Result]) -> None:
+def _show_constants(constants: Sequence[Constant]) -> None:
     """Those of the whole with their meanings, then those of each barrier side by side."""
-    whole = [one for one in constants if ": " not in one["name"]]
-    rows = [(one["name"], _rounded(one), one["unit"], one["meaning"]) for one in whole]
+    whole = [one for one in constants if ": " not in one.name]
+    rows = [(one.name, _rounded(one), one.unit, one.meaning) for one in whole]
     show_table(("constant", "value", "unit", "meaning"), rows)
     each: dict[str, dict[str, str]] = {}
     for one in constants:
-        barrier, colon, name = one["name"].partition(": ")
+        barrier, colon, name = one.name.partition(": ")
         if colon:
             each.setdefault(barrier, {})[name] = _rounded(one)
     barriers = list(each)
@@ -125,7 +123,7 @@ def _show_constants(constants: Sequence[Result]) -> None:
         )
 
 
-def _rounded(constant: Result) -> str:
+def _rounded(constant: Constant) -> str:
     """A constant in four digits, a bound to the side on which it stays true."""
-    rounds = {"least": at_least, "most": at_most}.get(constant["side"])
-    return number(constant["value"]) if rounds is None else rounds(constant["value"], 4)
+    rounds = {"least": at_least, "most": at_most}.get(constant.side)
+    return number(constant.value) if rounds is None else rounds(constant.value, 4)

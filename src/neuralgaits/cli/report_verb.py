@@ -1,13 +1,11 @@
 """The verb that writes the report of a run."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from rich.text import Text
 
 from neuralgaits.cli.arguments import Report
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.tables import show_facts, show_sentence
+from neuralgaits.records.reported import Reported
 
 
 def carry_out_report(verb: Report) -> Outcome:
@@ -20,12 +18,12 @@ def carry_out_report(verb: Report) -> Outcome:
     return Outcome(done.summary, True, show_report)
 
 
-def show_report(result: Mapping[str, Any]) -> None:
+def show_report(result: Reported) -> None:
     """Where the page is, what is in it, and what would make it more."""
-    size = result["bytes"] / 1e6
-    told = f": {len(result['figures'])} figures, {size:.1f} MB, opens without a network"
+    size = result.bytes / 1e6
+    told = f": {len(result.figures)} figures, {size:.1f} MB, opens without a network"
     show_sentence(Text("written", "green"), told)
-    facts = [("report", result["report"])]
-    facts += [("damaged", f"{file}: {reason}") for file, reason in result["damaged"].items()]
-    commands = dict.fromkeys(entry["command"] for entry in result["missing"])
+    facts = [("report", result.report)]
+    facts += [("damaged", f"{file}: {reason}") for file, reason in result.damaged.items()]
+    commands = dict.fromkeys(entry.command for entry in result.missing)
     show_facts([*facts, *(("for more", command) for command in commands)])

@@ -2,21 +2,23 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 from rich.text import Text
 
 from neuralgaits.cli.tables import ROWS, number, show_facts, show_sentence, show_table, verdict
+from neuralgaits.records.inspected import RobotFacts
+from neuralgaits.records.installed import BuiltIn, Machine
+from neuralgaits.records.simulated import LinkFigures, Simulated
+from neuralgaits.records.trained import Trained, TrainingProof
 from neuralgaits.runs.commands import command, named
-
-Result = Mapping[str, Any]
 
 _FIGURES = (
     ("speed_m_s", "speed", "m/s"),
     ("step_time_s", "time of a step", "s"),
-    ("poincare.step_length_m", "length of a step, model", "m"),
-    ("poincare.multiplier", "Poincaré multiplier, model", ""),
+    ("step_length_m", "length of a step, model", "m"),
+    ("multiplier", "Poincaré multiplier, model", ""),
     ("cost_of_transport", "mechanical cost of transport", ""),
     ("peak_torque_nm", "largest torque", "N m"),
     ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
@@ -25,122 +27,114 @@ _FIGURES = (
     ("saturated_fraction", "share of ticks at the torque limit", ""),
     ("real_time_factor", "simulated seconds a second", ""),
 )
-"""Figures of a walk a person sees, with label and unit; `--json` has all."""
+"""Figures of a walk and of the model's orbit a person sees, with label and unit."""
 
 
-def show_training(result: Result) -> None:
+def show_training(result: Trained) -> None:
     """Whether the conditions hold on fresh samples, those that do not, and what to do next."""
-    conditions = result["conditions"]
-    broken = {name: entry for name, entry in conditions.items() if entry["max_violation"] > 0.0}
+    broken = result.broken
     if broken:
-        count = Text(f"{len(broken)} of {len(conditions)} conditions fail", "yellow")
+        count = Text(f"{len(broken)} of {len(result.conditions)} conditions fail", "yellow")
         show_sentence(count, " somewhere on fresh samples")
-        worst = sorted(broken.items(), key=lambda item: -item[1]["max_violation"])
+        worst = sorted(broken.items(), key=lambda item: -item[1].max_violation)
         rows = [
-            (name, number(entry["mean_violation"]), number(entry["max_violation"]))
+            (name, number(entry.mean_violation), number(entry.max_violation))
             for name, entry in worst
         ]
         show_table(("condition", "mean violation", "max violation"), rows[:ROWS])
         if len(rows) > ROWS:
             show_sentence(f"and {len(rows) - ROWS} more, by {rows[ROWS][2]} at most")
     else:
-        show_sentence(Text("trained", "green"), f": {_held(len(conditions))} on fresh samples")
-    if result.get("certificate") is not None:
-        show_sentence(_proof_of_training(result["certificate"]))
-    facts = {name: result[name] for name in ("robot", "spec", "seed", "loss") if name in result}
-    facts["time"] = f"{_seconds(result, 'wall_s')}, {_seconds(result, 'compile_s')} compiling"
-    facts |= {"run": result["run"], "next": command("simulate", named(result["run"]))}
-    show_facts(facts.items())
+        held = _held(len(result.conditions))
+        show_sentence(Text("trained", "green"), f": {held} on fresh samples")
+    if result.certificate is not None:
+        show_sentence(_proof_of_training(result.certificate))
+    facts = [(name, getattr(result, name)) for name in ("robot", "spec", "seed", "loss")]
+    facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
+    facts += [("run", result.run), ("next", command("simulate", named(result.run)))]
+    show_facts(facts)
 
 
-def _proof_of_training(proof: Result) -> Text:
+def _proof_of_training(proof: TrainingProof) -> Text:
     """The last certificate of a training, and what it took."""
-    repairs = f"{proof['repairs']} repairs of {proof['repair_steps']} steps"
-    found = verdict(proof["verdict"])
-    if proof["smallest_margin"] is None:
-        names = ", ".join(sorted(proof["failing"]))
+    repairs = f"{proof.repairs} repairs of {proof.repair_steps} steps"
+    found = verdict(proof.verdict)
+    if proof.smallest_margin is None:
+        names = ", ".join(sorted(proof.failing))
         return Text.assemble(
-            found, f" at level 1 after {repairs}: {proof['open_boxes']} boxes open ({names})"
+            found, f" at level 1 after {repairs}: {proof.open_boxes} boxes open ({names})"
         )
-    margin = f"smallest margin {proof['smallest_margin']:.3g} of its scale"
+    margin = f"smallest margin {proof.smallest_margin:.3g} of its scale"
     return Text.assemble(found, f" at level 1 after {repairs}, {margin}")
 
 
-def show_walks(result: Result) -> None:
+def show_walks(result: Simulated) -> None:
     """How far each episode came, what stopped it, and the gait's figures."""
-    walks, falls = result["steps_walked"], result["fell"]
-    stayed = len(falls) - sum(bool(fell) for fell in falls)
+    walks, count = result.steps_walked, len(result.fell)
     lowest, highest = (min(walks), max(walks)) if walks else (0, 0)
     span = f"{lowest}" if lowest == highest else f"{lowest} to {highest}"
-    answer = Text("walks", "green") if stayed == len(falls) else Text("falls", "red")
-    show_sentence(answer, f": {stayed} of {len(falls)} episodes stayed up, {span} steps")
-    rows = [(reason, str(count)) for reason, count in _reasons(result).items()]
-    if rows:
-        show_table(("fell because", "episodes"), rows)
-    flat = dict(_flat(result))
+    answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
+    show_sentence(answer, f": {result.stayed} of {count} episodes stayed up, {span} steps")
+    reasons = Counter(reason for reason in result.fall_reasons if reason is not None)
+    show_table(("fell because", "episodes"), [(why, str(n)) for why, n in reasons.items()])
+    known = vars(result) | ({} if result.poincare is None else vars(result.poincare))
     rows = [
-        (label, f"{number(flat[name])} {unit}".rstrip())
+        (label, f"{number(known[name])} {unit}".rstrip())
         for name, label, unit in _FIGURES
-        if flat.get(name) is not None
+        if known.get(name) is not None
     ]
     show_table(("figure", "value"), rows)
-    if "link" in result:
-        _link(result["link"])
+    if result.link is not None:
+        _link(result.link)
+    asked = ("plant", "controller", "engine", "start", "push", "run")
+    facts = [(name, known[name]) for name in asked if known[name] is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]
-    asked = {
-        name: result.get(name) for name in ("plant", "controller", "engine", "start", "push", "run")
-    }
-    known = {name: value for name, value in asked.items() if value is not None}
-    show_facts((known | ({"disturb": ", ".join(changed)} if changed else {})).items())
+    show_facts([*facts, *([("disturb", ", ".join(changed))] if changed else [])])
 
 
-def _link(link: Result) -> None:
+def _link(link: LinkFigures) -> None:
     """What the connection to a controller process did."""
-    trips = link["round_trip_us"] or {"p50": math.nan, "p99": math.nan}
+    trips = link.round_trip_us
+    p50, p99 = (math.nan, math.nan) if trips is None else (trips.p50, trips.p99)
     words = (
-        f"{link['law']} in a process of its own, {link['mode']}: {link['ticks']} ticks, "
-        f"{link['packets_lost']} of {link['packets_sent']} packets lost, "
-        f"{link['packets_late']} late, {link['deadline_misses']} deadlines missed, "
-        f"round trip {trips['p50']:.0f} us, p99 {trips['p99']:.0f} us"
+        f"{link.law} in a process of its own, {link.mode}: {link.ticks} ticks, "
+        f"{link.packets_lost} of {link.packets_sent} packets lost, "
+        f"{link.packets_late} late, {link.deadline_misses} deadlines missed, "
+        f"round trip {p50:.0f} us, p99 {p99:.0f} us"
     )
     show_sentence(words)
 
 
-def show_robot(result: Result) -> None:
+def show_robot(result: RobotFacts) -> None:
     """Links, actuators and the whole."""
     show_table(
         ("link", "length m", "inertia kg m²"),
-        [
-            (link["name"], number(link["length_m"]), number(link["inertia_kg_m2"]))
-            for link in result["links"]
-        ],
+        [(link.name, number(link.length_m), number(link.inertia_kg_m2)) for link in result.links],
     )
     columns = ("torque_limit_nm", "lower_rad", "upper_rad", "armature_kg_m2", "damping_nms_rad")
     show_table(
         ("actuated joint", "torque N m", "from rad", "to rad", "armature kg m²", "damping N m s"),
         [
-            (motor["joint"], *(number(motor[column]) for column in columns))
-            for motor in result["actuators"]
+            (motor.joint, *(number(getattr(motor, column)) for column in columns))
+            for motor in result.actuators
         ],
     )
     show_facts(item for item in result.items() if item[0] not in ("links", "actuators"))
 
 
-def show_names(result: Result) -> None:
+def show_names(result: BuiltIn) -> None:
     """Built-in robots and specs with a line about each."""
-    for kind in ("robots", "specs"):
-        rows = [(entry["name"], entry["about"]) for entry in result[kind]]
-        show_table((kind[:-1], "about"), rows)
+    for kind, entries in (("robot", result.robots), ("spec", result.specs)):
+        show_table((kind, "about"), [(entry.name, entry.about) for entry in entries])
 
 
-def show_findings(result: Result) -> None:
+def show_findings(result: Machine) -> None:
     """What was looked at on this machine, and the line that mends it."""
     rows = []
-    for name, finding in result.items():
-        if isinstance(finding, Mapping):
-            bad = Text("missing", "red") if finding["needed"] else Text("optional", "yellow")
-            state = Text("ok", "green") if finding["ok"] else bad
-            rows.append((name, state, finding["found"], finding["fix"] or ""))
+    for name, finding in result.findings.items():
+        bad = Text("missing", "red") if finding.needed else Text("optional", "yellow")
+        state = Text("ok", "green") if finding.ok else bad
+        rows.append((name, state, finding.found, finding.fix or ""))
     show_table(("what", "state", "found", "fix"), rows)
 
 
@@ -148,28 +142,10 @@ def _held(count: int) -> str:
     return "its condition holds" if count == 1 else f"all {count} conditions hold"
 
 
-def _seconds(result: Result, name: str) -> str:
-    return f"{result[name]:.0f} s" if name in result else "-"
-
-
-def _reasons(result: Result) -> Counter[str]:
-    """How many episodes fell for each reason."""
-    pairs = zip(result["fell"], result.get("fall_reasons", ()), strict=False)
-    return Counter(str(reason) for fell, reason in pairs if fell)
-
-
-def _disturbed(result: Result) -> Iterable[tuple[str, Any]]:
+def _disturbed(result: Simulated) -> Iterable[tuple[str, Any]]:
     """The disturbances that are not what they are by default."""
     from neuralgaits.simulation.disturbance import Disturbance
 
     usual = vars(Disturbance())
-    disturb = result.get("disturb") or {}
+    disturb = result.disturb or {}
     return [(name, value) for name, value in disturb.items() if value != usual.get(name)]
-
-
-def _flat(result: Result, prefix: str = "") -> Iterable[tuple[str, Any]]:
-    for name, value in result.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value

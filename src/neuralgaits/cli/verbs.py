@@ -98,9 +98,8 @@ def _train(verb: Train) -> Outcome:
     with TrainingProgress(quiet=verb.output.json) as progress:
         watch = Watch(progress.proved, progress.round_ended)
         run = train(robot, progress=progress, watch=watch, **given)
-    proof = run.summary["certificate"]
-    proved = proof is None or proof["verdict"] == "proved"
-    return Outcome(run.summary, proved, screen.show_training, undecided=not proved)
+    done = run.summary
+    return Outcome(done, done.proved, screen.show_training, undecided=not done.proved)
 
 
 def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
@@ -144,9 +143,9 @@ def _simulate(verb: Simulate) -> Outcome:
             link=verb.link,
             engine=verb.engine,
         )
-    if done.summary["engine_note"] is not None and not verb.output.json:
-        print(done.summary["engine_note"], file=sys.stderr)
-    return Outcome(done.summary, not any(done.summary["fell"]), screen.show_walks)
+    if done.summary.engine_note is not None and not verb.output.json:
+        print(done.summary.engine_note, file=sys.stderr)
+    return Outcome(done.summary, not any(done.summary.fell), screen.show_walks)
 
 
 def _certify(verb: Certify) -> Outcome:
@@ -188,7 +187,7 @@ def _check_proof(verb: CheckProof) -> Outcome:
 
     with CheckProgress(quiet=verb.output.json) as progress:
         result = check_proof(verb.file, run=verb.run, progress=progress)
-    verdict = result["verdict"]
+    verdict = result.verdict
     good = verdict in ("proved", "consistent")
     return Outcome(result, good, proof_screen.show_check, verdict == "undecided")
 
@@ -220,7 +219,7 @@ def _doctor() -> Outcome:
     from neuralgaits.workflows.doctor import doctor
 
     result = doctor()
-    return Outcome(result, result["ok"], screen.show_findings)
+    return Outcome(result, result.ok, screen.show_findings)
 
 
 def _widths(text: str) -> tuple[int, ...]:

@@ -1,12 +1,11 @@
 """A controller in C: compiled with every compiler, compared with Python, timed and weighed."""
 
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
 from neuralgaits.export.compare import (
-    Build,
     Questions,
     agree,
     float_bound,
@@ -17,11 +16,12 @@ from neuralgaits.export.compare import (
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import policy_rate
 from neuralgaits.export.reference import Reference
+from neuralgaits.records.exported import Build, ControllerExport, Memory
 
 
 def check_controller(
     design: Design, reference: Reference, folder: Path, compilers: list[str], states: int
-) -> dict[str, Any]:
+) -> "partial[ControllerExport]":
     """Compile with every compiler in both precisions, compare, and measure.
 
     Args:
@@ -31,34 +31,35 @@ def check_controller(
         compilers: names of programs.
         states: random states of the region.
 
-    Returns: the part of an export's summary that is measured; `max_abs_error`, `latency_us` and
+    Returns: a record that only lacks where the files are; `max_abs_error`, `latency_us` and
         sizes are those of the first compiler in double precision at -O2.
     Raises: MismatchError if C does not compile, or does not do what Python does.
     """
     asked = questions(design, reference, states)
-    builds = [
+    builds = tuple(
         _built(design, asked, folder, compiler, precision, flags)
         for compiler in compilers
         for precision in build.PRECISIONS
         for flags in (build.PLAIN, build.NATIVE)
-    ]
+    )
     sizes = {
         precision: _sizes(folder, compilers[0], defines)
         for precision, defines in build.PRECISIONS.items()
     }
     first = builds[0]
     steps = [first.latency_us[name] for name in design.controllers]
-    return {
-        "max_abs_error": first.agreement.absolute,
-        "latency_us": max(steps, key=lambda step: step["p99"]),
-        "flash_bytes": sizes["double"]["flash_bytes"],
-        "ram_bytes": sizes["double"]["ram_bytes"],
-        "states": asked.cases.count,
-        "limits": {precision: vars(limits(design, precision)) for precision in build.PRECISIONS},
-        "float_bound": float_bound(design, policy_rate(design.gait.policy), asked),
-        "sizes": sizes,
-        "builds": builds,
-    }
+    return partial(
+        ControllerExport,
+        max_abs_error=first.agreement.absolute,
+        latency_us=max(steps, key=lambda step: step.p99),
+        flash_bytes=sizes["double"].flash_bytes,
+        ram_bytes=sizes["double"].ram_bytes,
+        states=asked.cases.count,
+        limits={precision: limits(design, precision) for precision in build.PRECISIONS},
+        float_bound=float_bound(design, policy_rate(design.gait.policy), asked),
+        sizes=sizes,
+        builds=builds,
+    )
 
 
 def _built(
@@ -81,7 +82,7 @@ def _built(
     )
 
 
-def _sizes(folder: Path, compiler: str, defines: tuple[str, ...]) -> dict[str, Any]:
+def _sizes(folder: Path, compiler: str, defines: tuple[str, ...]) -> Memory:
     """Memory of one precision. Raises: MismatchError for a heap call or memory that is kept."""
     core = build.inspect(compiler, folder, (*build.PLAIN, *defines))
     if core.foreign or core.static_bytes:
@@ -94,9 +95,4 @@ def _sizes(folder: Path, compiler: str, defines: tuple[str, ...]) -> dict[str, A
     structs = dict(zip(rows[::2], map(int, rows[1::2]), strict=True))
     kept = sum(structs.values())
     stack = core.stack_bytes
-    return {
-        "flash_bytes": core.flash_bytes,
-        "ram_bytes": None if stack is None else kept + stack,
-        "stack_bytes": stack,
-        "structs": structs,
-    }
+    return Memory(core.flash_bytes, None if stack is None else kept + stack, stack, structs)

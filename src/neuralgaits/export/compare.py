@@ -14,6 +14,8 @@ from neuralgaits.export.facts import Design
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import Part
 from neuralgaits.export.reference import Reference, Results, policy_path, results_of
+from neuralgaits.records.exported import Agreement, FloatBound, Limits
+from neuralgaits.records.simulated import Percentiles
 
 STATES = 100_000
 """Random states of the region on which C and Python are compared."""
@@ -23,49 +25,6 @@ _WIDE = 64
 _NEAR_LIMIT = 1e-4
 """Share of a torque limit within which the two precisions may disagree on being clipped."""
 _CUTS = {"z": (64, 32), "dz": (2, 2)}
-
-
-@dataclass(frozen=True)
-class Limits:
-    """How far C may be from Python.
-
-    Attributes:
-        output: of y_d and its rate, shares of their ranges.
-        torque: share of the torque limit.
-    """
-
-    output: float
-    torque: float
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """Largest distances of one build from Python.
-
-    Attributes:
-        output: of the policy's outputs, a share of each one's range.
-        rate: of their rates, likewise.
-        slope: of their slopes and accelerations, likewise.
-        torque: of the whole control step from encoders, a share of the torque limit.
-        absolute: of any torque or output (N m, rad, rad/s).
-    """
-
-    output: float
-    rate: float
-    slope: float
-    torque: float
-    absolute: float
-
-
-@dataclass
-class Build:
-    """What is known of one compiler, precision and optimisation."""
-
-    compiler: str
-    precision: str
-    flags: str
-    agreement: Agreement
-    latency_us: dict[str, dict[str, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,17 +102,17 @@ def agree(design: Design, asked: Questions, program: Path, precision: str) -> Ag
     return agreement
 
 
-def latency(asked: Questions, program: Path) -> dict[str, dict[str, float]]:
+def latency(asked: Questions, program: Path) -> dict[str, Percentiles]:
     """Times of calls (us): the policy alone, and whole control steps by law."""
     with tempfile.TemporaryDirectory() as folder:
         cases = Path(folder) / "cases"
         asked.cases.records().tofile(cases)
         text = build.run(program, "latency", str(cases)).decode()
     rows = [line.split() for line in text.splitlines()]
-    return {name: {"p50": float(p50), "p99": float(p99)} for name, p50, p99 in rows}
+    return {name: Percentiles(float(p50), float(p99)) for name, p50, p99 in rows}
 
 
-def float_bound(design: Design, rates: Part, asked: Questions) -> dict[str, float]:
+def float_bound(design: Design, rates: Part, asked: Questions) -> FloatBound:
     """A bound on the error of y_d and its rate in single precision, over the whole region.
 
     Returns: `output` and `rate`, shares of their ranges.
@@ -164,10 +123,10 @@ def float_bound(design: Design, rates: Part, asked: Questions) -> dict[str, floa
     highs = {"z": np.asarray(bounds.upper), "dz": dz.max(axis=0)}
     errors = largest_errors(rates.program, lows, highs, _CUTS)
     ranges = np.ptp(asked.policy, axis=0)
-    return {
-        "output": float(np.max(errors["y"] / ranges[0])),
-        "rate": float(np.max(errors["dy"] / ranges[1])),
-    }
+    return FloatBound(
+        output=float(np.max(errors["y"] / ranges[0])),
+        rate=float(np.max(errors["dy"] / ranges[1])),
+    )
 
 
 def _same_decisions(design: Design, asked: Questions, found: Results) -> None:

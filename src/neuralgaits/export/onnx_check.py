@@ -1,8 +1,8 @@
 """ONNX Runtime against Python: the same states into both, how far apart, and how fast."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from time import perf_counter_ns
-from typing import Any
 
 import numpy as np
 import onnxruntime
@@ -12,6 +12,8 @@ from neuralgaits.errors import MismatchError
 from neuralgaits.export.compare import limits, policy_questions
 from neuralgaits.export.facts import Design
 from neuralgaits.export.onnx_model import FILES, REALS
+from neuralgaits.records.exported import Model, ModelAgreement, ModelExport, ModelLimits
+from neuralgaits.records.simulated import Percentiles
 
 _TIMED_CALLS = 20_000
 _RUNTIME_SHARE = {"double": 1.0, "float": 2.0}
@@ -23,7 +25,7 @@ _ERRORS_ONLY = 3
 Policy = Callable[[np.ndarray, np.ndarray], list[np.ndarray]]
 
 
-def check_models(design: Design, files: Mapping[str, bytes], states: int) -> dict[str, Any]:
+def check_models(design: Design, files: Mapping[str, bytes], states: int) -> "partial[ModelExport]":
     """Run every model on random states of the region.
 
     Args:
@@ -31,8 +33,8 @@ def check_models(design: Design, files: Mapping[str, bytes], states: int) -> dic
         files: models by file name.
         states: how many states.
 
-    Returns: `max_abs_error` and `latency_us` of the model in double precision, `states`, and
-        `builds`, one entry a precision.
+    Returns: a record that only lacks where the files are; `max_abs_error` and `latency_us` are
+        those of the model in double precision.
     Raises: MismatchError if a model is too far from Python.
     """
     points, answers = policy_questions(design, states)
@@ -41,22 +43,23 @@ def check_models(design: Design, files: Mapping[str, bytes], states: int) -> dic
         policy = _session(files[name])
         agreement = _agree(design, policy, points, answers[:, :2], precision)
         builds.append(
-            {
-                "runtime": f"onnxruntime {onnxruntime.__version__}",
-                "precision": precision,
-                "file": name,
-                "agreement": agreement,
-                "latency_us": _latency(policy, points.astype(REALS[precision])),
-                "model_bytes": len(files[name]),
-            }
+            Model(
+                runtime=f"onnxruntime {onnxruntime.__version__}",
+                precision=precision,
+                file=name,
+                agreement=agreement,
+                latency_us=_latency(policy, points.astype(REALS[precision])),
+                model_bytes=len(files[name]),
+            )
         )
-    return {
-        "max_abs_error": builds[0]["agreement"]["absolute"],
-        "latency_us": builds[0]["latency_us"],
-        "states": states,
-        "limits": {precision: {"output": _limit(design, precision)} for precision in FILES},
-        "builds": builds,
-    }
+    return partial(
+        ModelExport,
+        max_abs_error=builds[0].agreement.absolute,
+        latency_us=builds[0].latency_us,
+        states=states,
+        limits={precision: ModelLimits(_limit(design, precision)) for precision in FILES},
+        builds=tuple(builds),
+    )
 
 
 def _limit(design: Design, precision: str) -> float:
@@ -79,7 +82,7 @@ def _agree(
     points: Float[np.ndarray, "N 6"],
     expected: Float[np.ndarray, "N 2 m"],
     precision: str,
-) -> dict[str, float]:
+) -> ModelAgreement:
     """Largest distances, as shares of each output's range and in rad and rad/s."""
     given = points.astype(REALS[precision])
     found = np.array([policy(z, dz) for z, dz in zip(given[:, :2], given[:, 2:4], strict=True)])
@@ -93,10 +96,10 @@ def _agree(
             f"ONNX Runtime and Python disagree: expected outputs within {limit:g} of their range "
             f"in {precision} precision, found {max(output, rate):.3g}: do not use this model"
         )
-    return {"output": float(output), "rate": float(rate), "absolute": float(np.max(gaps))}
+    return ModelAgreement(float(output), float(rate), float(np.max(gaps)))
 
 
-def _latency(policy: Policy, points: Float[np.ndarray, "N 6"]) -> dict[str, float]:
+def _latency(policy: Policy, points: Float[np.ndarray, "N 6"]) -> Percentiles:
     """Times of calls from Python (us), one state each."""
     times = np.empty(_TIMED_CALLS)
     for i in range(_TIMED_CALLS):
@@ -106,4 +109,4 @@ def _latency(policy: Policy, points: Float[np.ndarray, "N 6"]) -> dict[str, floa
         policy(z, dz)
         times[i] = perf_counter_ns() - began
     p50, p99 = np.percentile(times, [50, 99]) * 1e-3
-    return {"p50": float(p50), "p99": float(p99)}
+    return Percentiles(float(p50), float(p99))

@@ -4,25 +4,24 @@ Robots and specs are named here and nowhere else: by a built-in's name if the ru
 built-in, else by the run's own copy, since the file that was given may have changed or gone.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from neuralgaits.barriers import specs
+from neuralgaits.records.asked import asked_of
+from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
 from neuralgaits.report.page import words
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC
 
-"""Copies in a run folder."""
 CONTROLLERS = ("pd", "fblin", "paper", "c")
-_LOCKSTEP = "lock-step"
 
 
 def robot_word(folder: RunFolder) -> str:
     """The run's robot as the command line takes it."""
-    copy, name = folder.path / ROBOT, str(folder.config.get("robot"))
+    copy, name = folder.path / ROBOT, asked_of(folder).robot
     if name in registry.built_in() and copy.is_file():
         file = registry.model_file(name)
         if copy.read_bytes().decode(errors="replace") == file.read_text(encoding="utf-8"):
@@ -32,7 +31,7 @@ def robot_word(folder: RunFolder) -> str:
 
 def spec_word(folder: RunFolder) -> str | None:
     """The run's spec as the command line takes it; None for one that no file defines."""
-    name = str(folder.config.get("spec"))
+    name = asked_of(folder).spec
     if name in specs.DESCRIPTIONS:
         return name
     file, colon, attribute = name.rpartition(":")
@@ -52,45 +51,43 @@ def training(
 
     Returns: None if the run's spec is in no file, or the run it was refined from is gone.
     """
-    config, spec = folder.config, spec_word(folder)
-    if config.get("parent"):
-        parent = _parent(folder)
+    asked, spec = asked_of(folder), spec_word(folder)
+    if asked.parent is not None:
+        parent = _parent(folder, asked.parent)
         if parent is None:
             return None
         line = ["refine", named(parent), "--residual", named(folder.path / RESIDUAL)]
-        bounds = config.get("disturbance")
-        if bounds and any(bounds):
-            line += ["--disturbance", ",".join(repr(bound) for bound in bounds)]
+        if asked.disturbance and any(asked.disturbance):
+            line += ["--disturbance", ",".join(repr(bound) for bound in asked.disturbance)]
     elif spec is None:
         return None
     else:
-        line = ["train", robot_word(folder), "--spec", spec, "--init", config["init"]]
-        if config.get("hidden"):
-            line += ["--hidden", ",".join(str(width) for width in config["hidden"])]
-    line += ["--seed", config["seed"] if seed is None else seed]
-    line += ["--steps", config["steps"] if steps is None else steps]
-    if (asked := config.get("certify")) is not None:
-        budget = asked.get("budget_s")
-        line += ["--certify", *([] if budget is None else ["--budget", budget])]
+        line = ["train", robot_word(folder), "--spec", spec, "--init", asked.init]
+        if asked.hidden:
+            line += ["--hidden", ",".join(str(width) for width in asked.hidden)]
+    line += ["--seed", str(asked.seed if seed is None else seed)]
+    line += ["--steps", str(asked.steps if steps is None else steps)]
+    if asked.certify is not None:
+        budget = asked.certify.budget_s
+        line += ["--certify", *([] if budget is None else ["--budget", str(budget)])]
     return command(*line, *([] if out is None else ["--out", named(out)]))
 
 
 def another_seed(folder: RunFolder) -> str | None:
     """Trains the same gait from other random numbers."""
-    return training(folder, seed=(int(folder.config["seed"]) + 1) % 2**31)
+    return training(folder, seed=(asked_of(folder).seed + 1) % 2**31)
 
 
 def longer(folder: RunFolder) -> str:
     """Trains the same gait twice as long; from the beginning, if its own beginning is gone."""
-    twice = 2 * int(folder.config["steps"])
+    twice = 2 * asked_of(folder).steps
     anew = ("train", robot_word(folder), "--spec", spec_word(folder) or "walking")
     return training(folder, steps=twice) or command(*anew, "--steps", twice)
 
 
-def _parent(folder: RunFolder) -> Path | None:
+def _parent(folder: RunFolder, told: str) -> Path | None:
     """The run that this one was refined from; one that was moved with it is found beside it."""
-    told = Path(str(folder.config["parent"]))
-    places = told, folder.path.resolve().parent / told.name
+    places = Path(told), folder.path.resolve().parent / Path(told).name
     return next((place for place in places if (place / "config.json").is_file()), None)
 
 
@@ -100,7 +97,7 @@ def certifying(run: Path, level: int, disturbance: tuple[float, ...] = ()) -> st
     return command("certify", named(run), "--level", level, *(bounds if disturbance else []))
 
 
-def simulating(folder: RunFolder, done: Mapping[str, Any], run: Path) -> str | None:
+def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     """Repeats a simulation.
 
     Args:
@@ -110,39 +107,39 @@ def simulating(folder: RunFolder, done: Mapping[str, Any], run: Path) -> str | N
 
     Returns: None if what walked, or its controller, is in no file that the run has kept.
     """
-    controller, plant = done["controller"], plant_word(folder, done)
-    if controller not in CONTROLLERS or plant is None:
+    plant = plant_word(folder, done)
+    if done.controller not in CONTROLLERS or plant is None:
         return None
     line: list[Any] = ["simulate", named(run), *(["--plant", plant] if plant else [])]
-    line += ["--controller", controller, "--steps", done.get("steps", 50)]
-    if "link" in done:
-        line += ["--link", _link(done["link"])]
-    line += ["--start", done["start"], "--seed", done["seed"], "--episodes", done["episodes"]]
-    if done.get("push"):
-        line += ["--push", done["push"]]
-    if changed := words.disturbances(done.get("disturb")):
+    line += ["--controller", done.controller, "--steps", 50 if done.steps is None else done.steps]
+    if done.link is not None:
+        line += ["--link", _link(done.link)]
+    line += ["--start", done.start, "--seed", done.seed, "--episodes", done.episodes]
+    if done.push:
+        line += ["--push", done.push]
+    if changed := words.disturbances(done.disturb):
         line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
     return command(*line)
 
 
-def plant_word(folder: RunFolder, done: Mapping[str, Any]) -> str | None:
+def plant_word(folder: RunFolder, done: Simulated) -> str | None:
     """What a simulation walked on, as the command line takes it.
 
     Returns: nothing ("") for the run's own robot, None if the run does not have it.
     """
-    if "plant_given" not in done:
+    if done.plant_given == "":
         # Summaries of earlier versions have the name that the robot file gives itself.
-        name = done["plant"]
-        own = name == folder.config.get("robot")
-        return "" if own else name if name in registry.built_in() else None
-    given = done["plant_given"]
+        own = done.plant == asked_of(folder).robot
+        return "" if own else done.plant if done.plant in registry.built_in() else None
+    given = done.plant_given
     if given is None or given in registry.built_in():
         return given or ""
     return named(folder.path / given) if (folder.path / given).is_file() else None
 
 
-def _link(link: Mapping[str, Any]) -> str:
+def _link(link: LinkFigures) -> str:
     """How the controller's process was reached, as `--link` takes it."""
-    asked = {name: link[name] for name in ("loss", "jitter_ms", "blend_s") if link.get(name)}
-    lockstep = ["lockstep=1"] if link["mode"] == _LOCKSTEP else []
-    return ",".join([f"law={link['law']}", *lockstep, *(f"{k}={v!r}" for k, v in asked.items())])
+    asked = {"loss": link.loss, "jitter_ms": link.jitter_ms, "blend_s": link.blend_s}
+    lockstep = ["lockstep=1"] if link.mode == LOCKSTEP else []
+    numbers = (f"{name}={value!r}" for name, value in asked.items() if value)
+    return ",".join([f"law={link.law}", *lockstep, *numbers])

@@ -1,17 +1,16 @@
 """How far touchdowns land from where they should, with and without a residual of the reset map."""
 
-from typing import Any
-
 import numpy as np
 
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Touchdowns
+from neuralgaits.records.fitted import Landing, TouchdownErrors
 from neuralgaits.residual.reset import Landings, ResetResidual, landings
 
 
 def landing_errors(
     zd: ZeroDynamics, reset: ResetResidual | None, seen: Touchdowns
-) -> dict[str, Any]:
+) -> TouchdownErrors:
     """Root mean square errors at touchdowns that nothing was learned from.
 
     Args:
@@ -19,28 +18,28 @@ def landing_errors(
         reset: residual of the reset map, or None.
         seen: touchdowns.
 
-    Returns: count, and "before" and "after" the residual: z1 (m), z2 (kg m^2/s), largest output
-        (rad) and largest output rate (rad/s); None without touchdowns or residual.
+    Returns: z1, z2, the largest output and output rate before and after the residual; None without
+        touchdowns or residual.
     """
     before = ZeroDynamics(zd.robot, zd.policy, zd.residual)
     after = ZeroDynamics(zd.robot, zd.policy, zd.residual, reset)
     some = len(seen.z_before) > 0
-    return {
-        "count": len(seen.z_before),
-        "before": _sizes(landings(before, seen)) if some else None,
-        "after": _sizes(landings(after, seen)) if some and reset is not None else None,
-    }
+    return TouchdownErrors(
+        count=len(seen.z_before),
+        before=_sizes(landings(before, seen)) if some else None,
+        after=_sizes(landings(after, seen)) if some and reset is not None else None,
+    )
 
 
-def _sizes(missed: Landings) -> dict[str, float]:
+def _sizes(missed: Landings) -> Landing:
     m = missed.eta.shape[1] // 2
     outputs, rates = missed.eta[:, :m], missed.eta[:, m:]
-    return {
-        "z1_m": _rms(missed.z[:, 0]),
-        "z2_kg_m2_s": _rms(missed.z[:, 1]),
-        "output_rad": _rms(np.linalg.norm(outputs, axis=1)),
-        "rate_rad_s": _rms(np.linalg.norm(rates, axis=1)),
-    }
+    return Landing(
+        z1_m=_rms(missed.z[:, 0]),
+        z2_kg_m2_s=_rms(missed.z[:, 1]),
+        output_rad=_rms(np.linalg.norm(outputs, axis=1)),
+        rate_rad_s=_rms(np.linalg.norm(rates, axis=1)),
+    )
 
 
 def _rms(values: np.ndarray) -> float:

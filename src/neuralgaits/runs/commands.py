@@ -8,8 +8,6 @@ import shlex
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.runs.folder import RunFolder
-
 PROGRAM, LATEST = "neuralgaits", "latest"
 
 
@@ -29,8 +27,8 @@ def resuming(path: str | Path) -> str:
     return command("train", "--resume", named(path))
 
 
-def learning(folder: RunFolder) -> str:
-    """Learns a residual from the run's walk, which is logged first if it has not been."""
-    run, log = named(folder.path), folder.path / "simulation" / "walk.csv"
+def learning(path: Path) -> str:
+    """Learns a residual from a run's walk, which is logged first if it has not been."""
+    run, log = named(path), path / "simulation" / "walk.csv"
     learn = command("fit", run, named(log))
     return learn if log.is_file() else f"{command('simulate', run, '--log', named(log))} && {learn}"

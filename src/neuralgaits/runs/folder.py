@@ -19,15 +19,14 @@ from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes, write_text
 from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.metrics import Row, from_csv, to_csv
-from neuralgaits.runs.plain import from_json, to_json
-from neuralgaits.runs.shape import TEXT, Shape, complaint, may, table_of
+from neuralgaits.runs.names import CONFIG, METRICS, NAN_STATE, SUMMARY
+from neuralgaits.runs.plain import to_json
+from neuralgaits.runs.reading import read_object, refuse_misshapen
+from neuralgaits.runs.shape import TEXT, may, table_of
 
 FORMAT = 1
 """Version of the layout and meaning of a run folder; other versions are refused."""
 
-CONFIG, SUMMARY, METRICS = "config.json", "summary.json", "metrics.csv"
-NAN, NAN_STATE = "nan.json", "nan.safetensors"
-"""Of a training that ended in NaN: where it did, and the last good state before."""
 _LAYOUT = {"copies": table_of(TEXT), "written_by": may(table_of(TEXT)), "created_utc": may(TEXT)}
 """Of a config: what is written here. The rest is the business of the stages."""
 LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "mujoco", "numpy")
@@ -109,7 +108,7 @@ class RunFolder:
                 f"expected {CONFIG} in {path}, found none: it is not a run folder, or its run was "
                 "killed while starting; train again"
             )
-        config = _read_json(path / CONFIG)
+        config = read_object(path / CONFIG)
         if config.get("format") != FORMAT:
             written = config.get("written_by")
             known = written if isinstance(written, dict) else {}
@@ -120,6 +119,21 @@ class RunFolder:
             )
         refuse_misshapen(config, _LAYOUT, path / CONFIG)
         return RunFolder(path, config)
+
+    @property
+    def copies(self) -> Mapping[str, str]:
+        """The sha256 of every input that was copied into the run, by file."""
+        return self.config["copies"]
+
+    @property
+    def created_utc(self) -> str:
+        """When the run began; empty if it does not say."""
+        return self.config.get("created_utc") or ""
+
+    @property
+    def written_by(self) -> Mapping[str, str]:
+        """Versions of the libraries that wrote the run, as far as it says."""
+        return self.config.get("written_by") or {}
 
     @property
     def finished(self) -> bool:
@@ -149,7 +163,7 @@ class RunFolder:
 
     def copied(self, file: str) -> Path:
         """Where an input was copied to. Raises: RunError as `copy` does."""
-        expected = self.config["copies"].get(file)
+        expected = self.copies.get(file)
         path = self.path / file
         if expected is None or not path.is_file():
             raise RunError(
@@ -181,7 +195,7 @@ class RunFolder:
 
     def read_json(self, file: str) -> dict[str, Any]:
         """Read a JSON object. Raises: RunError if it is missing or damaged."""
-        return _read_json(self.path / file)
+        return read_object(self.path / file)
 
     def write_metrics(self, rows: Sequence[Row]) -> None:
         """Replace `metrics.csv` by these rows."""
@@ -209,26 +223,3 @@ def _versions() -> dict[str, str]:
 
 def _sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
-
-
-def refuse_misshapen(value: Mapping[str, Any], shape: Shape, path: Path) -> None:
-    """Raises: RunError if a JSON file that can be read does not have what its writer puts there."""
-    wrong = complaint(value, shape)
-    if wrong is not None:
-        raise RunError(
-            f"{path} is damaged or of another version, {wrong}: restore it, or make it again"
-        )
-
-
-def _read_json(path: Path) -> dict[str, Any]:
-    if not path.is_file():
-        raise RunError(f"expected {path}, found none: the run is incomplete")
-    try:
-        value = from_json(path.read_bytes())
-    except ValueError as error:
-        raise RunError(
-            f"expected JSON in {path}, found a damaged file ({error}): restore it or train again"
-        ) from None
-    if not isinstance(value, dict):
-        raise RunError(f"expected a JSON object in {path}, found {type(value).__name__}")
-    return value

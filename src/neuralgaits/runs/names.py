@@ -1,5 +1,9 @@
 """Names of the files of a run folder."""
 
+CONFIG, SUMMARY, METRICS = "config.json", "summary.json", "metrics.csv"
+"""What was asked, what came out, and the course of the training."""
+NAN, NAN_STATE = "nan.json", "nan.safetensors"
+"""Of a training that ended in NaN: where it did, and the last good state before."""
 ROBOT, SPEC = "robot.xml", "spec.py"
 """Copies of what the run was asked for."""
 WEIGHTS, STATE = "policy.safetensors", "state.safetensors"

@@ -1,17 +1,16 @@
 """What a simulation says about a gait: the figures of `simulate --json`."""
 
-from typing import Any
-
 import numpy as np
 
 from neuralgaits._types import Array
 from neuralgaits.gait import Orbit
+from neuralgaits.records.simulated import ModelOrbit, WalkFigures
 from neuralgaits.simulation.gauge import START_UP_STEPS
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.walk import Walk
 
 
-def summary(walk: Walk, orbit: Orbit | None = None) -> dict[str, Any]:
+def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
     """The figures of a simulation.
 
     Gait figures are over completed steps, the first START_UP_STEPS of an episode left out; they
@@ -38,33 +37,33 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> dict[str, Any]:
         speed, step_time = distance / time, time / (gauge.steps - START_UP_STEPS)
         cost = work / (weight * distance)
     simulated = float(np.sum(gauge.ticks)) * SUBSTEPS * TIMESTEP_S
-    return {
-        "steps_walked": [int(steps) for steps in gauge.steps],
-        "fell": [ending.fell for ending in episodes.endings],
-        "fall_reasons": [ending.reason for ending in episodes.endings],
-        "speed_m_s": _mean(speed, counted),
-        "step_time_s": _mean(step_time, counted),
-        "cost_of_transport": _mean(cost, counted),
-        "max_output_error_rad": _largest(steady.output_error, counted),
-        "peak_torque_nm": _largest(gauge.peak_torque, gauge.ticks > 0),
-        "steady_peak_torque_nm": _largest(steady.settled_torque, counted),
-        "max_joint_rate_rad_s": _largest(steady.joint_rate, counted),
-        "min_normal_force_n": _smallest(steady.normal_force, counted),
-        "saturated_fraction": float(np.sum(gauge.saturated) / max(1, np.sum(gauge.ticks))),
-        "poincare": None if orbit is None else _orbit(orbit),
-        "sim_steps_per_s": episodes.plant_steps / episodes.wall_s,
-        "real_time_factor": simulated / episodes.wall_s,
-    }
+    return WalkFigures(
+        steps_walked=tuple(int(steps) for steps in gauge.steps),
+        fell=tuple(ending.fell for ending in episodes.endings),
+        fall_reasons=tuple(ending.reason for ending in episodes.endings),
+        speed_m_s=_mean(speed, counted),
+        step_time_s=_mean(step_time, counted),
+        cost_of_transport=_mean(cost, counted),
+        max_output_error_rad=_largest(steady.output_error, counted),
+        peak_torque_nm=_largest(gauge.peak_torque, gauge.ticks > 0),
+        steady_peak_torque_nm=_largest(steady.settled_torque, counted),
+        max_joint_rate_rad_s=_largest(steady.joint_rate, counted),
+        min_normal_force_n=_smallest(steady.normal_force, counted),
+        saturated_fraction=float(np.sum(gauge.saturated) / max(1, np.sum(gauge.ticks))),
+        poincare=None if orbit is None else _orbit(orbit),
+        sim_steps_per_s=episodes.plant_steps / episodes.wall_s,
+        real_time_factor=simulated / episodes.wall_s,
+    )
 
 
-def _orbit(orbit: Orbit) -> dict[str, Any]:
+def _orbit(orbit: Orbit) -> ModelOrbit:
     if orbit.result != "found":
-        return {"multiplier": None, "period_s": None, "step_length_m": None, "result": orbit.result}
-    return {
-        "multiplier": float(orbit.multiplier),
-        "period_s": float(orbit.period_s),
-        "step_length_m": float(orbit.step_length_m),
-    }
+        return ModelOrbit(multiplier=None, step_length_m=None, result=orbit.result)
+    return ModelOrbit(
+        multiplier=float(orbit.multiplier),
+        period_s=float(orbit.period_s),
+        step_length_m=float(orbit.step_length_m),
+    )
 
 
 def _mean(values: Array, counted: Array) -> float | None:

@@ -20,6 +20,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control import Command
 from neuralgaits.control.measurement import Measurement, coordinates, stance_joints
 from neuralgaits.errors import InputError
+from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, LinkTimes
 from neuralgaits.robots import MjcfLayout
 from neuralgaits.simulation.batch import Batch
 from neuralgaits.simulation.channel import Channel
@@ -104,25 +105,25 @@ class Remote:
 
         return local._replace(tick=tick)
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> LinkFigures:
         """What the link did."""
         ways = [*self._up, *self._down]
-        return {
-            "law": self._config.law,
-            "mode": "lock-step" if self._config.lockstep else "real time",
-            "loss": self._config.loss,
-            "jitter_ms": self._config.jitter_ms,
-            "blend_s": self._config.blend_s,
-            "ticks": self._tick,
-            "packets_sent": sum(way.sent for way in ways),
-            "packets_lost": sum(way.lost for way in ways),
-            "packets_late": sum(way.late for way in ways),
-            "deadline_misses": self._misses,
-            "overruns": self._overruns,
-            "faults": [int(fault) for fault in self._faults],
-            "round_trip_us": _percentiles(self._round_trips),
-            "controller_step_us": _percentiles(self._steps),
-        }
+        return LinkFigures(
+            law=self._config.law,
+            mode=LOCKSTEP if self._config.lockstep else "real time",
+            loss=self._config.loss,
+            jitter_ms=self._config.jitter_ms,
+            blend_s=self._config.blend_s,
+            ticks=self._tick,
+            packets_sent=sum(way.sent for way in ways),
+            packets_lost=sum(way.lost for way in ways),
+            packets_late=sum(way.late for way in ways),
+            deadline_misses=self._misses,
+            overruns=self._overruns,
+            faults=tuple(int(fault) for fault in self._faults),
+            round_trip_us=_percentiles(self._round_trips),
+            controller_step_us=_percentiles(self._steps),
+        )
 
     def _start(self, limit: float) -> None:
         for link in self._links:
@@ -202,11 +203,11 @@ def _row(answer: Answer | None, touchdown: bool, silent: np.ndarray) -> Float[np
     return np.concatenate([flags, answer.numbers])
 
 
-def _percentiles(values: list[float]) -> dict[str, float] | None:
+def _percentiles(values: list[float]) -> LinkTimes | None:
     if not values:
         return None
     p50, p99 = np.percentile(values, [50.0, 99.0])
-    return {"p50": float(p50), "p99": float(p99), "largest": float(np.max(values))}
+    return LinkTimes(float(p50), float(p99), float(np.max(values)))
 
 
 def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:

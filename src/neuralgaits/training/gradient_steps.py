@@ -10,9 +10,10 @@ import numpy as np
 
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.errors import NonFiniteError
+from neuralgaits.records.trained import EndedInNan
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import resuming
-from neuralgaits.runs.folder import NAN, NAN_STATE
+from neuralgaits.runs.names import NAN, NAN_STATE
 from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState
 
 Progress = Callable[[int, int, float], None]
@@ -113,13 +114,14 @@ class GradientSteps:
             state, loss = trainer.step(state)
         terms = zip(self._names(), np.asarray(loss.terms), strict=True)
         bad = [name for name, value in terms if not np.isfinite(value)]
-        found = {"step": int(state.step), "kept_step": int(kept.step), "conditions": bad}
+        step, kept_step = int(state.step), int(kept.step)
+        found = EndedInNan(step=step, kept_step=kept_step, conditions=tuple(bad))
         self.folder.write_json(NAN, found)
         self.folder.write_tree(NAN_STATE, kept)
         raise NonFiniteError(
-            f"expected a finite loss and weights, found NaN or infinity at step {int(state.step)} "
+            f"expected a finite loss and weights, found NaN or infinity at step {step} "
             f"(conditions: {', '.join(bad) or 'none: the sum or its gradient'}): mend one "
             "whose formula, or its slope, is not finite, if there is one, or train with another "
-            f"--seed; state of step {int(kept.step)} kept, reproduce with "
+            f"--seed; state of step {kept_step} kept, reproduce with "
             f"`{resuming(self.folder.path)}`"
         )

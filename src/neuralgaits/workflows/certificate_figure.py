@@ -42,9 +42,7 @@ def write_map(
     }
     names = sorted({name for state in states for name in state.refuted})
     conditions = {name for problem in problems for name in problem.names}
-    title = (
-        f"{run.folder.config['robot']}, {run.folder.config['spec']}: {len(conditions)} conditions"
-    )
+    title = f"{run.asked.robot}, {run.asked.spec}: {len(conditions)} conditions"
     if names:
         title += f"; refuted: {', '.join(names)}"
     write_arrays(folder / DATA, arrays, {"title": title})

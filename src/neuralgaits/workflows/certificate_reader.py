@@ -6,28 +6,36 @@ the run state as well: their statements have to be about the run's own files and
 the levels are concluded again from them. The boxes are not bounded again here: `check-proof` does.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from neuralgaits.certificate.levels.conclusions import Conclusion, conclude, proved_bounds
+from neuralgaits.certificate.levels.conclusions import conclude, proved_bounds
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.proof_file.coverage import Asked, contradictions, stated_roots
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
 from neuralgaits.errors import InputError
-from neuralgaits.report.certificate import FULL_ORDER, PROOF, SUMMARY
-from neuralgaits.report.shapes import CERTIFIED
-from neuralgaits.runs import RunFolder, from_json, plain
+from neuralgaits.records.asked import asked_of
+from neuralgaits.records.certified import (
+    FULL_ORDER,
+    MAP,
+    PROOF,
+    SUMMARY,
+    Certified,
+    Conclusion,
+    ConditionVerdict,
+    Verdict,
+)
+from neuralgaits.records.record import build, shape_of
+from neuralgaits.runs import RunFolder, from_json
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import RESIDUAL
 from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF, FULL_ORDER)
 """What a certificate is about, and what it rests on."""
-MAP = "certificate/map.safetensors"
-"""Data of a picture: without it there is no picture, and the certificate stands."""
 DAMAGED = f"{SUMMARY} is damaged or of another version"
 
 
@@ -42,7 +50,7 @@ class CertificateReading(NamedTuple):
         map_fits: whether the map of boxes is the one that was made with them.
     """
 
-    summary: dict[str, Any] | None = None
+    summary: Certified | None = None
     reason: str | None = None
     proof: Claims | None = None
     full: Claims | None = None
@@ -65,38 +73,39 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
         return CertificateReading()
     try:
         summary = from_json(path.read_bytes())
-        if wrong := complaint(summary, CERTIFIED):
+        if wrong := complaint(summary, shape_of(Certified)):
             return CertificateReading(reason=f"{DAMAGED}, {wrong}")
-        return _read(folder, summary)
+        return _read(folder, build(Certified, summary))
     except _Unfit as error:
         return CertificateReading(reason=str(error))
     except (OSError, ValueError, AttributeError, KeyError, TypeError):
         return CertificateReading(reason=DAMAGED)
 
 
-def _read(folder: RunFolder, summary: Any) -> CertificateReading:
+def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     """Raises: _Unfit; or what Python raises where something is not as `certify` writes it."""
     run = folder.path
     found = hashes(run)
     for name in FILES:
         digest = found[name]
-        if summary["sha256"].get(name) != digest:
+        if summary.sha256.get(name) != digest:
             raise _Unfit(
                 f"{SUMMARY} is about another {name} than the run's"
                 if digest is not None
                 else f"{name} is missing"
             )
-    described = folder.config["described"]
-    asked = Asked.read(described["regions"], {row["name"]: row for row in described["conditions"]})
+    config = asked_of(folder)
+    asked = Asked.read(config.regions, {one.name: one.data for one in config.conditions})
     proof, full = (_claims(run, file, asked) for file in (PROOF, FULL_ORDER))
-    if set(summary["conditions"]) != set(asked.conditions):
+    if set(summary.conditions) != set(asked.conditions):
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
-    summary = summary | {
-        "conditions": dict(_conditions(summary, asked, proof)),
-        "levels": list(_levels(summary, asked, proof, full)),
-    }
-    summary["verdict"] = _verdict(summary)
-    map_fits = found[MAP] is not None and summary["sha256"].get(MAP) == found[MAP]
+    summary = replace(
+        summary,
+        conditions=dict(_conditions(summary, asked, proof)),
+        levels=tuple(_levels(summary, asked, proof, full)),
+    )
+    summary = replace(summary, verdict=_verdict(summary))
+    map_fits = found[MAP] is not None and summary.sha256.get(MAP) == found[MAP]
     return CertificateReading(summary, None, proof, full, map_fits)
 
 
@@ -121,55 +130,52 @@ def _claims(run: Path, file: str, asked: Asked) -> Claims | None:
 
 
 def _conditions(
-    summary: Mapping[str, Any], asked: Asked, proof: Claims | None
-) -> Iterator[tuple[str, Any]]:
+    summary: Certified, asked: Asked, proof: Claims | None
+) -> Iterator[tuple[str, ConditionVerdict]]:
     """Verdicts on conditions; one that is proved has a statement on each box of its region."""
     bounds = {
         root: s.bounds[root[0]] for root, s in stated_roots(proof.statements if proof else ())
     }
     boxes = asked.boxes()
-    for name, row in summary["conditions"].items():
-        if row["verdict"] != "proved":
-            yield name, row | {"margin": None}
+    for name, row in summary.conditions.items():
+        if row.verdict != "proved":
+            yield name, replace(row, margin=None)
             continue
         own = [box for box in boxes if box[0] == name]
         if not all(box in bounds for box in own):
             raise _Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")
-        yield name, row | {"margin": min(bounds[box] for box in own)}
+        yield name, replace(row, margin=min(bounds[box] for box in own))
 
 
 def _levels(
-    summary: Mapping[str, Any], asked: Asked, proof: Claims | None, full: Claims | None
-) -> Iterator[dict[str, Any]]:
+    summary: Certified, asked: Asked, proof: Claims | None, full: Claims | None
+) -> Iterator[Conclusion]:
     """Levels above 1; one that is proved is claimed by a proof file and follows from it."""
     found: dict[int, Conclusion] = {}
     for claims in (proof, full):
         if claims is not None:
             found |= {one.level: one for one in _concluded(claims, asked)}
     below = True
-    for entry in summary["levels"]:
-        level = entry["level"]
+    for entry in summary.levels:
         # Level 4 rests on no other; level 3 on level 2.
-        if level == 3 and not below and entry["verdict"] == "proved":
+        if entry.level == 3 and not below and entry.proved:
             raise _Unfit(f"{SUMMARY} calls level 3 proved, and level 2 not")
-        below = below and entry["verdict"] == "proved"
-        if entry["verdict"] != "proved":
-            yield entry | {"words": [], "figures": {}}
-        elif level in found:
-            yield plain(asdict(found[level]))
+        below = below and entry.proved
+        if not entry.proved:
+            yield replace(entry, words=(), figures={})
+        elif entry.level in found:
+            yield found[entry.level]
         else:
-            raise _Unfit(f"{SUMMARY} calls level {level} proved, and no proof file claims it")
+            raise _Unfit(f"{SUMMARY} calls level {entry.level} proved, and no proof file claims it")
 
 
-def _verdict(summary: Mapping[str, Any]) -> str:
+def _verdict(summary: Certified) -> Verdict:
     """Of the whole, as `certify` gives it: proved if every condition and every level asked is."""
-    answers = {row["verdict"] for row in summary["conditions"].values()}
-    if "refuted" in answers:
+    if summary.of_conditions == "refuted":
         return "refuted"
-    levels = [entry["level"] for entry in summary["levels"]]
-    answers |= {entry["verdict"] for entry in summary["levels"]}
-    whole = levels == list(range(2, int(summary["level"]) + 1))
-    return "proved" if whole and answers == {"proved"} else "undecided"
+    whole = [entry.level for entry in summary.levels] == list(range(2, summary.level + 1))
+    proved = summary.of_conditions == "proved" and all(entry.proved for entry in summary.levels)
+    return "proved" if whole and proved else "undecided"
 
 
 def _concluded(claims: Claims, asked: Asked) -> list[Conclusion]:
@@ -181,4 +187,4 @@ def _concluded(claims: Claims, asked: Asked) -> list[Conclusion]:
             found.append(conclude_full_order(theorems.full, bounds))
     except (OverflowError, ZeroDivisionError):
         return []
-    return [one for one in found if one.level in theorems.claimed and one.verdict == "proved"]
+    return [one for one in found if one.level in theorems.claimed and one.proved]

@@ -1,10 +1,9 @@
 """How sure we are of a run's gait, in a few lines of Markdown, and whether its proof is its own."""
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from neuralgaits._digits import at_least
-from neuralgaits.report.certificate import PROOF, proved_level
+from neuralgaits.records.certified import PROOF, Certified
 from neuralgaits.runs.commands import command, named
 from neuralgaits.viewer import markdown
 from neuralgaits.workflows.certificate_reader import read_certificate
@@ -44,23 +43,20 @@ def how_sure(run: Run) -> Sureness:
     return Sureness(True, "\n\n".join(_lines(run, found.summary)), found.map_fits)
 
 
-def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
-    conditions = answer["conditions"].values()
-    verdict = markdown.text(str(answer["verdict"]).capitalize())
-    lines = [f"**{verdict} at level {int(answer['level'])}**"]
-    level, margins = proved_level(answer), [one["margin"] for one in conditions]
-    if level and None not in margins:
+def _lines(run: Run, answer: Certified) -> list[str]:
+    lines = [f"**{answer.verdict.capitalize()} at level {answer.level}**"]
+    level, count, least = answer.proved_level, len(answer.conditions), answer.least_margin
+    if level and least is not None:
         lines.append(
-            f"Each of {len(margins)} conditions holds at every state of its region, by "
-            f"{at_least(min(margins), 3)} of its scale or more."
+            f"Each of {count} conditions holds at every state of its region, by "
+            f"{at_least(least, 3)} of its scale or more."
         )
     for word in ("refuted", "undecided"):
-        names = [name for name, one in answer["conditions"].items() if one["verdict"] == word]
-        if names:
+        if names := answer.named(word):
             listed = markdown.text(", ".join(names))
-            lines.append(f"{len(names)} of {len(margins)} conditions {word}: {listed}.")
-    for entry in answer["levels"]:
-        lines += [f"{markdown.text(sentence)}." for sentence in entry["words"][:2]]
+            lines.append(f"{len(names)} of {count} conditions {word}: {listed}.")
+    for entry in answer.levels:
+        lines += [f"{markdown.text(sentence)}." for sentence in entry.words[:2]]
     about = "This is about the zero dynamics of the rigid model"
     if level == 4:
         about += ", and at level 4 about the whole of it under an exact controller without delay"
@@ -68,7 +64,7 @@ def _lines(run: Run, answer: Mapping[str, Any]) -> list[str]:
         f"{about}; not about MuJoCo, pushes, slopes or other masses: what you see here is a "
         "simulation, and may fall."
     )
-    if answer.get("proof"):
+    if answer.proof:
         check = command("check-proof", named(run.path / PROOF), "--run", named(run.path))
         lines.append(f"{markdown.code(check)} checks it again.")
     return lines

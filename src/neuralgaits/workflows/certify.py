@@ -2,20 +2,15 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from neuralgaits.certificate.levels.conclusions import Conclusion, conclude, proved_bounds
+from neuralgaits.certificate.levels.conclusions import conclude, proved_bounds
 from neuralgaits.certificate.levels.conditions.judge import judge
-from neuralgaits.certificate.levels.conditions.verdicts import (
-    ConditionVerdict,
-    Counterexample,
-    Verdict,
-)
 from neuralgaits.certificate.levels.sets import (
     Sets,
     condition_boxes,
@@ -39,15 +34,24 @@ from neuralgaits.certificate.search.schedule import (
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
-from neuralgaits.runs import plain
-from neuralgaits.workflows.certificate_reader import MAP, hashes
-from neuralgaits.workflows.certify_full_order import FILE, certify_full_order
+from neuralgaits.records.certified import (
+    FOLDER,
+    FULL_ORDER,
+    MAP,
+    PROOF,
+    SUMMARY,
+    Certified,
+    Conclusion,
+    ConditionVerdict,
+    Counterexample,
+    Verdict,
+)
+from neuralgaits.workflows.certificate_reader import hashes
+from neuralgaits.workflows.certify_full_order import certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
 from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.settings import check_budget, check_disturbance
 
-FOLDER = "certificate"
-PROOF, SUMMARY = f"{FOLDER}/proof.json", f"{FOLDER}/summary.json"
 LEVEL, HIGHEST = 3, 4
 """What is proved if no level is asked for, and the most that can be."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
@@ -55,19 +59,24 @@ MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was proved.
+    """What was proved. Attributes: summary: what `certify --json` prints."""
 
-    Attributes:
-        verdict: of the whole: refuted if a condition is, proved if all are and all levels.
-        conditions: the verdict on each (level 1).
-        conclusions: the answers of the levels above 1, as far as they were asked for.
-        summary: what `certify --json` prints.
-    """
+    summary: Certified
 
-    verdict: Verdict
-    conditions: Mapping[str, ConditionVerdict]
-    conclusions: Sequence[Conclusion]
-    summary: dict[str, Any]
+    @property
+    def verdict(self) -> Verdict:
+        """Of the whole: refuted if a condition is, proved if all are and all levels."""
+        return self.summary.verdict
+
+    @property
+    def conditions(self) -> Mapping[str, ConditionVerdict]:
+        """The verdict on each (level 1)."""
+        return self.summary.conditions
+
+    @property
+    def conclusions(self) -> Sequence[Conclusion]:
+        """The answers of the levels above 1, as far as they were asked for."""
+        return self.summary.levels
 
 
 @dataclass(frozen=True)
@@ -135,7 +144,7 @@ def certify(
         raise
     if level == HIGHEST:
         # The summary that follows speaks of the proofs that are there then.
-        (trained.path / FILE).unlink(missing_ok=True)
+        (trained.path / FULL_ORDER).unlink(missing_ok=True)
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
     done = _written(task, problems, states, began, ended)
     return done if level < HIGHEST else _at_full_order(done, trained, began, deadline, progress)
@@ -146,15 +155,18 @@ def _at_full_order(
 ) -> Certificate:
     """Level 4 added to a certificate of the others, which is in the run's folder already."""
     found = certify_full_order(run, deadline, progress)
+    told = below.summary
     return _finish(
         run,
         HIGHEST,
         below.conditions,
         [*below.conclusions, found.conclusion],
         began,
-        **{name: below.summary.get(name) for name in ("map", "proof", "reason")},
-        boxes=below.summary["boxes"] + found.boxes,
-        full_order_proof=found.file,
+        map=told.map,
+        proof=told.proof,
+        reason=told.reason,
+        boxes=told.boxes + found.boxes,
+        full_order_proof=None if found.file is None else str(found.file),
     )
 
 
@@ -247,8 +259,8 @@ def _written(
     from neuralgaits.workflows.certificate_figure import write_map
 
     more: dict[str, Any] = {
-        "map": write_map(run, [p for p, _ in own], [s for _, s in own], run.path / FOLDER),
-        "proof": proof if statements else None,
+        "map": str(write_map(run, [p for p, _ in own], [s for _, s in own], run.path / FOLDER)),
+        "proof": str(proof) if statements else None,
     }
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
         more["reason"] = f"{ended or 'the search ran out of boxes'}; {MORE}"
@@ -278,6 +290,8 @@ def _finish(
     verdicts: Mapping[str, ConditionVerdict],
     conclusions: Sequence[Conclusion],
     began: float,
+    *,
+    boxes: int = 0,
     **more: Any,
 ) -> Certificate:
     answers = {verdict.verdict for verdict in verdicts.values()}
@@ -285,19 +299,18 @@ def _finish(
     verdict: Verdict = "proved" if answers | further <= {"proved"} else "undecided"
     if "refuted" in answers:
         verdict = "refuted"
-    summary = {
-        "run": run.path,
-        "robot": run.folder.config["robot"],
-        "spec": run.folder.config["spec"],
-        "verdict": verdict,
-        "level": level,
-        "conditions": {name: asdict(entry) for name, entry in verdicts.items()},
-        "levels": [asdict(conclusion) for conclusion in conclusions],
-        "boxes": 0,
-        "proof": None,
-        "sha256": hashes(run.path),
-        "wall_s": time.perf_counter() - began,
-    }
-    summary = plain(summary | more)
+    summary = Certified(
+        run=str(run.path),
+        robot=run.asked.robot,
+        spec=run.asked.spec,
+        verdict=verdict,
+        level=level,
+        conditions=verdicts,
+        levels=tuple(conclusions),
+        sha256=hashes(run.path),
+        wall_s=time.perf_counter() - began,
+        boxes=boxes,
+        **more,
+    )
     run.folder.write_json(SUMMARY, summary)
-    return Certificate(verdict, verdicts, conclusions, summary)
+    return Certificate(summary)

@@ -4,7 +4,6 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from neuralgaits.certificate.levels.conclusions import Conclusion
 from neuralgaits.certificate.levels.full_order.conclude import LEVEL
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH, FullOrderModel
 from neuralgaits.certificate.levels.full_order.prove import BUDGET_S, FullOrderResult, full_order
@@ -12,10 +11,9 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Proof
 from neuralgaits.certificate.search.schedule import Progress
 from neuralgaits.errors import SpecError
+from neuralgaits.records.certified import FULL_ORDER, Conclusion
 from neuralgaits.workflows.proof_of import proof_of
 from neuralgaits.workflows.run import Run
-
-FILE = "certificate/full-order.json"
 
 
 @dataclass(frozen=True)
@@ -32,7 +30,7 @@ def certify_full_order(run: Run, deadline: float, progress: Progress | None) -> 
 
     Raises: SearchInterrupted for KeyboardInterrupt; no file is left then.
     """
-    path = run.path / FILE
+    path = run.path / FULL_ORDER
     path.unlink(missing_ok=True)
     budget = min(BUDGET_S, deadline - time.monotonic())
     if run.learned is not None:

@@ -8,7 +8,6 @@ the statements are about these conditions, and each of the spec's boxes must hav
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from neuralgaits.certificate.proof_file.coverage import Asked
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.errors import RunError
+from neuralgaits.records.checked import Checked
 from neuralgaits.runs import resolve
 from neuralgaits.workflows import retrace
 
@@ -33,7 +33,7 @@ Progress = Callable[[int, int], None]
 
 def check_proof(
     file: str | Path, *, run: str | Path | None = None, progress: Progress | None = None
-) -> dict[str, Any]:
+) -> Checked:
     """Check a proof file.
 
     Args:
@@ -42,12 +42,10 @@ def check_proof(
             is run in a process of its own.
         progress: called with (leaves done, leaves) now and then.
 
-    Returns: verdict ("proved" with a run, "consistent" without; "rejected" or "undecided"), reason
-        (None if proved), statements (in words), levels (conclusions of the levels above 1, with
-        verdicts likewise), unclaimed (conditions without a statement on all of their region),
-        boxes (bounded), wall_s, assumptions, proof, run, and what the file is about: robot, spec,
+    Returns: `Checked`, a mapping of what `check-proof --json` prints: verdict ("proved" with a run,
+        "consistent" without; "rejected" or "undecided"), reason (None if proved), statements (in
+        words), levels, unclaimed, boxes, wall_s, assumptions, proof, run, robot, spec,
         weights_sha256.
-
     Raises: InputError in one line if the file is no proof file; RunError if there is no such run.
     """
     began = time.perf_counter()
@@ -60,21 +58,21 @@ def check_proof(
         report = against(claims, folder, report)
         own_spec = (OWN_SPEC,) if ".py:" in claims.spec[0] else ()
     assumed = (*own_spec, *ASSUMPTIONS) if folder is not None else (DERIVED_ELSEWHERE, *ASSUMPTIONS)
-    return {
-        "proof": str(file),
-        "run": None if run is None else str(run),
-        "robot": claims.robot[0],
-        "spec": claims.spec[0],
-        "weights_sha256": claims.weights_sha256,
-        "verdict": report.verdict,
-        "reason": report.reason,
-        "statements": list(report.statements),
-        "levels": [asdict(level) for level in report.levels],
-        "unclaimed": list(report.unclaimed),
-        "boxes": report.boxes,
-        "assumptions": list(assumed),
-        "wall_s": time.perf_counter() - began,
-    }
+    return Checked(
+        proof=str(file),
+        run=None if run is None else str(run),
+        robot=claims.robot[0],
+        spec=claims.spec[0],
+        weights_sha256=claims.weights_sha256,
+        verdict=report.verdict,
+        reason=report.reason,
+        statements=report.statements,
+        levels=report.levels,
+        unclaimed=report.unclaimed,
+        boxes=report.boxes,
+        assumptions=assumed,
+        wall_s=time.perf_counter() - began,
+    )
 
 
 def against(claims: Claims, folder: Path, report: Report) -> Report:

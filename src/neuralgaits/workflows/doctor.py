@@ -6,10 +6,9 @@ import platform
 import shutil
 import subprocess
 import sys
-from dataclasses import asdict, dataclass
-from typing import Any
 
 from neuralgaits._version import __version__
+from neuralgaits.records.installed import Finding, Machine
 
 _RENDER = "from neuralgaits.simulation.video import trial; trial()"
 """What `simulate --video` does first."""
@@ -18,40 +17,16 @@ _WITHOUT_SCREEN = ("egl", "osmesa")
 """Values of MUJOCO_GL that need no window."""
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One thing that was looked at.
-
-    Attributes:
-        ok: whether it is as it should be.
-        needed: False if only a part of the program wants it; `found` or `fix` says which.
-        found: what is there.
-        fix: what to do, or None if nothing.
-    """
-
-    ok: bool
-    needed: bool
-    found: str
-    fix: str | None
-
-
-def doctor() -> dict[str, Any]:
+def doctor() -> Machine:
     """Look at the machine.
 
-    Returns: dict with `ok` (everything needed is there), `neuralgaits` (version) and
-        python, device, x64, opengl, video, compiler: {ok, needed, found, fix} each.
+    Returns: a mapping of what `doctor --json` prints: `ok` (everything needed is there),
+        `neuralgaits` (version) and python, device, x64, opengl, video, compiler: {ok, needed,
+        found, fix} each.
     """
-    findings = {
-        "python": _python(),
-        "device": _device(),
-        "x64": _double_precision(),
-        "opengl": _opengl(),
-        "video": _video(),
-        "compiler": _compiler(),
-    }
-    ready = all(finding.ok for finding in findings.values() if finding.needed)
-    named = {name: asdict(finding) for name, finding in findings.items()}
-    return {"ok": ready, "neuralgaits": __version__} | named
+    findings = (_python(), _device(), _double_precision(), _opengl(), _video(), _compiler())
+    ready = all(finding.ok for finding in findings if finding.needed)
+    return Machine(ready, __version__, *findings)
 
 
 def _finding(ok: bool, found: str, fix: str, *, needed: bool = True) -> Finding:

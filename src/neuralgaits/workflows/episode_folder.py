@@ -10,46 +10,23 @@ import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.records.record import Record
+from neuralgaits.records.walked import ASKED, SUMMARY, WALKS, EpisodesAsked, Versioned
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.runs import from_json, plain, write_text
+from neuralgaits.runs import from_json, write_text
 from neuralgaits.runs.claim import claim, filled
-from neuralgaits.runs.folder import refuse_misshapen
 from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.plain import to_json
-from neuralgaits.runs.shape import (
-    NUMBER,
-    TEXT,
-    Shape,
-    complaint,
-    may,
-    one_of,
-    table_of,
-    whole,
-)
-from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.run import Run
-from neuralgaits.workflows.settings import MOST_ROUNDS
 
-ASKED, SUMMARY = "episodes.json", "summary.json"
 ROBOT, PLANT = "robot.xml", "plant.xml"
 FORMAT = 1
 """Version of this layout; others are refused."""
-CONFIG: Shape = {
-    "robot": TEXT,
-    "plant": may(TEXT),
-    "disturb": may(table_of(may(NUMBER))),
-    "controller": one_of(*LAWS),
-    "logs": may(TEXT),
-    "rounds": whole(1, MOST_ROUNDS),
-    "seed": whole(0, 2**31 - 1),
-    "steps": may(whole(1, 2**31 - 1)),
-    "start": may(TEXT),
-}
-"""`episodes.json`."""
+Kind = TypeVar("Kind", bound=Record)
 HOME = "episodes"
 """Folder below the root of the runs."""
 
@@ -66,7 +43,7 @@ class EpisodeFolder:
     """
 
     path: Path
-    config: dict[str, Any]
+    config: EpisodesAsked
     robot: PlanarBiped
     plant: PlanarBiped | None
 
@@ -99,7 +76,8 @@ class EpisodeFolder:
         if start is not None:
             _copy_run(start.path, path / "round-0")
         names = {"robot": robot.name, "plant": plant and plant.name}
-        config = plain({"format": FORMAT, **asked, **names, "start": start and str(start.path)})
+        start_path = None if start is None else str(start.path)
+        config = EpisodesAsked(**{"format": FORMAT, **asked, **names, "start": start_path})
         write(path / ASKED, config)
         filled(path)
         return cls(path, config, robot, plant)
@@ -120,17 +98,14 @@ class EpisodeFolder:
         path = Path(place)
         if not (path / ASKED).is_file():
             return None
-        config = read(path / ASKED, {})
-        if config.get("format") != FORMAT:
+        found = read(path / ASKED, Versioned).format
+        if found != FORMAT:
             raise RunError(
-                f"expected episodes of format {FORMAT} in {path}, found {config.get('format')!r}: "
-                "begin new ones"
+                f"expected episodes of format {FORMAT} in {path}, found {found!r}: begin new ones"
             )
-        refuse_misshapen(config, CONFIG, path / ASKED)
-        robot = load_robot_of(path / ROBOT, config["robot"])
-        plant = None
-        if config["plant"] is not None:
-            plant = load_robot_of(path / PLANT, config["plant"])
+        config = EpisodesAsked.read(path / ASKED)
+        robot = load_robot_of(path / ROBOT, config.robot)
+        plant = None if config.plant is None else load_robot_of(path / PLANT, config.plant)
         return cls(path, config, robot, plant)
 
     def gone_on_with(self, asked: Mapping[str, Any], out: str | Path | None) -> "EpisodeFolder":
@@ -146,7 +121,7 @@ class EpisodeFolder:
             raise InputError(f"expected --resume without --out, found {out}: drop one of the two")
         rounds = asked["rounds"]
         for name, value in asked.items():
-            own = self.config[name]
+            own = getattr(self.config, name)
             if isinstance(value, PlanarBiped):
                 kept = {"robot": self.robot, "plant": self.plant}[name]
                 same, value = kept and kept.layout.xml == value.layout.xml, value.name
@@ -159,9 +134,9 @@ class EpisodeFolder:
                     f"expected the {name} that {self.path} was begun with, {own}, found {value}: "
                     "episodes go on with their own settings; leave it out, or begin new ones"
                 )
-        if rounds is None or rounds == self.config["rounds"]:
+        if rounds is None or rounds == self.config.rounds:
             return self
-        config = self.config | {"rounds": rounds}
+        config = replace(self.config, rounds=rounds)
         write(self.path / ASKED, config)
         return replace(self, config=config)
 
@@ -171,11 +146,11 @@ class EpisodeFolder:
 
     def walks(self, number: int) -> Path:
         """Summary of a round's walks."""
-        return self.round(number) / "walks" / SUMMARY
+        return self.round(number) / WALKS / SUMMARY
 
     def logs(self, number: int) -> Path:
         """Folder of the logs of a round's walks on a plant."""
-        return self.round(number) / "walks" / "logs"
+        return self.round(number) / WALKS / "logs"
 
 
 def write(path: Path, value: Any) -> None:
@@ -193,13 +168,10 @@ def load_robot_of(path: Path, name: str) -> PlanarBiped:
         ) from None
 
 
-def read(path: Path, shape: Shape) -> dict[str, Any]:
-    """Read JSON of `write`. Raises: RunError if it is damaged."""
+def read(path: Path, kind: type[Kind]) -> Kind:
+    """Read a record of `write`. Raises: RunError if it is damaged."""
     try:
-        found = from_json(path.read_bytes())
-        if wrong := complaint(found, shape):
-            raise ValueError(wrong)
-        return found
+        return kind.of(from_json(path.read_bytes()))
     except (OSError, ValueError) as error:
         raise RunError(
             f"expected JSON in {path}, found a damaged file ({error}): delete its round and resume"

@@ -8,7 +8,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import jax
 import numpy as np
@@ -21,8 +20,9 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Log
 from neuralgaits.logs.satisfaction import satisfaction
+from neuralgaits.records.simulated import WalkFigures
+from neuralgaits.records.walked import Shares, WalkedRound
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import plain
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
@@ -68,9 +68,7 @@ def nominal_momentum(run: Run) -> float:
     return float(run.gait.z(jax.numpy.array([phase, 0.5]))[1])
 
 
-def walk_round(
-    run: Run, field: Field, *, momentum: float, seed: int, folder: Path
-) -> dict[str, Any]:
+def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Path) -> WalkedRound:
     """Walk one policy, write the logs, and say what became of the walks.
 
     Args:
@@ -98,30 +96,27 @@ def walk_round(
     )
     found += more
     files = _write(found, folder, run.robot)
-    up = [not fell for fell in sped["fell"]]
+    up = [not fell for fell in sped.fell]
     held = longest_run(shares, up)
     asked = [stayed for share, stayed in zip(shares, up, strict=True) if share in SPEEDS]
-    return plain(
-        {
-            "steps_walked": tried["steps_walked"],
-            "share_that_walks": 1.0 - float(np.mean(tried["fell"])),
-            "fall_reasons": tried["fall_reasons"],
-            "steps_walked_at": {
-                f"{share:.3f}": steps
-                for share, steps in zip(shares, sped["steps_walked"], strict=True)
-            },
-            "share_of_speeds": float(np.mean(asked)),
-            "momentum_range": held,
-            "speed_range_m_s": None if held is None else _speeds(run, momentum, held),
-            "speed_m_s": tried["speed_m_s"],
-            "barriers": _judged(run, found),
-            "walked_s": float(sum(log.t[-1] - log.t[0] for log in found)),
-            "logs": [str(file) for file in files],
-            "logs_left_out": len(found) - len(files),
-            "engine": "jax" if engine.library is None else "native",
-            "engine_note": engine.note,
-            "wall_s": time.perf_counter() - began,
-        }
+    return WalkedRound(
+        steps_walked=tried.steps_walked,
+        share_that_walks=1.0 - float(np.mean(tried.fell)),
+        fall_reasons=tried.fall_reasons,
+        steps_walked_at={
+            f"{share:.3f}": steps for share, steps in zip(shares, sped.steps_walked, strict=True)
+        },
+        share_of_speeds=float(np.mean(asked)),
+        momentum_range=held,
+        speed_range_m_s=None if held is None else _speeds(run, momentum, held),
+        speed_m_s=tried.speed_m_s,
+        barriers=_judged(run, found),
+        walked_s=float(sum(log.t[-1] - log.t[0] for log in found)),
+        logs=tuple(str(file) for file in files),
+        logs_left_out=len(found) - len(files),
+        engine="jax" if engine.library is None else "native",
+        engine_note=engine.note,
+        wall_s=time.perf_counter() - began,
     )
 
 
@@ -134,7 +129,7 @@ def _walk(
     steps: int,
     seed: int,
     longest_s: float,
-) -> tuple[dict[str, Any], list[Log]]:
+) -> tuple[WalkFigures, list[Log]]:
     """Figures of walks, and the logs of the first seconds of each."""
     walked = walk(
         run.robot,
@@ -153,28 +148,24 @@ def _walk(
     return summary(walked), [log_of(run.robot, record, "walk") for record in records]
 
 
-def logged_round(run: Run, files: Sequence[Path]) -> dict[str, Any]:
+def logged_round(run: Run, files: Sequence[Path]) -> WalkedRound:
     """The same of a robot's own logs: a walk is as long as its file, and nobody knows of falls."""
     began = time.perf_counter()
     read, _ = logs.read_all(files, run.robot)
     strides = [np.flatnonzero(np.diff(log.stance)) for log in read]
-    return plain(
-        {
-            "steps_walked": [len(touchdowns) for touchdowns in strides],
-            "share_that_walks": None,
-            "share_of_speeds": None,
-            "momentum_range": None,
-            "speed_range_m_s": None,
-            "barriers": _judged(run, read),
-            "walked_s": float(sum(log.t[-1] - log.t[0] for log in read)),
-            "logs": [str(file) for file in files],
-            "wall_s": time.perf_counter() - began,
-        }
+    return WalkedRound(
+        steps_walked=tuple(len(touchdowns) for touchdowns in strides),
+        share_that_walks=None,
+        speed_range_m_s=None,
+        barriers=_judged(run, read),
+        walked_s=float(sum(log.t[-1] - log.t[0] for log in read)),
+        logs=tuple(str(file) for file in files),
+        wall_s=time.perf_counter() - began,
     )
 
 
-def _judged(run: Run, walks: Sequence[Log]) -> dict[str, Any]:
-    return satisfaction(walks, run.robot, run.gait, run.spec)._asdict()
+def _judged(run: Run, walks: Sequence[Log]) -> Shares:
+    return Shares(**satisfaction(walks, run.robot, run.gait, run.spec)._asdict())
 
 
 def _at_speeds(run: Run, momentum: float, shares: Sequence[float]) -> Float[np.ndarray, "k two_n"]:
@@ -184,11 +175,12 @@ def _at_speeds(run: Run, momentum: float, shares: Sequence[float]) -> Float[np.n
     return np.asarray(_phi_inv(zd, z))
 
 
-def _speeds(run: Run, momentum: float, shares: Sequence[float]) -> list[float]:
+def _speeds(run: Run, momentum: float, shares: tuple[float, float]) -> tuple[float, float]:
     """dz1 at z1 = 0 with these shares of the momentum (m/s)."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
     z = np.array([[0.0, share * momentum] for share in shares])
-    return [float(speed) for speed in np.asarray(_zdot(zd, z))[:, 0]]
+    low, high = (float(speed) for speed in np.asarray(_zdot(zd, z))[:, 0])
+    return low, high
 
 
 @quick_filter_jit

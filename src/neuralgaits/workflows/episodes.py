@@ -7,23 +7,31 @@ whose file is there is not done again, so what was interrupted goes on where it 
 import shutil
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
+from neuralgaits.records import fitted
+from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.walked import (
+    SUMMARY,
+    EpisodesDone,
+    Round,
+    RoundTimes,
+    RoundWalks,
+    WalkedRound,
+)
 from neuralgaits.report.rounds import draw_file
-from neuralgaits.report.shapes import ERRORS, WALKED
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.commands import command, named
-from neuralgaits.runs.folder import CONFIG
+from neuralgaits.runs.names import CONFIG
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
 from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.workflows import fit as fitting
-from neuralgaits.workflows.episode_folder import SUMMARY, EpisodeFolder, read, write
+from neuralgaits.workflows.episode_folder import EpisodeFolder, read, write
 from neuralgaits.workflows.episode_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.refine import refine
@@ -38,6 +46,15 @@ Tell = Callable[[int, str], None]
 """(round, what begins)."""
 
 
+class Stopped(NamedTuple):
+    """Why the rounds stopped before the last, if they did."""
+
+    waiting_for: str | None = None
+    """Folder of logs."""
+    diverged: str | None = None
+    """What a training says."""
+
+
 @dataclass(frozen=True)
 class Episodes:
     """What became of the rounds.
@@ -50,14 +67,14 @@ class Episodes:
 
     path: Path
     run: Run
-    summary: dict[str, Any]
+    summary: EpisodesDone
 
     @property
     def walks(self) -> bool | None:
         """Whether the last policy walks; None if only the robot's own logs tell."""
-        if self.summary["diverged"] is not None:
+        if self.summary.diverged is not None:
             return False
-        share = self.summary["rounds"][-1]["share_that_walks"]
+        share = self.summary.rounds[-1].share_that_walks
         return None if share is None else share >= ENOUGH
 
 
@@ -120,13 +137,24 @@ def episodes(
         entries, run, stopped = session.run()
     except KeyboardInterrupt as stop:
         raise Interrupted(command("episodes", "--resume", named(folder.path))) from stop
-    summary = {name: folder.config[name] for name in ("robot", "plant", "disturb", "controller")}
-    summary |= {"logs": folder.config["logs"], "seed": folder.config["seed"]}
-    summary |= {"episodes": str(folder.path), "run": str(run.path), "rounds": entries}
-    summary |= {**stopped, "figure": str(folder.path / FIGURE)}
-    summary = plain(summary | {"wall_s": time.perf_counter() - began})
+    settings = folder.config
+    summary = EpisodesDone(
+        robot=settings.robot,
+        plant=settings.plant,
+        disturb=settings.disturb,
+        controller=settings.controller,
+        logs=settings.logs,
+        seed=settings.seed,
+        episodes=str(folder.path),
+        run=str(run.path),
+        rounds=tuple(entries),
+        waiting_for=stopped.waiting_for,
+        diverged=stopped.diverged,
+        figure=str(folder.path / FIGURE),
+        wall_s=time.perf_counter() - began,
+    )
     write(folder.path / SUMMARY, summary)
-    draw_file(folder.path / SUMMARY, folder.path / FIGURE)
+    draw_file(summary, folder.path / FIGURE)
     return Episodes(folder.path, run, summary)
 
 
@@ -204,28 +232,28 @@ class _Session:
     tell: Tell
     root: Path
 
-    def run(self) -> tuple[list[dict[str, Any]], Run, dict[str, str | None]]:
+    def run(self) -> tuple[list[Round], Run, Stopped]:
         """Go through all rounds. Returns: entries, the last run, and why the rounds stopped."""
-        entries: list[dict[str, Any]] = []
+        entries: list[Round] = []
         run, momentum = self._policy(0, None), None
-        for number in range(self.folder.config["rounds"] + 1):
+        for number in range(self.folder.config.rounds + 1):
             try:
                 run = run if number == 0 else self._policy(number, run)
             except NonFiniteError as error:
                 # The answer is no: what was learned does not allow a gait nearby.
-                return entries, run, {"waiting_for": None, "diverged": str(error)}
+                return entries, run, Stopped(diverged=str(error))
             if momentum is None and self.folder.plant is not None:
                 momentum = nominal_momentum(run)
             missing = self._missing_logs(number)
             if missing is not None:
-                return entries, run, {"waiting_for": missing, "diverged": None}
+                return entries, run, Stopped(waiting_for=missing)
             walked = self._walk(number, run, momentum)
             learned = self._learn(number, run, walked)
             entries.append(_entry(number, run, walked, learned))
-        return entries, run, {"waiting_for": None, "diverged": None}
+        return entries, run, Stopped()
 
     def _missing_logs(self, number: int) -> str | None:
-        logs = self.folder.config["logs"]
+        logs = self.folder.config.logs
         if logs is None:
             return None
         try:
@@ -239,7 +267,7 @@ class _Session:
         place, config = self.folder.round(number), self.folder.config
         if (place / SUMMARY).is_file():
             return open_run(place)
-        robot, steps, seed = self.folder.robot, config["steps"], config["seed"]
+        robot, steps, seed = self.folder.robot, config.steps, config.seed
         if (place / CONFIG).is_file():
             self.tell(number, "training on")
             return train(robot, resume=place, progress=self.progress, root=self.root)
@@ -253,58 +281,57 @@ class _Session:
         self.tell(number, "refining")
         return refine(before, **settings)
 
-    def _walk(self, number: int, run: Run, momentum: float | None) -> dict[str, Any]:
+    def _walk(self, number: int, run: Run, momentum: float | None) -> WalkedRound:
         file = self.folder.walks(number)
         if file.is_file():
-            return read(file, WALKED)
+            return read(file, WalkedRound)
         config, plant = self.folder.config, self.folder.plant
         self.tell(number, "walking" if plant is not None else "reading logs")
         if plant is None or momentum is None:
-            found = logged_round(run, logs_of(Path(config["logs"]), number))
+            assert config.logs is not None  # There is a plant, or there are logs.
+            found = logged_round(run, logs_of(Path(config.logs), number))
         else:
-            field = Field(plant, Disturbance(**config["disturb"]), config["controller"])
+            field = Field(plant, Disturbance(**(config.disturb or {})), config.controller)
             found = walk_round(
-                run, field, momentum=momentum, seed=config["seed"], folder=self.folder.logs(number)
+                run, field, momentum=momentum, seed=config.seed, folder=self.folder.logs(number)
             )
-            if found["engine_note"] is not None:
-                self.tell(number, found["engine_note"])
+            if found.engine_note is not None:
+                self.tell(number, found.engine_note)
         write(file, found)
         return found
 
-    def _learn(self, number: int, run: Run, walked: dict[str, Any]) -> dict[str, Any]:
-        summary = run.path / fitting.SUMMARY
+    def _learn(self, number: int, run: Run, walked: WalkedRound) -> Fitted | str:
+        """What was learned, or why nothing was."""
+        summary = run.path / fitted.SUMMARY
         if summary.is_file():
-            return read(summary, ERRORS)
+            return read(summary, Fitted)
         self.tell(number, "learning")
-        last = number == self.folder.config["rounds"]
-        files = [Path(file) for file in walked["logs"]]
+        last = number == self.folder.config.rounds
+        files = [Path(file) for file in walked.logs]
         if self.folder.plant is not None:
             # The folder may have been moved, or the command be given from elsewhere.
             files = [self.folder.logs(number) / file.name for file in files]
         try:
-            return fit(run, files, seed=self.folder.config["seed"]).summary
+            return fit(run, files, seed=self.folder.config.seed).summary
         except InputError as error:
             # Nothing is refined after the last round: its errors are a report.
             if not last:
                 raise
-            return {"reason": str(error)}
+            return str(error)
 
 
-def _entry(
-    number: int, run: Run, walked: dict[str, Any], learned: dict[str, Any]
-) -> dict[str, Any]:
+def _entry(number: int, run: Run, walked: WalkedRound, learned: Fitted | str) -> Round:
     """What the table has of a round."""
+    walks = {part.name: getattr(walked, part.name) for part in fields(RoundWalks)}
     told = ("heldout_error", "nominal_heldout_error", "binned_floor", "touchdowns", "error_bound")
-    return {
-        "round": number,
-        "run": str(run.path),
-        "loss": run.summary["loss"],
-        **{name: value for name, value in walked.items() if name not in ("logs", "wall_s")},
-        **{name: learned.get(name) for name in told},
-        "reason": learned.get("reason"),
-        "wall_s": {
-            "train": run.summary["wall_s"],
-            "walk": walked["wall_s"],
-            "fit": learned.get("wall_s"),
-        },
-    }
+    errors: dict[str, Any] = {name: getattr(learned, name, None) for name in told}
+    fitting_s = learned.wall_s if isinstance(learned, Fitted) else None
+    return Round(
+        round=number,
+        run=str(run.path),
+        loss=run.summary.loss,
+        **walks,
+        **errors,
+        reason=None if isinstance(learned, Fitted) else learned,
+        wall_s=RoundTimes(run.summary.wall_s, walked.wall_s, fitting_s),
+    )

@@ -1,9 +1,10 @@
 """Write a trained gait for a robot, in C or ONNX, and compare it with Python."""
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from neuralgaits._version import __version__
 from neuralgaits.errors import InputError
@@ -14,40 +15,34 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
-from neuralgaits.runs import plain
+from neuralgaits.records.certified import FULL_ORDER, PROOF
+from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.run import Run, open_run
 
-PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
 FORMATS = ("c", "onnx")
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
-_UNKNOWN: dict[str, Any] = {
-    "checked": False,
-    "max_abs_error": None,
-    "latency_us": None,
-    "flash_bytes": None,
-    "ram_bytes": None,
-}
+Told = Callable[..., Exported]
+"""Makes a record of what is known of files, once it is said where they are."""
 
 
 @dataclass(frozen=True)
 class Export:
-    """What was written, and whether it was checked.
+    """What was written. Attributes: summary: what `export --json` prints."""
 
-    Attributes:
-        summary: what `export --json` prints.
-        checked: False if there was no compiler to check it with.
-    """
+    summary: Exported
 
-    summary: dict[str, Any]
-    checked: bool
+    @property
+    def checked(self) -> bool:
+        """False if there was no compiler to check it with."""
+        return self.summary.checked
 
 
 def export_controller(
@@ -76,11 +71,18 @@ def export_controller(
     trained, folder = open_run(run), Path(out)
     writing.refuse_used(folder, force=force)
     design = design_of(trained)
-    files, found = (_c if format == "c" else _onnx)(design, states)
-    written = writing.publish(folder, files)
-    about = {"run": str(trained.path), "format": format, "out": str(folder), "files": written}
-    about |= {"laws": list(design.controllers), "warnings": _warnings(trained)}
-    return Export(plain(about | found), found["checked"])
+    writer = _c if format == "c" else _onnx
+    files, told = writer(design, states)
+    return Export(
+        told(
+            run=str(trained.path),
+            format=format,
+            out=str(folder),
+            files=tuple(writing.publish(folder, files)),
+            laws=tuple(design.controllers),
+            warnings=tuple(_warnings(trained)),
+        )
+    )
 
 
 def design_of(trained: Run) -> Design:
@@ -99,8 +101,8 @@ def _origin(trained: Run) -> Origin:
     found = read_certificate(trained.folder)
     about, verdict, file = found.summary, None, PROOF
     if about is not None and found.proof is not None:
-        verdict = f"{about['verdict']} at level {about['level']}"
-        if about["level"] == 4 and found.full is not None:
+        verdict = f"{about.verdict} at level {about.level}"
+        if about.level == 4 and found.full is not None:
             # The hash that is named is that of the file that says so; it rests on no other.
             file = FULL_ORDER
     return Origin(
@@ -108,7 +110,7 @@ def _origin(trained: Run) -> Origin:
         policy_sha256=_sha256(trained.path / WEIGHTS),
         proof_sha256=None if verdict is None else _sha256(trained.path / file),
         proof_verdict=verdict,
-        spec=str(trained.folder.config["spec"]),
+        spec=trained.asked.spec,
         version=__version__,
     )
 
@@ -119,20 +121,18 @@ def _warnings(trained: Run) -> list[str]:
     if found.summary is None:
         why = found.reason or "it has no certificate"
         return [f"nothing is proved of this gait: {why}"]
-    conditions = found.summary["conditions"]
     warnings = []
-    for name, row in conditions.items():
-        if row["verdict"] == "refuted":
-            z1, z2 = (f"{value:.4g}" for value in row["counterexample"]["z"])
+    for name, row in found.summary.conditions.items():
+        if row.counterexample is not None:
+            z1, z2 = (f"{value:.4g}" for value in row.counterexample.z)
             warnings.append(
                 f"this gait is refuted: {name} is broken at z1 = {z1} m, z2 = {z2} kg m^2/s"
             )
-    left = [name for name, row in conditions.items() if row["verdict"] == "undecided"]
-    if left:
+    if left := found.summary.named("undecided"):
         warnings.append(f"not proved of this gait: {', '.join(left)}")
-    for level in found.summary["levels"]:
-        if level["verdict"] != "proved":
-            warnings.append(f"level {level['level']} is not proved of this gait: {level['reason']}")
+    for level in found.summary.levels:
+        if not level.proved:
+            warnings.append(f"level {level.level} is not proved of this gait: {level.reason}")
     return warnings
 
 
@@ -140,19 +140,18 @@ def _sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _c(design: Design, states: int) -> tuple[dict[str, str], dict[str, Any]]:
+def _c(design: Design, states: int) -> tuple[dict[str, str], Told]:
     """Files of the controller, and what is known of them."""
     reference = Reference(design)
     files = writing.shipped() | controller_files(design, reference)
     compilers = build.compilers()
     if not compilers:
-        return files, _UNKNOWN | {"reason": NO_COMPILER}
+        return files, partial(UncheckedExport, reason=NO_COMPILER)
     with writing.scratch(files | writing.harness()) as place:
-        found = check_controller(design, reference, place, compilers, states)
-    return files, {"checked": True} | found
+        return files, check_controller(design, reference, place, compilers, states)
 
 
-def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], dict[str, Any]]:
+def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], Told]:
     """Models of the policy, and what is known of them. Raises: InputError without the extra."""
     try:
         from neuralgaits.export.onnx_check import check_models
@@ -160,5 +159,4 @@ def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], dict[str, Any]
     except ModuleNotFoundError as error:
         raise InputError(NO_EXTRA.format(error.name)) from None
     files = model_files(design)
-    memory = {"flash_bytes": None, "ram_bytes": None}
-    return files, {"checked": True} | memory | check_models(design, files, states)
+    return files, check_models(design, files, states)

@@ -9,6 +9,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.records.certified import MAP
+from neuralgaits.records.simulated import LOG
+from neuralgaits.records.walked import ASKED, SUMMARY, EpisodesDone
 from neuralgaits.report import (
     again,
     barrier_sketches,
@@ -26,11 +29,8 @@ from neuralgaits.report import (
 )
 from neuralgaits.report.data import GaitData, MeasuredWalk
 from neuralgaits.report.drawn import Drawn, Missing
-from neuralgaits.report.shapes import ROUNDS
 from neuralgaits.report.two_pens import Sheet, second_pen, write_all
 from neuralgaits.runs.commands import command, learning, named
-from neuralgaits.runs.folder import refuse_misshapen
-from neuralgaits.workflows.certificate_figure import DATA as MAP
 from neuralgaits.workflows.gait_data import gait_data
 from neuralgaits.workflows.proved import Certificate, certificate_of
 from neuralgaits.workflows.residual_data import residual_data
@@ -38,8 +38,6 @@ from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.walk_log import measured_walk
 
 FOLDER = "figures"
-EPISODES, SUMMARY = "episodes.json", "summary.json"
-"""Files of the folder that the rounds of episodes lie in."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +136,7 @@ def _gait_tiles(source: Source) -> Made:
 def _walk_tiles(source: Source) -> Made:
     walk = source.walk
     if walk is None:
-        log = source.run.path / "simulation" / "walk.csv"
+        log = source.run.path / LOG
         line = command("simulate", source.path, "--log", named(log))
         raise Absent("the run has no log of a walk", line)
     rows = walk.last_step
@@ -157,7 +155,7 @@ def _margins_region(source: Source) -> Made:
 
 
 def _certificate_map(source: Source) -> Made:
-    path = source.run.path / "certificate" / MAP
+    path = source.run.path / MAP
     if source.certificate.reason is not None or not source.certificate.map_fits:
         missing = f"{path.name} is missing in the certificate, or another one's"
         reason = source.certificate.reason or missing
@@ -196,19 +194,17 @@ def _loss(source: Source) -> Made:
 def _residual_field(source: Source) -> Made:
     data = residual_data(source.run)
     if data is None:
-        raise Absent("nothing was learned from logs of this gait", learning(source.run.folder))
+        raise Absent("nothing was learned from logs of this gait", learning(source.run.path))
     return residual_field.caption(data), residual_field.draw(data)
 
 
 def _rounds(source: Source) -> Made:
     folder = source.run.path.parent
-    if not all((folder / file).is_file() for file in (EPISODES, SUMMARY)):
+    if not all((folder / file).is_file() for file in (ASKED, SUMMARY)):
         heavier = ("--plant", again.robot_word(source.run.folder), "--disturb", "mass_scale=1.05")
         line = command("episodes", *heavier, "--resume", source.path)
         raise Absent("the run is no round of episodes, as with a robot 5 % heavier", line)
-    found = source.run.folder.read_json(f"../{SUMMARY}")
-    refuse_misshapen(found, ROUNDS, folder / SUMMARY)
-    return rounds.CAPTION, rounds.draw(found)
+    return rounds.CAPTION, rounds.draw(EpisodesDone.read(folder / SUMMARY))
 
 
 def _periodic(source: Source) -> GaitData:

@@ -5,15 +5,15 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from neuralgaits import logs as walks
-from neuralgaits._types import Float
+from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Split, Stride, Windows
+from neuralgaits.records.fitted import FILE, SUMMARY, Fitted, Strides
 from neuralgaits.residual import stored
 from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer, Progress
 from neuralgaits.residual.fit import fit as fit_flow
@@ -23,12 +23,9 @@ from neuralgaits.residual.reset import fit_reset
 from neuralgaits.residual.stored import Learned
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 from neuralgaits.residual.trust import landing_errors
-from neuralgaits.runs import plain
 from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.settings import check_seed
 
-FOLDER = "residual"
-FILE, SUMMARY = f"{FOLDER}/residual.safetensors", f"{FOLDER}/summary.json"
 SAMPLES, STEP_S = 3, 0.01
 """Windows that are learned from: three samples 10 ms apart (as in the paper's code)."""
 JUDGED_SAMPLES = 11
@@ -47,7 +44,7 @@ class Fit:
 
     residual: Path
     learned: Learned
-    summary: dict[str, Any]
+    summary: Fitted
 
 
 def fit(
@@ -95,27 +92,30 @@ def fit(
     learned = Learned(flow, reset, largest_defects(missed(zd, flow, pairs)))
     path = trained.path / FILE
     stored.write(path, learned)
-    summary = {
-        "run": str(trained.path),
-        "residual": str(path),
-        "residual_sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
-        "logs": [str(log) for log in logs],
-        "optimizer": config.optimizer,
-        "seed": seed,
-        "steps": int(state.step),
-        "windows": len(train.z),
-        "strides": {name: len(part) for name, part in parts._asdict().items()},
-        "walked_s": float(sum(log.t[-1] - log.t[0] for log in read)),
-        "left_out": left_out | cut.left_out | {"short strides": short},
-        "bound": flow.bound,
-        "error_bound": learned.error_bound,
+    summary = Fitted(
+        run=str(trained.path),
+        residual=str(path),
+        residual_sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+        logs=tuple(str(log) for log in logs),
+        optimizer=config.optimizer,
+        seed=seed,
+        steps=int(state.step),
+        windows=len(train.z),
+        strides=Strides(**{name: len(part) for name, part in parts._asdict().items()}),
+        walked_s=float(sum(log.t[-1] - log.t[0] for log in read)),
+        left_out=left_out | cut.left_out | {"short strides": short},
+        bound=_pair(flow.bound),
+        error_bound=_pair(learned.error_bound),
         **_errors(zd, flow, config, parts, scale),
-        "touchdowns": landing_errors(corrected, reset, walks.touchdowns(parts.heldout, zd)),
-        "wall_s": time.perf_counter() - began,
-    }
-    summary = plain(summary)
+        touchdowns=landing_errors(corrected, reset, walks.touchdowns(parts.heldout, zd)),
+        wall_s=time.perf_counter() - began,
+    )
     trained.folder.write_json(SUMMARY, summary)
     return Fit(path, learned, summary)
+
+
+def _pair(values: Float[np.ndarray, "2"] | Array) -> tuple[float, float]:
+    return float(values[0]), float(values[1])
 
 
 def _long_enough(strides: Sequence[Stride]) -> tuple[list[Stride], int]:

@@ -19,10 +19,10 @@ def proof_of(
     model: Mapping[str, Any] | None,
 ) -> Proof:
     """A proof about a run: its robot, spec and weights by name and sha256."""
-    config = run.folder.config
+    asked, copies = run.asked, run.folder.copies
     return Proof(
-        {"name": config["robot"], "sha256": config["copies"][ROBOT]},
-        {"name": config["spec"], "sha256": config["copies"][SPEC]},
+        {"name": asked.robot, "sha256": copies[ROBOT]},
+        {"name": asked.spec, "sha256": copies[SPEC]},
         hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
         program,
         statements,

@@ -7,9 +7,9 @@ The weights in the folder are always those that the certificate beside them spea
 
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,12 +18,14 @@ import numpy as np
 from neuralgaits._types import Array
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
+from neuralgaits.records.certified import FOLDER
+from neuralgaits.records.trained import ProofHistory, ProofRound, TrainingProof
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
 from neuralgaits.training.gradient_steps import GradientSteps
-from neuralgaits.workflows.certify import FOLDER, certify
+from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.run import Run
 
 ROUNDS = 10
@@ -34,34 +36,11 @@ REPAIR, HISTORY = "repair.safetensors", "rounds.json"
 
 
 @dataclass(frozen=True)
-class Round:
-    """What one certificate of a training found.
-
-    Attributes:
-        number: repairs before it.
-        steps: gradient steps before it.
-        verdict: of the certificate.
-        open_boxes: boxes on which some condition is not proved.
-        failing: such boxes by condition.
-        smallest_margin: that is proved, in scales; None if a condition is not.
-        wall_s: time that the certificate took.
-    """
-
-    number: int
-    steps: int
-    verdict: str
-    open_boxes: int
-    failing: Mapping[str, int]
-    smallest_margin: float | None
-    wall_s: float
-
-
-@dataclass(frozen=True)
 class Watch:
     """Who is told how the rounds go on. Attributes: proved: (share, boxes); ended: a round."""
 
     proved: Callable[[float, int], None] | None = None
-    ended: Callable[[Round], None] | None = None
+    ended: Callable[[ProofRound], None] | None = None
 
 
 class RepairState(NamedTuple):
@@ -87,16 +66,17 @@ class ProofRounds:
         self.folder, self.robot, self.spec = folder, robot, spec
         self.steps, self.watch = steps, watch
 
-    def run(self, trainer: Trainer, gait: Gait) -> tuple[Gait, dict[str, Any]]:
+    def run(self, trainer: Trainer, gait: Gait, budget: float | None) -> tuple[Gait, TrainingProof]:
         """Certify and repair until the proof stands, or rounds or budget end.
 
         Args:
             trainer: that trained the gait.
             gait: trained; a repair that was under way goes on from its own checkpoint.
+            budget: seconds for it all; None for as long as it takes.
 
         Returns: the gait last certified, and what the run's summary says of it.
         """
-        began, budget = time.monotonic(), self.folder.config["certify"]["budget_s"]
+        began = time.monotonic()
         deadline = began + (np.inf if budget is None else budget)
         repairer = trainer.repairing(max(round(SHARE * self.spec.recipe.steps), 1))
         state = self._under_way(repairer, gait)
@@ -130,12 +110,12 @@ class ProofRounds:
         like = RepairState(number, repairer.extra_shapes(), repairer.init(gait))
         return self.folder.read_tree(REPAIR, like)
 
-    def _rounds_before(self, state: RepairState | None) -> list[Round]:
+    def _rounds_before(self, state: RepairState | None) -> list[ProofRound]:
         """Rounds of a killed run that come before the repair it was in."""
         if state is None:
             return []
-        rows = self.folder.read_json(HISTORY)["rounds"]
-        return [Round(**row) for row in rows if row["number"] < int(state.number)]
+        known = ProofHistory.read(self.folder.path / HISTORY).rounds
+        return [one for one in known if one.number < int(state.number)]
 
     def _repair(
         self, repairer: Trainer, state: RepairState, trained: int, deadline: float
@@ -152,7 +132,7 @@ class ProofRounds:
         return self.steps.take(trainer, state.training, save, before=before, deadline=deadline)
 
     def _certify(
-        self, gait: Gait, number: int, steps: int, deadline: float, history: list[Round]
+        self, gait: Gait, number: int, steps: int, deadline: float, history: list[ProofRound]
     ) -> dict[str, Boxes]:
         """Certify the gait and add the round. Returns: the boxes left open, by region."""
         self.folder.write_tree(WEIGHTS, gait)
@@ -165,19 +145,17 @@ class ProofRounds:
             progress=self.watch.proved,
         )
         left_open = self._open_boxes()
-        margins = [verdict.margin for verdict in found.conditions.values()]
-        known = [margin for margin in margins if margin is not None]
-        ended = Round(
+        ended = ProofRound(
             number=number,
             steps=steps,
             verdict=found.verdict,
             open_boxes=sum(len(boxes.low) for boxes in left_open),
             failing=_failing(left_open),
-            smallest_margin=min(known) if len(known) == len(margins) else None,
-            wall_s=found.summary["wall_s"],
+            smallest_margin=found.summary.least_margin,
+            wall_s=found.summary.wall_s,
         )
         history.append(ended)
-        self.folder.write_json(HISTORY, {"rounds": [asdict(row) for row in history]})
+        self.folder.write_json(HISTORY, ProofHistory(tuple(history)))
         if self.watch.ended is not None:
             self.watch.ended(ended)
         regions: dict[str, list[OpenBoxes]] = {}
@@ -192,18 +170,18 @@ class ProofRounds:
         files = sorted((self.folder.path / FOLDER).glob("boxes-*.safetensors"))
         return [boxes for boxes in map(open_boxes, files) if len(boxes.low)]
 
-    def _summary(self, history: list[Round], trained: int, wall_s: float) -> dict[str, Any]:
+    def _summary(self, history: list[ProofRound], trained: int, wall_s: float) -> TrainingProof:
         last = history[-1]
-        return {
-            "verdict": last.verdict,
-            "level": 1,
-            "repairs": last.number,
-            "repair_steps": last.steps - trained,
-            "smallest_margin": last.smallest_margin,
-            "open_boxes": last.open_boxes,
-            "failing": dict(last.failing),
-            "wall_s": wall_s,
-        }
+        return TrainingProof(
+            verdict=last.verdict,
+            level=1,
+            repairs=last.number,
+            repair_steps=last.steps - trained,
+            smallest_margin=last.smallest_margin,
+            open_boxes=last.open_boxes,
+            failing=last.failing,
+            wall_s=wall_s,
+        )
 
 
 def _failing(left_open: list[OpenBoxes]) -> dict[str, int]:

@@ -1,16 +1,18 @@
 """Train a gait on, from where it stands, on the zero dynamics that logs have corrected."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from neuralgaits.errors import RunError
+from neuralgaits.records import fitted
+from neuralgaits.records.asked import Proving
 from neuralgaits.residual import stored
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.runs.commands import learning
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.workflows import fit
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.settings import (
@@ -65,11 +67,11 @@ def refine(
     """
     began = time.perf_counter()
     parent = open_run(run)
-    file = parent.path / fit.FILE if residual is None else Path(residual)
+    file = parent.path / fitted.FILE if residual is None else Path(residual)
     if residual is None and not file.is_file():
         raise RunError(
-            f"expected a residual of {parent.path}, found no {fit.FILE} in it: learn one from a "
-            f"robot's logs, or as in `{learning(parent.folder)}`, or give --residual FILE"
+            f"expected a residual of {parent.path}, found no {fitted.FILE} in it: learn one from a "
+            f"robot's logs, or as in `{learning(parent.path)}`, or give --residual FILE"
         )
     learned = stored.read(file, parent.robot)
     if disturbance == "learned":
@@ -79,16 +81,15 @@ def refine(
     check_seed(seed)
     check_steps(steps)
     check_proof_budget(certify, budget)
-    kept = parent.folder.config
-    config = {name: kept[name] for name in ("robot", "spec", "init", "hidden", "described")} | {
-        "seed": seed,
-        "steps": round(STEPS_SHARE * parent.spec.recipe.steps) if steps is None else steps,
-        "rate": RATE,
-        "disturbance": disturbance,
-        "not_provable_because": kept["not_provable_because"],
-        "certify": {"budget_s": budget} if certify else None,
-        "parent": str(parent.path),
-    }
+    config = replace(
+        parent.asked,
+        seed=seed,
+        steps=round(STEPS_SHARE * parent.spec.recipe.steps) if steps is None else steps,
+        rate=RATE,
+        disturbance=disturbance,
+        certify=Proving(budget) if certify else None,
+        parent=str(parent.path),
+    )
     copies = {
         ROBOT: parent.folder.copy(ROBOT),
         SPEC: parent.folder.copy(SPEC),

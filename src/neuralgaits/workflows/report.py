@@ -4,21 +4,22 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.records.reported import Lack, Reported
+from neuralgaits.records.shown import ShownWalk
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import MOST_BYTES, document
 from neuralgaits.report.page.saved import Contents, Saved, read
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.runs import RunFolder, plain, resolve, write_text
+from neuralgaits.runs import RunFolder, resolve, write_text
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.run import Run, asked_of, open_run
+from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.shown_walk import shown_walk
 
 FILE = "report.html"
@@ -36,7 +37,7 @@ class Report:
 
     path: Path
     figures: list[Drawn | Missing]
-    summary: dict[str, Any]
+    summary: Reported
 
 
 def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Report:
@@ -52,9 +53,8 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     _check_writable(path)
-    asked_of(folder)
     saved = saved_of(folder)
-    robot = robot_from_text(folder.copy(ROBOT), folder.config["robot"])
+    robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
     with ThreadPoolExecutor(1) as beside:
         # Most of a walk is compiled without Python, while the figures are drawn.
         walking = beside.submit(_walk, run, folder)
@@ -62,7 +62,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
         walk, no_walk = walking.result()
     contents = Contents(
         saved=saved,
-        robot=plain(inspect(robot)),
+        robot=inspect(robot),
         walk=walk,
         no_walk=no_walk,
         figures=drawn,
@@ -74,16 +74,14 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
             f"expected a page of at most {MOST_BYTES} bytes, found {size}: a figure is too large"
         )
     write_text(path, page)
-    summary = {
-        "run": str(folder.path),
-        "report": str(path),
-        "bytes": size,
-        "figures": [figure.name for figure in drawn if isinstance(figure, Drawn)],
-        "missing": [
-            {"what": what, "command": command} for what, command in missing_parts(contents)
-        ],
-        "damaged": saved.damaged,
-    }
+    summary = Reported(
+        run=str(folder.path),
+        report=str(path),
+        bytes=size,
+        figures=tuple(figure.name for figure in drawn if isinstance(figure, Drawn)),
+        missing=tuple(Lack(what, command) for what, command in missing_parts(contents)),
+        damaged=saved.damaged,
+    )
     return Report(path, drawn, summary)
 
 
@@ -111,7 +109,7 @@ def _check_writable(path: Path) -> None:
         )
 
 
-def _walk(run: Run | str | Path, folder: RunFolder) -> tuple[dict[str, Any] | None, str | None]:
+def _walk(run: Run | str | Path, folder: RunFolder) -> tuple[ShownWalk | None, str | None]:
     """The walk to show, or why there is none."""
     if not folder.finished:
         return None, "There is no gait to show before the training has ended."

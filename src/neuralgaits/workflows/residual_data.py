@@ -1,6 +1,7 @@
 """The residual of a run on the plane of its gait, computed once and kept in the run."""
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +9,13 @@ import numpy as np
 from neuralgaits import logs
 from neuralgaits.analysis.quantities import Look
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.records import fitted
+from neuralgaits.records.fitted import Logs
 from neuralgaits.report.residual_field import ResidualData
 from neuralgaits.residual import stored
-from neuralgaits.runs import from_json, read_arrays, write_arrays
+from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 from neuralgaits.runs.names import RESIDUAL
-from neuralgaits.runs.shape import TEXT, complaint, list_of
-from neuralgaits.workflows import fit
 from neuralgaits.workflows.gait_data import fingerprint, gait_data
 from neuralgaits.workflows.run import Run
 
@@ -26,7 +27,7 @@ LOGS, STATES = 4, 2500
 def residual_data(run: Run) -> ResidualData | None:
     """What the run was trained with, else what was learned from its logs; None if neither."""
     trained = run.learned is not None
-    path = run.path / (RESIDUAL if trained else fit.FILE)
+    path = run.path / (RESIDUAL if trained else fitted.FILE)
     if not path.is_file():
         return None
     gait = gait_data(run)
@@ -51,21 +52,18 @@ def residual_data(run: Run) -> ResidualData | None:
 
 def _visited(run: Run, trained: bool) -> np.ndarray:
     """States of the logs that the residual is from, as far as they are still there. [K, 2]."""
-    parent = run.folder.config.get("parent")
+    parent = run.asked.parent
     places = [run.path.parent / Path(parent).name, Path(parent)] if trained and parent else []
     for place in places or [run.path]:
-        summary = place / fit.SUMMARY
         try:
-            found = from_json(summary.read_bytes())
-            if complaint(found, {"logs": list_of(TEXT)}) is None:
-                return _states(run, found["logs"], place)
-        except (OSError, ValueError):
+            return _states(run, Logs.read(place / fitted.SUMMARY).logs, place)
+        except RunError:
             # Without it the picture has no dots.
             continue
     return np.zeros((0, 2))
 
 
-def _states(run: Run, paths: list[str], place: Path) -> np.ndarray:
+def _states(run: Run, paths: Sequence[str], place: Path) -> np.ndarray:
     found = []
     for name in paths:
         path = Path(name)

@@ -1,10 +1,8 @@
 """A finished run, opened: robot, spec, gait and what was measured."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import jax
 from jaxtyping import PRNGKeyArray
@@ -12,36 +10,14 @@ from jaxtyping import PRNGKeyArray
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.report.page.saved import trained
+from neuralgaits.records.asked import Asked, asked_of
+from neuralgaits.records.trained import Trained, trained_of
 from neuralgaits.residual import stored
 from neuralgaits.residual.stored import Learned
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
-from neuralgaits.runs.folder import CONFIG, refuse_misshapen
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
-from neuralgaits.runs.shape import NUMBER, TEXT, Shape, list_of, may, one_of, table_of, whole
-
-WIDEST, DEEPEST = 2**14, 16
-"""Hidden layers that a config may ask for: what is more is damage, and would fill the memory."""
-ASKED: Shape = {
-    "robot": TEXT,
-    "spec": TEXT,
-    "seed": whole(0, 2**31 - 1),
-    "init": one_of("posture", "random"),
-    "hidden": may(list_of(whole(1, WIDEST), *range(1, DEEPEST + 1))),
-    "steps": whole(1, 2**31 - 1),
-    "described": {
-        "recipe": {"learning_rate?": NUMBER, "samples?": table_of(NUMBER)},
-        "conditions": list_of({"name": TEXT, "region": TEXT, "scale": NUMBER}),
-    },
-    "not_provable_because": may(TEXT),
-    "certify?": may({"budget_s": may(NUMBER)}),
-    "rate?": NUMBER,
-    "disturbance?": may(list_of(NUMBER, 2)),
-    "parent?": may(TEXT),
-}
-"""`config.json` of a run."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +41,15 @@ class Run:
         """The run folder."""
         return self.folder.path
 
+    @cached_property
+    def asked(self) -> Asked:
+        """What the training was asked."""
+        return asked_of(self.folder)
+
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Trained:
         """What `train --json` printed. Raises: RunError if it is damaged."""
-        return trained(self.folder)
+        return trained_of(self.path)
 
     @cached_property
     def learned(self) -> Learned | None:
@@ -105,7 +86,7 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> Gait:
     The values that training started from are left out: computing them takes a second. A user's own
     function may do with them what it likes, so it gets them.
     """
-    if folder.config["spec"] not in specs.DESCRIPTIONS:
+    if asked_of(folder).spec not in specs.DESCRIPTIONS:
         return untrained(folder, spec)
     kept = {}
 
@@ -119,17 +100,11 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> Gait:
     return jax.tree.unflatten(kept["structure"], leaves)
 
 
-def asked_of(folder: RunFolder) -> Mapping[str, Any]:
-    """A run's config. Raises: RunError if it does not hold what a training asks for."""
-    refuse_misshapen(folder.config, ASKED, folder.path / CONFIG)
-    return folder.config
-
-
 def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     """Robot and spec of a run, from the run's own copies."""
-    config = asked_of(folder)
-    robot = robot_from_text(folder.copy(ROBOT), config["robot"])
-    name = config["spec"]
+    asked = asked_of(folder)
+    robot = robot_from_text(folder.copy(ROBOT), asked.robot)
+    name = asked.spec
     if name not in specs.DESCRIPTIONS:
         if ".py:" not in name:
             raise RunError(
@@ -141,9 +116,8 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
         name = f"{folder.path / SPEC}:{name.rpartition(':')[2]}"
     spec = specs.load(name, robot)
     found = plain(spec.describe())
-    kept = config.get("described") or {}
-    if found != kept:
-        differ = (key for key, value in found.items() if value != kept.get(key))
+    if found != asked.described:
+        differ = (key for key, value in found.items() if value != asked.described.get(key))
         part = next(differ, "fields")
         raise RunError(
             f"expected the spec the run was trained with, found other {part} in {name!r}: the run "
@@ -155,7 +129,7 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
 
 def learned_of(folder: RunFolder, robot: PlanarBiped) -> Learned | None:
     """The residual file that a run carries. Raises: RunError if it is not as it was."""
-    if RESIDUAL not in folder.config["copies"]:
+    if RESIDUAL not in folder.copies:
         return None
     return stored.read(folder.copied(RESIDUAL), robot)
 
@@ -167,14 +141,13 @@ def residuals_of(learned: Learned | None) -> Residuals:
 
 def untrained(folder: RunFolder, spec: GaitSpec) -> Gait:
     """The gait the run started from, before any posture steps."""
-    config = folder.config
-    gait = _new_gait(folder, spec, jax.random.key(config["seed"]))
-    if START not in config["copies"]:
+    gait = _new_gait(folder, spec, jax.random.key(asked_of(folder).seed))
+    if START not in folder.copies:
         return gait
     folder.copied(START)  # Refuses weights that were changed since.
     return folder.read_tree(START, gait)
 
 
 def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> Gait:
-    hidden = None if folder.config["hidden"] is None else tuple(folder.config["hidden"])
-    return spec.new_gait(key, folder.config["init"], hidden)
+    asked = asked_of(folder)
+    return spec.new_gait(key, asked.init, asked.hidden)

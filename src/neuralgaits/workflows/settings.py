@@ -3,9 +3,7 @@
 import math
 
 from neuralgaits.errors import InputError
-
-MOST_ROUNDS = 100
-"""Of episodes: what is more is a slip of the finger, or damage."""
+from neuralgaits.records.walked import MOST_ROUNDS
 
 
 def check_seed(seed: int) -> None:

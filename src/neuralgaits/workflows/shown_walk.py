@@ -6,6 +6,7 @@ gait walks from the middle of its region, on the robot of its episodes if it com
 
 import hashlib
 import json
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,13 +15,13 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
+from neuralgaits.records.shown import FILE, ShownWalk
+from neuralgaits.records.simulated import SUMMARY, Simulated
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word
-from neuralgaits.report.shapes import RECORDED
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.runs import from_json, plain
+from neuralgaits.runs import plain
 from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.runs.shape import complaint
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.starts import full_states, momentum_range
@@ -29,7 +30,6 @@ from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.native_walk import engine_of_run
 from neuralgaits.workflows.run import Run
 
-FILE = "report/walk.json"
 STEPS = 12
 """Steps shown where nothing asks for more: some six seconds."""
 _LONGEST = 1500
@@ -68,7 +68,7 @@ class Asked:
     origin: str = "starts in the middle of the gait's region"
 
 
-def shown_walk(run: Run) -> dict[str, Any]:
+def shown_walk(run: Run) -> ShownWalk:
     """The recorded walk as data for the page; simulated only if it is not in the run yet.
 
     Raises: InputError in one line if it cannot be simulated.
@@ -76,14 +76,11 @@ def shown_walk(run: Run) -> dict[str, Any]:
     asked = asked_of(run)
     key = _key(run, asked)
     file = run.path / FILE
-    if file.is_file():
-        try:
-            kept = from_json(file.read_bytes())
-        except ValueError:
-            kept = {}
-        if complaint(kept, RECORDED) is None and kept.get("key") == key:
+    with suppress(RunError):
+        kept = ShownWalk.read(file)
+        if kept.key == key:
             return kept
-    shown = plain({"key": key} | _shown(run, asked, _walked(run, asked)))
+    shown = _shown(run, asked, _walked(run, asked), key)
     run.folder.write_json(FILE, shown)
     return shown
 
@@ -91,19 +88,18 @@ def shown_walk(run: Run) -> dict[str, Any]:
 def asked_of(run: Run) -> Asked:
     """The simulation to repeat, or the one to make."""
     try:
-        done = run.folder.read_json("simulation/summary.json")
-    except RunError:
-        return _of_episodes(run)
-    try:
-        fallen = [number for number, fell in enumerate(done["fell"]) if fell]
-        push = float(done.get("push") or 0.0)
-        law = done["link"]["law"] if "link" in done else done["controller"]
-        steps = int(done["steps"])
+        done = Simulated.read(run.path / SUMMARY)
+        if done.steps is None or done.disturb is None:
+            raise RunError("expected steps and disturbances, found another version")
+        fallen = [number for number, fell in enumerate(done.fell) if fell]
+        push = float(done.push or 0.0)
+        law = done.controller if done.link is None else done.link.law
+        steps = done.steps
         shown = steps if fallen or push else min(STEPS, steps)
-        disturbance, episode = Disturbance(**done["disturb"]), fallen[0] if fallen else 0
+        disturbance, episode = Disturbance(**done.disturb), fallen[0] if fallen else 0
         # Pushes, floors and noise are drawn by the number of an episode, and this one is the first.
         drawn = push or any(getattr(disturbance, name) for name in _DRAWN)
-        if "link" in done or law not in LAWS or (episode and drawn):
+        if done.link is not None or law not in LAWS or (episode and drawn):
             origin = (
                 "starts as a walk of the last simulation of this run did, not repeating its course"
             )
@@ -115,23 +111,23 @@ def asked_of(run: Run) -> Asked:
             plant=_plant(run, done),
             law=law if law in LAWS else "pd",
             steps=shown,
-            start=done["start"],
+            start=done.start,
             push=push,
             disturbance=disturbance,
-            seed=int(done["seed"]),
+            seed=done.seed,
             episode=episode,
             origin=origin,
         )
-    except (KeyError, TypeError, ValueError, AttributeError, NeuralGaitsError):
+    except (TypeError, ValueError, NeuralGaitsError):
         # A plant that is no longer where it was, or a summary of another version.
         return _of_episodes(run)
 
 
-def _plant(run: Run, done: dict[str, Any]) -> PlanarBiped | None:
+def _plant(run: Run, done: Simulated) -> PlanarBiped | None:
     """What the simulation walked on. Raises: InputError if the run has kept no file of it."""
     word = plant_word(run.folder, done)
     if word is None:
-        raise InputError(f"expected a file of plant {done['plant']} in the run, found none")
+        raise InputError(f"expected a file of plant {done.plant} in the run, found none")
     return load_robot(word) if word else None
 
 
@@ -143,8 +139,8 @@ def _of_episodes(run: Run) -> Asked:
             return Asked()
         return Asked(
             plant=folder.plant,
-            law=folder.config["controller"],
-            disturbance=Disturbance(**(folder.config["disturb"] or {})),
+            law=folder.config.controller,
+            disturbance=Disturbance(**(folder.config.disturb or {})),
             origin="starts in the middle of the gait's region, on the robot of its episodes",
         )
     except (KeyError, TypeError, NeuralGaitsError):
@@ -180,7 +176,7 @@ def _walked(run: Run, asked: Asked) -> Walk:
     )
 
 
-def _shown(run: Run, asked: Asked, walked: Walk) -> dict[str, Any]:
+def _shown(run: Run, asked: Asked, walked: Walk, key: str) -> ShownWalk:
     """Frames of a walk with all that the page says of it."""
     episodes, plant = walked.episodes, walked.plant
     record = episodes.record
@@ -196,27 +192,7 @@ def _shown(run: Run, asked: Asked, walked: Walk) -> dict[str, Any]:
     force = animation.ground_force(moved.momenta, weight, animation.FRAME_S)
     legs = np.asarray(record.command.leg)[ticks].astype(int)
     floors = np.asarray(episodes.floors)[ticks]
-    return {
-        "robot": run.folder.config["robot"],
-        "plant": plant.robot.name,
-        "controller": asked.law,
-        "origin": asked.origin,
-        "start": asked.start,
-        "push_n_s": asked.push or None,
-        "disturb": {
-            name: value
-            for name, value in vars(asked.disturbance).items()
-            if value != getattr(Disturbance(), name)
-        },
-        "seed": asked.seed,
-        "steps_asked": asked.steps,
-        "steps_walked": int(np.asarray(episodes.gauge.steps)[0]),
-        "fell": fell,
-        "fall_reason": episodes.endings[0].reason,
-        "frame_s": animation.FRAME_S,
-        "first_s": float(episodes.states[ticks[0], 0]),
-        "leg_length_m": leg_length,
-        "weight_n": weight,
+    frames = {
         "shapes": animation.shapes(plant.model, moved, feet, leg_length),
         "contacts": animation.contacts(plant.model, moved, feet),
         "poses": np.round(moved.poses.reshape(len(ticks), -1), 4),
@@ -228,6 +204,30 @@ def _shown(run: Run, asked: Asked, walked: Walk) -> dict[str, Any]:
         "z": np.round(np.asarray(record.command.z)[ticks], 4),
         "tube": _tube(run),
     }
+    return ShownWalk(
+        key=key,
+        robot=run.asked.robot,
+        plant=plant.robot.name,
+        controller=asked.law,
+        origin=asked.origin,
+        start=asked.start,
+        push_n_s=asked.push or None,
+        disturb={
+            name: value
+            for name, value in vars(asked.disturbance).items()
+            if value != getattr(Disturbance(), name)
+        },
+        seed=asked.seed,
+        steps_asked=asked.steps,
+        steps_walked=int(np.asarray(episodes.gauge.steps)[0]),
+        fell=fell,
+        fall_reason=episodes.endings[0].reason,
+        frame_s=animation.FRAME_S,
+        first_s=float(episodes.states[ticks[0], 0]),
+        leg_length_m=leg_length,
+        weight_n=weight,
+        **plain(frames),
+    )
 
 
 def _tube(run: Run) -> dict[str, Any]:

@@ -14,8 +14,9 @@ import numpy as np
 from neuralgaits import logs
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
+from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.robots import load_robot, registry
-from neuralgaits.runs import plain, write_text
+from neuralgaits.runs import write_text
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
@@ -30,7 +31,6 @@ from neuralgaits.workflows.connect import connected
 from neuralgaits.workflows.native_walk import Choice, Engine, engine_of_run
 from neuralgaits.workflows.run import Run, open_run
 
-SUMMARY, PLANT = "simulation/summary.json", "simulation/plant.xml"
 _ALL = 2**31 - 1
 """Ticks of a log: all there are."""
 REMOTE = "c"
@@ -47,7 +47,7 @@ class Simulation:
     """
 
     walk: Walk
-    summary: dict[str, Any]
+    summary: Simulated
 
 
 def simulate(
@@ -117,14 +117,26 @@ def simulate(
             remote=remote,
             library=walks.library,
         )
-    settings = _settings(trained, walked, controller, start, push, seed)
-    settings |= {"engine": walked.engine, "engine_note": walks.note}
-    settings |= {"steps": steps, "logs": [str(file) for file in files]}
-    settings["sha256"] = file_hashes(trained.path, (ROBOT, WEIGHTS))
-    settings["plant_given"] = _kept_plant(trained, plant, walked)
-    if remote is not None:
-        settings["link"] = remote.summary()
-    result = plain(settings | summary(walked, periodic_orbit(trained.zero_dynamics, gait)))
+    settings = WalkSettings(
+        run=str(trained.path),
+        plant=walked.plant.robot.name,
+        controller=controller if isinstance(controller, str) else type(controller).__name__,
+        law=_fields(walked.law),
+        episodes=len(walked.episodes.endings),
+        start=start,
+        push=push,
+        disturb=vars(walked.plant.disturbance),
+        seed=seed,
+        engine=walked.engine,
+        engine_note=walks.note,
+        steps=steps,
+        logs=tuple(str(file) for file in files),
+        sha256=file_hashes(trained.path, (ROBOT, WEIGHTS)),
+        plant_given=_kept_plant(trained, plant, walked),
+        link=None if remote is None else remote.summary(),
+    )
+    figures = summary(walked, periodic_orbit(trained.zero_dynamics, gait))
+    result = Simulated(**vars(settings), **vars(figures))
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     trained.folder.write_json(SUMMARY, result)
     for number, (file, record) in enumerate(zip(files, walked.episodes.records, strict=True)):
@@ -163,28 +175,6 @@ def log_files(first: Path, episodes: int) -> list[Path]:
     """Where the logs of all walks go: a file each, since each has a clock of its own."""
     more = (first.with_stem(f"{first.stem}-{number}") for number in range(1, episodes))
     return [first, *more]
-
-
-def _settings(
-    trained: Run,
-    walked: Walk,
-    controller: str | AbstractLaw,
-    start: str,
-    push: float | None,
-    seed: int,
-) -> dict[str, Any]:
-    """What was asked, so that a summary can be repeated."""
-    return {
-        "run": str(trained.path),
-        "plant": walked.plant.robot.name,
-        "controller": controller if isinstance(controller, str) else type(controller).__name__,
-        "law": _fields(walked.law),
-        "episodes": len(walked.episodes.endings),
-        "start": start,
-        "push": push,
-        "disturb": walked.plant.disturbance,
-        "seed": seed,
-    }
 
 
 def _fields(law: AbstractLaw) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import jax
 from neuralgaits.barriers import Gait, GaitSpec, specs, user_code
 from neuralgaits.barriers.spec import Init
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.records.asked import Asked, Proving, asked_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
@@ -15,7 +16,7 @@ from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
-from neuralgaits.workflows.run import Run, asked_of, open_parts, untrained
+from neuralgaits.workflows.run import Run, open_parts, untrained
 from neuralgaits.workflows.settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.workflows.training_session import TrainingSession
 
@@ -83,17 +84,17 @@ def train(
         unprovable = why_not_provable(gait)
         if certify and unprovable is not None:
             raise InputError(f"expected a gait that can be certified, found that {unprovable}")
-        config = {
-            "robot": robot.name,
-            "spec": spec if isinstance(spec, str) else spec.name,
-            "seed": seed,
-            "init": init,
-            "hidden": _widths(gait),
-            "steps": loaded.recipe.steps if steps is None else steps,
-            "described": loaded.describe(),
-            "not_provable_because": unprovable,
-            "certify": {"budget_s": budget} if certify else None,
-        }
+        config = Asked(
+            robot=robot.name,
+            spec=spec if isinstance(spec, str) else spec.name,
+            seed=seed,
+            init=init,
+            hidden=_widths(gait),
+            steps=loaded.recipe.steps if steps is None else steps,
+            described=loaded.describe(),
+            not_provable_because=unprovable,
+            certify=Proving(budget) if certify else None,
+        )
         copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
         place = None if out is None else Path(out)
         folder = RunFolder.create(config, copies, name=robot.name, seed=seed, root=root, out=place)
@@ -122,10 +123,10 @@ def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | No
     check_steps(steps)
 
 
-def _widths(gait: Gait) -> list[int] | None:
+def _widths(gait: Gait) -> tuple[int, ...] | None:
     """Widths of the hidden layers, None for a policy without a network."""
     network = getattr(gait.policy, "network", None)
-    return None if network is None else [len(bias) for bias in network.biases[:-1]]
+    return None if network is None else tuple(len(bias) for bias in network.biases[:-1])
 
 
 def _source(spec: str | GaitSpec) -> str:
@@ -139,6 +140,6 @@ def _source(spec: str | GaitSpec) -> str:
 def _same_robot(folder: RunFolder, robot: PlanarBiped) -> None:
     if folder.copy(ROBOT) != robot.layout.xml:
         raise RunError(
-            f"expected the robot the run started with ({folder.config['robot']}), found another "
+            f"expected the robot the run started with ({asked_of(folder).robot}), found another "
             f"robot file ({robot.name}): leave it out, `{resuming(folder.path)}`"
         )

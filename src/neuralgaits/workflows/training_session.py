@@ -12,6 +12,8 @@ from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.errors import Interrupted
 from neuralgaits.gait import Residuals
 from neuralgaits.programs import Program
+from neuralgaits.records.asked import asked_of
+from neuralgaits.records.trained import Trained, Violations
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish, write_text
 from neuralgaits.runs.commands import resuming
@@ -49,18 +51,17 @@ class TrainingSession:
             raise Interrupted(resuming(self.folder.path)) from stop
 
     def _run(self, root: Path, gait: Gait) -> Gait:
-        config = self.folder.config
+        asked = asked_of(self.folder)
         residuals = residuals_of(learned_of(self.folder, self.robot))
-        disturbance = config.get("disturbance")
         trainer = Trainer.build(
             self.robot,
             self.spec,
             gait,
-            steps=config["steps"],
-            seed=config["seed"],
+            steps=asked.steps,
+            seed=asked.seed,
             residuals=residuals,
-            disturbance=None if disturbance is None else tuple(disturbance),
-            rate=config.get("rate", 1.0),
+            disturbance=asked.disturbance,
+            rate=asked.rate,
         )
         state = self._start(trainer, gait)
         compiling = time.perf_counter()
@@ -76,29 +77,29 @@ class TrainingSession:
         state = steps.take(trainer, state, self._save)
         done = time.perf_counter()
         gait, proof = trainer.gait(state.best), None
-        if config.get("certify") is None:
+        if asked.certify is None:
             self.folder.write_tree(WEIGHTS, gait)
         else:
             rounds = ProofRounds(self.folder, self.robot, self.spec, steps, self.watch)
-            gait, proof = rounds.run(trainer, gait)
+            gait, proof = rounds.run(trainer, gait, asked.certify.budget_s)
         report = trainer.report(gait, seed=FRESH_SAMPLES_SEED)
         program = self._keep_program(gait, residuals)
-        summary = {
-            "run": str(self.folder.path),
-            "robot": config["robot"],
-            "spec": config["spec"],
-            "seed": config["seed"],
-            "steps": int(state.step) + (0 if proof is None else proof["repair_steps"]),
-            "loss": report.loss,
-            "conditions": {name: violations(margins) for name, margins in report.margins.items()},
-            "provable": program is not None,
-            "program_hash": None if program is None else program.hash,
-            "after_impact": after_impact(self.robot, gait, residuals),
-            "certificate": proof,
-            "compile_s": training - compiling,
-            "train_s": done - training,
-            "wall_s": time.perf_counter() - self.began,
-        }
+        summary = Trained(
+            run=str(self.folder.path),
+            robot=asked.robot,
+            spec=asked.spec,
+            seed=asked.seed,
+            steps=int(state.step) + (0 if proof is None else proof.repair_steps),
+            loss=report.loss,
+            conditions={name: violations(margins) for name, margins in report.margins.items()},
+            provable=program is not None,
+            program_hash=None if program is None else program.hash,
+            after_impact=after_impact(self.robot, gait, residuals),
+            certificate=proof,
+            compile_s=training - compiling,
+            train_s=done - training,
+            wall_s=time.perf_counter() - self.began,
+        )
         finish(self.folder, summary, root)
         return gait
 
@@ -107,7 +108,7 @@ class TrainingSession:
 
     def _keep_program(self, gait: Gait, residuals: Residuals) -> Program | None:
         """Save the Program of the trained gait: what every other interpreter reads."""
-        if self.folder.config["not_provable_because"] is not None:
+        if asked_of(self.folder).not_provable_because is not None:
             return None
         program = trace_spec(self.spec, self.robot, gait, residuals)
         write_text(self.folder.path / PROGRAM, program.to_json())
@@ -117,19 +118,15 @@ class TrainingSession:
         """The last checkpoint if there is one, else the beginning."""
         if (self.folder.path / STATE).is_file():
             return self.folder.read_tree(STATE, trainer.init(gait))
-        config, recipe = self.folder.config, self.spec.recipe
-        cold = START not in config["copies"]
-        if cold and config["init"] == "posture" and recipe.posture_steps:
-            key = jax.random.fold_in(jax.random.key(config["seed"]), 1)
+        asked, recipe = asked_of(self.folder), self.spec.recipe
+        cold = START not in self.folder.copies
+        if cold and asked.init == "posture" and recipe.posture_steps:
+            key = jax.random.fold_in(jax.random.key(asked.seed), 1)
             gait = start_from_posture(self.robot, gait, recipe.posture_steps, key)
         return trainer.init(gait)
 
 
-def violations(margins: np.ndarray) -> dict[str, float]:
-    """Mean and largest violation of margins >= 0, and the smallest margin."""
+def violations(margins: np.ndarray) -> Violations:
+    """What margins of samples say of a condition."""
     below = np.maximum(-margins, 0.0)
-    return {
-        "mean_violation": float(np.mean(below)),
-        "max_violation": float(np.max(below)),
-        "min_margin": float(np.min(margins)),
-    }
+    return Violations(float(np.mean(below)), float(np.max(below)), float(np.min(margins)))

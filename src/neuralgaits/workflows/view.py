@@ -82,12 +82,12 @@ class LiveView:
         self.close()
 
     def _build_panel(self) -> Panel:
-        config = self._run.folder.config
+        asked = self._run.asked
         return Panel(
             self._server,
             self.player,
-            title=f"**{markdown.text(config['robot'])}**, spec {markdown.code(config['spec'])}, "
-            f"seed {markdown.text(str(config['seed']))}",
+            title=f"**{markdown.text(asked.robot)}**, spec {markdown.code(asked.spec)}, "
+            f"seed {markdown.text(str(asked.seed))}",
             settings=self.gait.settings,
             conditions=[condition.name for condition in self._run.spec.conditions],
             restarted=self._stage.restart,

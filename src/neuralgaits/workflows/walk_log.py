@@ -1,17 +1,18 @@
 """The walk that a run has a log of, ready to be drawn."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from neuralgaits import logs
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, RunError
 from neuralgaits.logs import Log
+from neuralgaits.records.fitted import Logs
+from neuralgaits.records.simulated import SUMMARY
 from neuralgaits.report.data import MeasuredWalk
 from neuralgaits.report.skeleton import skeleton
-from neuralgaits.runs import from_json
-from neuralgaits.runs.shape import TEXT, complaint, list_of
 from neuralgaits.workflows.run import Run
 
 SIMULATED, WALKED = "simulation", "walks/logs"
@@ -33,17 +34,10 @@ def measured_walk(run: Run) -> MeasuredWalk | None:
 
 def _candidates(run: Path) -> Iterator[tuple[Path, bool]]:
     """Logs of the run, those of the last simulation first, and whether `simulate` wrote them."""
-    summary = run / SIMULATED / "summary.json"
     named: list[Path] = []
-    if summary.is_file():
-        try:
-            found = from_json(summary.read_bytes())["logs"]
-        except (ValueError, KeyError, TypeError):
-            found = None
-        # A run that was moved keeps its logs, but not their names.
-        if not isinstance(found, list) or complaint(found, list_of(TEXT)) is not None:
-            found = []
-        for path in map(Path, found):
+    # A run that was moved keeps its logs, but not their names.
+    with suppress(RunError):
+        for path in map(Path, Logs.read(run / SUMMARY).logs):
             named += [path, run / SIMULATED / path.name]
     of_simulations = dict.fromkeys([*named, *sorted((run / SIMULATED).glob("*.csv"))])
     yield from ((path, True) for path in of_simulations if path.is_file())

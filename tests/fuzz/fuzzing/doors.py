@@ -19,17 +19,16 @@ from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.records.shown import FILE, ShownWalk
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
-from neuralgaits.report.shapes import RECORDED
 from neuralgaits.residual import stored
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.runs import from_json, plain, read_arrays, resolve, to_json
+from neuralgaits.runs import read_arrays, resolve, to_json
 from neuralgaits.runs.names import ROBOT, STATE
-from neuralgaits.runs.shape import complaint
 from neuralgaits.workflows import (
     certificate_reader,
     figures,
@@ -106,7 +105,7 @@ def page_of(name: str) -> Reader:
         folder = resolve(place.root / name, finished=False)
         asked_of(folder)
         saved = saved_of(folder)
-        robot = plain(inspect(robot_from_text(folder.copy(ROBOT), folder.config["robot"])))
+        robot = inspect(robot_from_text(folder.copy(ROBOT), folder.config["robot"]))
         walk, why = _kept_walk(place.root / name) if folder.finished else (None, "none")
         contents = Contents(saved, robot, walk, why, [], ("one",))
         document(contents).encode()
@@ -123,10 +122,10 @@ def _kept_walk(path: Path) -> tuple[Any, str | None]:
     run = open_run(path)
     key = shown_walk._key(run, shown_walk.asked_of(run))
     try:
-        kept = from_json((path / shown_walk.FILE).read_bytes())
-    except (OSError, ValueError):
+        kept = ShownWalk.read(path / FILE).key
+    except RunError:
         kept = None
-    if not isinstance(kept, dict) or complaint(kept, RECORDED) or kept["key"] != key:
+    if kept != key:
         return None, "walked anew"
     return shown_walk.shown_walk(run), None
 
@@ -240,7 +239,7 @@ def go_on_with_episodes(place: Place, path: Path) -> None:
     # These take half a second each, and read no file but the summary.
     anew["nominal_momentum"] = lambda run: 18.0
     if zlib.crc32(path.read_bytes()) % RARELY:
-        anew["draw_file"] = lambda summary, figure: complaint(from_json(summary.read_bytes()), {})
+        anew["draw_file"] = lambda summary, figure: to_json(summary)
     with _instead(rounds, **anew):
         done = rounds.episodes(place.robot, resume=place.root / EPISODES, root=place.root)
     to_json(done.summary).encode()

@@ -6,8 +6,7 @@ bounds that were proved; a comparison holds only if it is certain.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 from flint import arb
@@ -24,47 +23,10 @@ from neuralgaits.certificate.levels.theorems import (
     walking_premises,
 )
 from neuralgaits.certificate.levels.walking_set.words import walking_words
+from neuralgaits.records.certified import Conclusion
 
 Bounds = Mapping[tuple[str, Corner, Corner], float]
 """Proved bound times scale of an output on a root box, by (output, low, high)."""
-
-
-@dataclass(frozen=True)
-class Constant:
-    """One number of a theorem, for a report.
-
-    Attributes:
-        name, value, unit, meaning: of it.
-        side: whether it is a bound, and from where: so it is rounded on a screen.
-    """
-
-    name: str
-    value: float
-    unit: str
-    meaning: str
-    side: Literal["least", "most", "exact"] = "exact"
-
-
-@dataclass(frozen=True)
-class Conclusion:
-    """The answer for one level.
-
-    Attributes:
-        level: 2, 3 or 4.
-        verdict: proved, or undecided with a reason; "consistent" if it follows from statements of
-            which it is not known what they are about.
-        reason: what is missing; None if proved.
-        words: the statement, one sentence each; empty if it is not proved.
-        figures: numbers that were proved on the way, by name.
-        constants: the same with units and in words, of a level that has many; else empty.
-    """
-
-    level: int
-    verdict: Literal["proved", "consistent", "undecided"]
-    reason: str | None
-    words: tuple[str, ...]
-    figures: Mapping[str, float]
-    constants: tuple[Constant, ...] = ()
 
 
 class Claim(Protocol):

@@ -1,8 +1,8 @@
 """The first paragraphs of the page: what the robot does, why it stays up, how sure we are."""
 
-from collections.abc import Mapping
-from typing import Any
-
+from neuralgaits.records.certified import Certified, Verdict
+from neuralgaits.records.shown import ShownWalk
+from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import Html, bound, join, number, paragraph, tag
 from neuralgaits.report.page.saved import Contents, Saved
@@ -24,12 +24,10 @@ def answer(contents: Contents) -> Html:
 
 def _heading(contents: Contents) -> str:
     """What the second paragraph is about: it explains no robot that fell and no broken gait."""
-    walk, done = contents.walk, contents.saved.simulation
-    fell = (walk is not None and walk["fell"]) or (done is not None and any(done["fell"]))
-    unfinished = contents.saved.summary is None
-    conditions = ((contents.saved.certificate or {}).get("conditions") or {}).values()
-    broken = any(entry["verdict"] == "refuted" for entry in conditions)
-    meant = fell or unfinished or broken
+    saved, walk, done = contents.saved, contents.walk, contents.saved.simulation
+    fell = (walk is not None and walk.fell) or (done is not None and any(done.fell))
+    broken = any(entry.verdict == "refuted" for entry in saved.conditions.values())
+    meant = fell or saved.summary is None or broken
     return "How it is meant to stay up." if meant else "Why it stays up."
 
 
@@ -40,8 +38,8 @@ def _part(head: str, body: str) -> Html:
 def _what(contents: Contents) -> str:
     saved, robot = contents.saved, contents.robot
     who = (
-        f"{saved.robot} is a two-legged robot of {number(robot['mass_kg'])} kg with legs of "
-        f"{number(robot['hip_height_m'])} m, {len(robot['actuators'])} motors and feet like "
+        f"{saved.robot} is a two-legged robot of {number(robot.mass_kg)} kg with legs of "
+        f"{number(robot.hip_height_m)} m, {len(robot.actuators)} motors and feet like "
         "points: nothing holds it upright but the next step."
     )
     if saved.nan is not None:
@@ -51,53 +49,50 @@ def _what(contents: Contents) -> str:
     return f"{who} {_walked(saved, contents.walk)}"
 
 
-def _walked(saved: Saved, shown: Mapping[str, Any] | None) -> str:
+def _walked(saved: Saved, shown: ShownWalk | None) -> str:
     """What was seen in simulation, the fuller account first."""
-    done = saved.simulation
+    done, walks = saved.simulation, saved.walks
     if done is not None:
         return f"In a MuJoCo simulation of the whole robot{_where(done)} {_counted(done)}."
-    if saved.walks is not None:
-        count = len(saved.walks["steps_walked"])
-        share = saved.walks["share_that_walks"]
-        if count and share is not None:
-            stayed = round(share * count)
-            return (
-                f"In MuJoCo, on the robot of its episodes, {stayed} of {count} walks stayed up to "
-                f"their last step."
-            )
+    if walks is not None and walks.steps_walked and walks.share_that_walks is not None:
+        count = len(walks.steps_walked)
+        stayed = round(walks.share_that_walks * count)
+        return (
+            f"In MuJoCo, on the robot of its episodes, {stayed} of {count} walks stayed up to "
+            f"their last step."
+        )
     if shown is None:
         return "It has not been simulated yet."
-    ending = "fell after" if shown["fell"] else "took all"
+    ending = "fell after" if shown.fell else "took all"
     return (
         "In the one walk recorded for this page, a MuJoCo simulation of the whole robot, it "
-        f"{ending} {shown['steps_walked']} steps."
+        f"{ending} {shown.steps_walked} steps."
     )
 
 
-def _where(done: Mapping[str, Any]) -> str:
-    changed = words.changes(done.get("disturb"))
-    if done.get("push"):
-        changed.append(f"a push of {number(done['push'])} N s")
+def _where(done: Simulated) -> str:
+    changed = words.changes(done.disturb)
+    if done.push:
+        changed.append(f"a push of {number(done.push)} N s")
     return f" ({'; '.join(changed)})" if changed else ""
 
 
-def _counted(done: Mapping[str, Any]) -> str:
-    steps, fell = done["steps_walked"], [bool(f) for f in done["fell"]]
-    stayed, count = len(fell) - sum(fell), len(fell)
+def _counted(done: Simulated) -> str:
+    steps, count = done.steps_walked, len(done.fell)
     if count == 1:
-        asked = f" of {done['steps']}" if fell[0] and "steps" in done else ""
+        asked = f" of {done.steps}" if done.fell[0] and done.steps is not None else ""
         said = (
             f"it fell after {steps[0]}{asked} steps"
-            if fell[0]
+            if done.fell[0]
             else f"it walked all {steps[0]} steps"
         )
     else:
-        said = f"{stayed} of {count} walks stayed up to their last step"
-        reasons = sorted({reason for reason in done["fall_reasons"] if reason})
+        said = f"{done.stayed} of {count} walks stayed up to their last step"
+        reasons = sorted({reason for reason in done.fall_reasons if reason})
         said += f" (falls: {', '.join(reasons)})" if reasons else ""
-    speed, time = done.get("speed_m_s"), done.get("step_time_s")
-    if speed is not None:
-        said += f", at {number(speed, 2)} m/s"
+    if done.speed_m_s is not None:
+        said += f", at {number(done.speed_m_s, 2)} m/s"
+        time = done.step_time_s
         said += "" if time is None else f" with a step every {number(time, 2)} s"
     return said
 
@@ -116,8 +111,8 @@ def _why(saved: Saved) -> str:
             "It was trained so that a whole region of states leads back into itself: a step that "
             "begins inside ends with a touchdown inside, so the next step can be taken, and so on."
         )
-    described = (saved.config.get("described") or {}).get("conditions") or []
-    asked = ", ".join(words.gist(described))
+    described = saved.asked.conditions
+    asked = ", ".join(words.gist([one.data for one in described]))
     listed = f" ({asked})" if asked else ""
     return common + (
         f"It was trained towards {len(described)} conditions{listed} on a whole region of states, "
@@ -138,7 +133,7 @@ def _how_sure(saved: Saved) -> str:
         return f"Not proved. {_open(certificate)} {_sampled(saved)} Samples are evidence only."
     return (
         f"Proved, to level {level} of {words.LAST_LEVEL}: {words.PROVED[level]} Every one of the "
-        f"{len(certificate['conditions'])} conditions was shown at every state of its region, "
+        f"{len(certificate.conditions)} conditions was shown at every state of its region, "
         f"rounding errors included, with at least {_least(certificate)} of its typical size to "
         f"spare.{_borne(saved)} So its proof file states; this page has not checked it again, "
         "other programs can."
@@ -159,7 +154,7 @@ def _borne(saved: Saved) -> str:
 def _left_open(saved: Saved) -> str:
     rests = "; ".join(words.assumptions(saved.proved_level))
     model = ""
-    if RESIDUAL in (saved.config.get("copies") or {}):
+    if RESIDUAL in saved.folder.copies:
         model = " The model is the robot file's, corrected by what was learned from logs."
     seen = (
         " The simulation covers some of that, in the walks it made."
@@ -170,40 +165,38 @@ def _left_open(saved: Saved) -> str:
     return f"The proof assumes that {rests}.{model} {claims}{seen}"
 
 
-def _least(certificate: Mapping[str, Any]) -> str:
-    margins = [c["margin"] for c in certificate["conditions"].values() if c["margin"] is not None]
-    return f"{bound(100.0 * min(margins), digits=2)} %" if margins else "–"
+def _least(certificate: Certified) -> str:
+    least = certificate.least_margin
+    return "–" if least is None else f"{bound(100.0 * least, digits=2)} %"
 
 
-def _open(certificate: Mapping[str, Any]) -> str:
-    conditions = certificate["conditions"]
-    told = []
-    for word, say in (("refuted", "broken at a state that was found"), ("undecided", "undecided")):
-        names = [name for name, entry in conditions.items() if entry["verdict"] == word]
-        if names:
-            told.append(f"{len(names)} of {len(conditions)} conditions {say} ({', '.join(names)})")
+def _open(certificate: Certified) -> str:
+    told, count = [], len(certificate.conditions)
+    words_of: tuple[tuple[Verdict, str], ...] = (
+        ("refuted", "broken at a state that was found"),
+        ("undecided", "undecided"),
+    )
+    for verdict, say in words_of:
+        if names := certificate.named(verdict):
+            told.append(f"{len(names)} of {count} conditions {say} ({', '.join(names)})")
     return "; ".join(told) + "." if told else "No condition could be read."
 
 
 def _sampled(saved: Saved) -> str:
-    conditions = (saved.summary or {}).get("conditions") or {}
-    broken = [name for name, entry in conditions.items() if entry["max_violation"] > 0.0]
-    if not conditions:
+    if saved.summary is None or not saved.measured:
         return "No condition was measured."
-    if broken:
-        return (
-            f"On random samples {len(broken)} of {len(conditions)} conditions are broken somewhere."
-        )
-    return f"All {len(conditions)} conditions hold at every random sample that was tried."
+    count = len(saved.measured)
+    if broken := saved.summary.broken:
+        return f"On random samples {len(broken)} of {count} conditions are broken somewhere."
+    return f"All {count} conditions hold at every random sample that was tried."
 
 
 def title(saved: Saved) -> Html:
     """Heading of the page, with what it is about below."""
-    config = saved.config
     about = [
-        f"spec {config.get('spec')}",
-        f"seed {config.get('seed')}",
-        f"trained {str(config.get('created_utc', ''))[:10]}",
+        f"spec {saved.asked.spec}",
+        f"seed {saved.asked.seed}",
+        f"trained {saved.folder.created_utc[:10]}",
     ]
     return join(
         [

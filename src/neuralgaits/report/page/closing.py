@@ -40,40 +40,38 @@ def _failures(contents: Contents) -> Iterator[str]:
         yield saved.nan
     for file, reason in saved.damaged.items():
         yield f"{file}: {reason}"
-    measured = (saved.summary or {}).get("conditions") or {}
-    for name, entry in measured.items():
-        if entry["max_violation"] > 0.0:
-            most = number(entry["max_violation"])
+    for name, measured in saved.measured.items():
+        if measured.broken:
+            most = number(measured.max_violation)
             yield f"Training left {name} violated on samples, by up to {most} in its own unit."
-    for name, entry in ((saved.certificate or {}).get("conditions") or {}).items():
-        point = entry["counterexample"]
+    for name, entry in saved.conditions.items():
+        point = entry.counterexample
         if point is not None:
-            z1, z2 = (number(value, 6) for value in point["z"])
+            z1, z2 = (number(value, 6) for value in point.z)
             yield (
                 f"{name} is refuted: at z1 = {z1} m, z2 = {z2} kg m²/s its margin is "
-                f"{number(point['margin'])} of its scale."
+                f"{number(point.margin)} of its scale."
             )
-        elif entry["verdict"] == "undecided":
-            share = number(100.0 * entry["proved_fraction"])
+        elif entry.verdict == "undecided":
+            share = number(100.0 * entry.proved_fraction)
             yield f"{name} is undecided: {share} % of its region is proved."
-    for entry in (saved.certificate or {}).get("levels") or ():
-        if entry["verdict"] != "proved":
-            yield f"Level {entry['level']} is {entry['verdict']}: {entry['reason']}."
+    for level in () if saved.certificate is None else saved.certificate.levels:
+        if not level.proved:
+            yield f"Level {level.level} is {level.verdict}: {level.reason}."
     yield from _falls(contents)
-    if saved.episodes and saved.episodes.get("diverged"):
-        yield f"Training diverged in a round of the episodes: {saved.episodes['diverged']}"
+    if saved.episodes is not None and saved.episodes.diverged:
+        yield f"Training diverged in a round of the episodes: {saved.episodes.diverged}"
 
 
 def _falls(contents: Contents) -> Iterator[str]:
     done, walks = contents.saved.simulation, contents.saved.walks
     for where, found in (("In simulation", done), ("In its round of episodes", walks)):
-        reasons = Counter(reason for reason in (found or {}).get("fall_reasons", ()) if reason)
-        for reason, count in reasons.items():
-            yield f"{where} {count} of {len((found or {})['fall_reasons'])} walks fell: {reason}."
+        told = () if found is None else found.fall_reasons or ()
+        for reason, count in Counter(reason for reason in told if reason).items():
+            yield f"{where} {count} of {len(told)} walks fell: {reason}."
     shown = contents.walk
-    if shown is not None and shown["fell"]:
-        steps, why = shown["steps_walked"], shown["fall_reason"]
-        yield f"The walk shown above fell after {steps} steps: {why}."
+    if shown is not None and shown.fell:
+        yield (f"The walk shown above fell after {shown.steps_walked} steps: {shown.fall_reason}.")
 
 
 def missing(contents: Contents) -> Html:
@@ -105,9 +103,9 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
     if saved.simulation is None:
         yield "simulations", command("simulate", saved.name)
     if saved.certificate is None:
-        if not saved.config.get("not_provable_because"):
+        if not saved.asked.not_provable_because:
             yield "a certificate", command("certify", saved.name)
-    elif (level := saved.certificate["level"]) < words.LAST_LEVEL:
+    elif (level := saved.certificate.level) < words.LAST_LEVEL:
         line = again.certifying(saved.folder.path, level + 1)
         yield f"level {level + 1}: {words.LEVELS[level + 1]}", line
     for figure in contents.figures:
@@ -118,24 +116,24 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
 def reproduction(contents: Contents) -> Html:
     """Commands, versions and hashes."""
     saved = contents.saved
-    config, path = saved.config, saved.folder.path
+    folder, path = saved.folder, saved.folder.path
     # Beside the run: its robot and spec are read from its own copies.
     copy = Path(os.path.normpath(path / ".." / f"{path.resolve().name}-again"))
     trained = again.training(saved.folder, copy)
     lines = ["" if trained is None else trained]
     if saved.certificate is not None:
-        level = saved.certificate["level"]
+        level = saved.certificate.level
         lines.append(again.certifying(copy, level, saved.disturbance))
     if saved.simulation is not None:
         lines.append(again.simulating(saved.folder, saved.simulation, copy) or "")
     lines.append(command("report", named(copy)))
-    versions = list((config.get("written_by") or {}).items())
+    versions = list(folder.written_by.items())
     hashes = [(tag("code", file), tag("code", digest)) for file, digest in saved.hashes.items()]
     return section(
         "reproduce",
         "How to make it again",
         *_commands(saved, trained, [line for line in lines if line]),
-        facts(f"Versions, {config.get('created_utc', '')}", versions),
+        facts(f"Versions, {folder.created_utc}", versions),
         table("Files of the run", ("file", "sha256"), hashes),
     )
 
@@ -145,8 +143,8 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
     if trained is None:
         lost = (
             "the run that it was refined from is not where it was"
-            if saved.config.get("parent")
-            else f"its spec, {saved.config.get('spec')}, was made in Python and is in no file"
+            if saved.asked.parent
+            else f"its spec, {saved.asked.spec}, was made in Python and is in no file"
         )
         return [paragraph(f"No command makes this run again: {lost}.")]
     said = (
@@ -157,8 +155,8 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
     done = saved.simulation
     if done is not None and again.simulating(saved.folder, done, saved.folder.path) is None:
         said += (
-            f" The simulation is left out: the run has kept no file of its plant, {done['plant']}, "
-            f"or of its controller, {done['controller']}."
+            f" The simulation is left out: the run has kept no file of its plant, {done.plant}, "
+            f"or of its controller, {done.controller}."
         )
     return [paragraph(said), shell(lines)]
 

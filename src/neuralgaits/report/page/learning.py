@@ -1,8 +1,7 @@
 """The part of the page about what was learned of the robot beyond its model."""
 
-from collections.abc import Mapping
-from typing import Any
-
+from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.walked import EpisodesDone
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import Html, facts, number, paragraph, section, table
 from neuralgaits.report.page.saved import Saved
@@ -11,7 +10,7 @@ from neuralgaits.runs.names import RESIDUAL
 
 def learning(saved: Saved) -> Html:
     """Residual and episodes; nothing if the run has neither."""
-    carries = RESIDUAL in (saved.config.get("copies") or {})
+    carries = RESIDUAL in saved.folder.copies
     if not (carries or saved.residual or saved.episodes):
         return Html("")
     parts = []
@@ -26,25 +25,25 @@ def learning(saved: Saved) -> Html:
     if saved.residual:
         parts += _residual(saved.residual)
     if saved.episodes:
-        parts += _rounds(saved)
+        parts += _rounds(saved, saved.episodes)
     return section("learning", "What was learned from walking", *parts)
 
 
-def _residual(found: Mapping[str, Any]) -> list[Html]:
-    nominal, left = found["nominal_heldout_error"], found["heldout_error"]
+def _residual(found: Fitted) -> list[Html]:
+    nominal, left = found.nominal_heldout_error, found.heldout_error
     share = ""
     if nominal and left is not None:
         share = f": {number(100.0 * left / nominal, 2)} % of the model's own error is left"
-    strides = found["strides"]
+    strides = found.strides
     rows = [
-        ("logs", number(len(found["logs"]))),
-        ("walked", f"{number(found['walked_s'])} s"),
-        ("strides to learn from, to test on", f"{strides['train']}, {strides['heldout']}"),
+        ("logs", number(len(found.logs))),
+        ("walked", f"{number(found.walked_s)} s"),
+        ("strides to learn from, to test on", f"{strides.train}, {strides.heldout}"),
         ("error of the model on strides not learned from", number(nominal)),
         ("error with what was learned", number(left)),
         (
             "what may still be off in dz",
-            "({} m/s, {} N m)".format(*(number(bound) for bound in found["error_bound"])),
+            "({} m/s, {} N m)".format(*(number(bound) for bound in found.error_bound)),
         ),
     ]
     return [
@@ -53,21 +52,19 @@ def _residual(found: Mapping[str, Any]) -> list[Html]:
     ]
 
 
-def _rounds(saved: Saved) -> list[Html]:
-    found = saved.episodes or {}
+def _rounds(saved: Saved, found: EpisodesDone) -> list[Html]:
     rows = []
-    for entry in found["rounds"]:
-        steps = entry["steps_walked"]
+    for entry in found.rounds:
+        steps, share = entry.steps_walked, entry.share_that_walks
         span = " to ".join(str(n) for n in sorted({min(steps), max(steps)})) if steps else "–"
-        share = entry["share_that_walks"]
         stayed = "–" if share is None else f"{number(100.0 * share)} %"
-        own = entry["round"] == _round_of(saved)
-        name = f"{entry['round']} (this run)" if own else str(entry["round"])
-        rows.append((name, span, stayed, number(entry.get("speed_m_s")), number(entry["loss"])))
-    where = found.get("plant") or f"a robot with logs in {found.get('logs')}"
-    changed = ", ".join(["", *words.changes(found.get("disturb"))])
+        own = entry.round == _round_of(saved)
+        name = f"{entry.round} (this run)" if own else str(entry.round)
+        rows.append((name, span, stayed, number(entry.speed_m_s), number(entry.loss)))
+    where = found.plant or f"a robot with logs in {found.logs}"
+    changed = ", ".join(["", *words.changes(found.disturb)])
     said = (
-        f"The model is {found['robot']}; what walks is {where}{changed}. "
+        f"The model is {found.robot}; what walks is {where}{changed}. "
         "In each round the policy walks, what the model missed is learned from the logs, and the "
         "policy is trained on."
     )

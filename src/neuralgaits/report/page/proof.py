@@ -1,17 +1,22 @@
 """The part of the page about the certificate: levels, conditions, assumptions, how to check it."""
 
 import shlex
-from collections.abc import Mapping
-from typing import Any
 
-from neuralgaits.report.certificate import FULL_ORDER, LEVELS, PROOF, SUMMARY
+from neuralgaits.records.certified import (
+    FULL_ORDER,
+    LEVELS,
+    PROOF,
+    SUMMARY,
+    Certified,
+    Conclusion,
+    Constant,
+)
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
     bound,
     facts,
     items,
-    join,
     number,
     paragraph,
     section,
@@ -47,12 +52,12 @@ def certificate(contents: Contents) -> Html:
             "Here nothing rests on samples. The region is cut into boxes, and on each box the "
             "margin is bounded from below by interval arithmetic, every rounding error included."
         ),
-        _ladder(saved),
-        *(_level(entry) for entry in found["levels"]),
+        _ladder(found),
+        *(_level(entry) for entry in found.levels),
         tag("h3", "Condition by condition (level 1)"),
         _conditions(found),
         tag("h3", "What it assumes"),
-        items(words.assumptions(found["level"])),
+        items(words.assumptions(found.level)),
         paragraph(f"It claims nothing about {words.NOT_CLAIMED}."),
         tag(
             "details",
@@ -60,7 +65,7 @@ def certificate(contents: Contents) -> Html:
             items(contents.assumptions),
         ),
         tag("h3", "Check it again"),
-        *_files(saved),
+        *_files(saved, found),
     )
 
 
@@ -70,8 +75,8 @@ def _absent(saved: Saved) -> Html:
         "This gait has no certificate: nothing is proved of it. Measured conditions and simulated "
         "walks are evidence, and no more."
     )
-    if saved.config.get("not_provable_because"):
-        said += f" It cannot have one: {saved.config['not_provable_because']}"
+    if saved.asked.not_provable_because:
+        said += f" It cannot have one: {saved.asked.not_provable_because}"
         return tag("div", paragraph(said), class_="missing")
     return tag(
         "div",
@@ -81,47 +86,33 @@ def _absent(saved: Saved) -> Html:
     )
 
 
-def _ladder(saved: Saved) -> Html:
+def _ladder(found: Certified) -> Html:
     """A row a level."""
-    assert saved.certificate is not None
-    found = {entry["level"]: entry for entry in saved.certificate["levels"]}
-    rows = []
-    for level in LEVELS:
-        if level == 1:
-            word = _of_conditions(saved.certificate)
-        else:
-            word = found[level]["verdict"] if level in found else "not asked"
-        rows.append((level, words.LEVELS[level], words.verdict(word)))
+    answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
+    rows = [
+        (level, words.LEVELS[level], words.verdict(answers.get(level, "not asked")))
+        for level in LEVELS
+    ]
     head = ("level", "states that", "verdict")
     return table("The ladder of guarantees: each level rests on those above it", head, rows)
 
 
-def _of_conditions(found: Mapping[str, Any]) -> str:
-    answers = {entry["verdict"] for entry in found["conditions"].values()}
-    if "refuted" in answers:
-        return "refuted"
-    return "proved" if answers == {"proved"} else "undecided"
-
-
-def _level(entry: Mapping[str, Any]) -> Html:
+def _level(entry: Conclusion) -> Html:
     """The theorem of a level as proved, with its numbers, folded away."""
-    level = entry["level"]
-    if entry["verdict"] != "proved":
-        reason = entry["reason"] or "no reason is given"
-        return paragraph(tag("b", f"Level {level} is {entry['verdict']}: "), reason)
+    level = entry.level
+    if not entry.proved:
+        reason = entry.reason or "no reason is given"
+        return paragraph(tag("b", f"Level {level} is {entry.verdict}: "), reason)
     figures = [
         (
             label,
-            f"{bound(entry['figures'][name], above='_at_most' in name, digits=6)} {unit}".rstrip(),
+            f"{bound(entry.figures[name], above='_at_most' in name, digits=6)} {unit}".rstrip(),
         )
         for name, (label, unit) in _LEVEL_FIGURES.items()
-        if name in entry["figures"]
+        if name in entry.figures
     ]
-    constants = [
-        (one["name"], _rounded(one), one["unit"], one["meaning"])
-        for one in entry.get("constants") or ()
-    ]
-    parts = [paragraph("In the words of the theorem:"), items(entry["words"])]
+    constants = [(one.name, _rounded(one), one.unit, one.meaning) for one in entry.constants]
+    parts = [paragraph("In the words of the theorem:"), items(entry.words)]
     if figures:
         parts.append(facts(f"Numbers proved at level {level}", figures))
     if constants:
@@ -130,38 +121,31 @@ def _level(entry: Mapping[str, Any]) -> Html:
     return tag("details", tag("summary", f"Level {level}: the statement and its numbers"), *parts)
 
 
-def _rounded(constant: Mapping[str, Any]) -> str:
+def _rounded(constant: Constant) -> str:
     """A constant, a bound to the side on which it stays true."""
-    side, value = constant.get("side"), constant["value"]
-    return bound(value, above=side == "most") if side in ("least", "most") else number(value)
+    if constant.side == "exact":
+        return number(constant.value)
+    return bound(constant.value, above=constant.side == "most")
 
 
-def _conditions(found: Mapping[str, Any]) -> Html:
+def _conditions(found: Certified) -> Html:
     rows = []
-    for name, entry in found["conditions"].items():
-        point, detail = entry["counterexample"], ""
+    for name, entry in found.conditions.items():
+        point, detail = entry.counterexample, ""
         if point is not None:
-            z = ", ".join(number(value, 6) for value in point["z"])
-            detail = f"margin {number(point['margin'])} at z = ({z})"
-        elif entry["verdict"] == "undecided":
-            detail = f"{number(entry['undecided_boxes'])} boxes left"
-        share = f"{int(1e4 * entry['proved_fraction']) / 100:g} %"
-        rows.append(
-            (
-                name,
-                words.verdict(entry["verdict"]),
-                bound(entry["margin"]),
-                share,
-                number(entry["boxes"]),
-                detail,
-            )
-        )
+            z = ", ".join(number(value, 6) for value in point.z)
+            detail = f"margin {number(point.margin)} at z = ({z})"
+        elif entry.verdict == "undecided":
+            detail = f"{number(entry.undecided_boxes)} boxes left"
+        share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
+        margin, boxes = bound(entry.margin), number(entry.boxes)
+        rows.append((name, words.verdict(entry.verdict), margin, share, boxes, detail))
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
     caption = "Margins in units of a condition's scale; every state of its region has at least it"
     return table(caption, head, rows, numbers="  nnn")
 
 
-def _files(saved: Saved) -> list[Html]:
+def _files(saved: Saved, found: Certified) -> list[Html]:
     proofs = [file for file in (PROOF, FULL_ORDER) if file in saved.hashes]
     if not proofs:
         return [paragraph("There is no proof file: nothing was proved that could be checked.")]
@@ -182,13 +166,5 @@ def _files(saved: Saved) -> list[Html]:
         shell(lines),
         paragraph("In the folder with the source of this program, where its Makefile is:"),
         shell(["make proofcheck", shlex.join(["build/proofcheck", str(proof)])]),
-        paragraph(
-            join(
-                [
-                    f"{number((saved.certificate or {}).get('boxes'))} boxes, ",
-                    f"{number((saved.certificate or {}).get('wall_s'))} s.",
-                ]
-            ),
-            class_="quiet",
-        ),
+        paragraph(f"{number(found.boxes)} boxes, {number(found.wall_s)} s.", class_="quiet"),
     ]

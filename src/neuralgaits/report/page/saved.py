@@ -3,27 +3,28 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from neuralgaits.errors import RunError
-from neuralgaits.report.certificate import (
-    FULL_ORDER,
-    PROOF,
-    SUMMARY,
-    proved_level,
-)
+from neuralgaits.records import fitted, walked
+from neuralgaits.records.asked import Asked, asked_of
+from neuralgaits.records.certified import FULL_ORDER, PROOF, SUMMARY, Certified, ConditionVerdict
+from neuralgaits.records.fitted import SUMMARY as LEARNING
+from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.inspected import RobotFacts
+from neuralgaits.records.record import Record
+from neuralgaits.records.shown import ShownWalk
+from neuralgaits.records.simulated import SUMMARY as WALK
+from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.trained import EndedInNan, Trained, Violations, trained_of
+from neuralgaits.records.walked import EpisodesDone, WalkedRound
 from neuralgaits.report.drawn import Drawn, Missing
-from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.commands import command, learning, named, resuming
-from neuralgaits.runs.folder import NAN, file_hashes, refuse_misshapen
-from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
-from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
+from neuralgaits.runs.commands import command, learning, named
+from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.names import NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 
-Json = Mapping[str, Any]
-LEARNING, WALK = "residual/summary.json", "simulation/summary.json"
-_NAN: Shape = {"step": COUNT, "conditions": list_of(TEXT)}
-"""Of `nan.json`: where a training ended."""
+Kind = TypeVar("Kind", bound=Record)
 _HASHED = (
     WEIGHTS,
     ROBOT,
@@ -41,7 +42,7 @@ class Saved:
 
     Attributes:
         folder: of the run.
-        config: what was asked.
+        asked: of the training.
         summary: what `train` or `refine` found; None if training has not ended.
         metrics: rows of the training's course.
         certificate: what `certify` found, as the run's proof files bear it out.
@@ -56,15 +57,15 @@ class Saved:
     """
 
     folder: RunFolder
-    config: Json
-    summary: Json | None
+    asked: Asked
+    summary: Trained | None
     metrics: list[dict[str, float]]
-    certificate: Json | None
+    certificate: Certified | None
     disturbance: tuple[float, ...]
-    simulation: Json | None
-    residual: Json | None
-    walks: Json | None
-    episodes: Json | None
+    simulation: Simulated | None
+    residual: Fitted | None
+    walks: WalkedRound | None
+    episodes: EpisodesDone | None
     hashes: dict[str, str]
     nan: str | None
     damaged: dict[str, str]
@@ -77,12 +78,22 @@ class Saved:
     @property
     def robot(self) -> str:
         """Name of the robot."""
-        return str(self.config.get("robot", "the robot"))
+        return self.asked.robot
 
     @property
     def proved_level(self) -> int:
         """The highest level that is proved with all below it; 0 if not even the first."""
-        return proved_level(self.certificate)
+        return 0 if self.certificate is None else self.certificate.proved_level
+
+    @property
+    def conditions(self) -> Mapping[str, ConditionVerdict]:
+        """The certificate's verdicts; none without one."""
+        return {} if self.certificate is None else self.certificate.conditions
+
+    @property
+    def measured(self) -> Mapping[str, Violations]:
+        """What fresh samples say of each condition; nothing before the training has ended."""
+        return {} if self.summary is None else self.summary.conditions
 
 
 @dataclass(frozen=True)
@@ -99,8 +110,8 @@ class Contents:
     """
 
     saved: Saved
-    robot: Json
-    walk: Json | None
+    robot: RobotFacts
+    walk: ShownWalk | None
     no_walk: str | None
     figures: list[Drawn | Missing]
     assumptions: tuple[str, ...]
@@ -108,7 +119,7 @@ class Contents:
 
 def read(
     folder: RunFolder,
-    certificate: Json | None,
+    certificate: Certified | None,
     no_certificate: str | None = None,
     disturbance: tuple[float, ...] = (),
 ) -> Saved:
@@ -124,13 +135,9 @@ def read(
     """
     damaged: dict[str, str] = {}
 
-    def part(file: str, shape: Shape, base: Path = folder.path) -> Json | None:
-        if not (base / file).is_file():
-            return None
+    def part(file: str, kind: type[Kind], base: Path = folder.path) -> Kind | None:
         try:
-            found = RunFolder(base, {}).read_json(file)
-            refuse_misshapen(found, shape, base / file)
-            return found
+            return kind.read(base / file) if (base / file).is_file() else None
         except RunError as error:
             damaged[file] = str(error)
             return None
@@ -140,67 +147,54 @@ def read(
     except RunError as error:
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
-    rounds = part("summary.json", ROUNDS, above) if (above / "episodes.json").is_file() else None
+    begun = (above / walked.ASKED).is_file()
+    rounds = part(walked.SUMMARY, EpisodesDone, above) if begun else None
     found = file_hashes(folder.path, _HASHED)
     hashes = {file: digest for file, digest in found.items() if digest is not None}
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
-    learned, walked = part(LEARNING, LEARNED), part(WALK, SIMULATED)
-    if learned is not None and learned.get("residual_sha256") not in (None, *_learned(folder)):
+    learned, simulation = part(LEARNING, Fitted), part(WALK, Simulated)
+    if learned is not None and learned.residual_sha256 not in (None, *_learned(folder)):
         learned = None
         damaged[LEARNING] = (
             f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "
-            f"`{learning(folder)}`"
+            f"`{learning(folder.path)}`"
         )
-    for file, digest in ((walked or {}).get("sha256") or {}).items():
+    for file, digest in ({} if simulation is None else simulation.sha256).items():
         if digest != hashes.get(file):
             again = command("simulate", named(folder.path))
-            walked = None
+            simulation = None
             damaged[WALK] = f"{WALK} is about another {file} than the run's: walk with `{again}`"
             break
     return Saved(
         folder=folder,
-        config=folder.config,
-        summary=trained(folder) if folder.finished else None,
+        asked=asked_of(folder),
+        summary=trained_of(folder.path) if folder.finished else None,
         metrics=metrics,
         certificate=certificate,
         disturbance=disturbance,
-        simulation=walked,
+        simulation=simulation,
         residual=learned,
-        walks=part("walks/summary.json", WALKED),
+        walks=part(f"{walked.WALKS}/{walked.SUMMARY}", WalkedRound),
         episodes=rounds,
         hashes=hashes,
-        nan=_nan(part(NAN, _NAN)) if folder.ended_in_nan else None,
+        nan=_nan(part(NAN, EndedInNan)) if folder.ended_in_nan else None,
         damaged=damaged,
     )
 
 
 def _learned(folder: RunFolder) -> Iterable[str | None]:
     """The sha256 of what `fit` learned."""
-    return file_hashes(folder.path, ("residual/residual.safetensors",)).values()
+    return file_hashes(folder.path, (fitted.FILE,)).values()
 
 
-def _nan(found: Json | None) -> str:
+def _nan(found: EndedInNan | None) -> str:
     """Where a training ended in NaN, as far as it is known."""
     if found is None:
         return "The training ended in NaN: its loss or its weights were no longer finite."
-    names = ", ".join(found["conditions"]) or "no condition alone: the sum, or its gradient"
+    names = ", ".join(found.conditions) or "no condition alone: the sum, or its gradient"
     return (
-        f"The training ended in NaN at step {found['step']}: its loss or its weights were no "
+        f"The training ended in NaN at step {found.step}: its loss or its weights were no "
         f"longer finite (conditions: {names})."
     )
-
-
-def trained(folder: RunFolder) -> dict[str, Any]:
-    """The summary of a finished training.
-
-    Raises: RunError if it is damaged; the last checkpoint can be finished again.
-    """
-    try:
-        found = folder.summary
-        refuse_misshapen(found, TRAINED, folder.path / "summary.json")
-    except RunError as error:
-        again = resuming(folder.path)
-        raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
-    return found

@@ -3,6 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+from neuralgaits.records.asked import Stated
+from neuralgaits.records.inspected import RobotFacts
+from neuralgaits.records.trained import Violations
 from neuralgaits.report import again
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
@@ -46,18 +49,18 @@ def _state(saved: Saved) -> Html:
             "div",
             paragraph(
                 f"The training has not ended: {number(done)} of "
-                f"{number(saved.config.get('steps'))} gradient steps are in the last row of its "
+                f"{number(saved.asked.steps)} gradient steps are in the last row of its "
                 "course. It goes on, bit for bit, with"
             ),
             shell([resuming(saved.folder.path)]),
             class_="missing",
         )
     said = (
-        f"A policy with {_widths(saved.config)} was trained for {number(summary['steps'])} "
-        f"gradient steps to a loss of {number(summary['loss'])}, in {number(summary['wall_s'])} s"
+        f"A policy with {_widths(saved.asked.hidden)} was trained for {number(summary.steps)} "
+        f"gradient steps to a loss of {number(summary.loss)}, in {number(summary.wall_s)} s"
     )
-    if saved.config.get("parent"):
-        said += f", starting from the weights of {saved.config['parent']}"
+    if saved.asked.parent:
+        said += f", starting from the weights of {saved.asked.parent}"
     return paragraph(f"{said}.")
 
 
@@ -71,70 +74,62 @@ def _ended_in_nan(saved: Saved) -> Html:
     return tag("div", *told, class_="missing")
 
 
-def _widths(config: Mapping[str, Any]) -> str:
-    hidden = config.get("hidden")
+def _widths(hidden: tuple[int, ...] | None) -> str:
     return f"hidden layers of {' and '.join(map(str, hidden))} units" if hidden else "no network"
 
 
-def _robot(robot: Mapping[str, Any]) -> list[Html]:
+def _robot(robot: RobotFacts) -> list[Html]:
     whole = (
-        ("mass", f"{number(robot['mass_kg'])} kg"),
-        ("straight leg, foot to hip", f"{number(robot['hip_height_m'])} m"),
-        ("friction of the feet", number(robot["friction"])),
-        ("coordinates without a motor", number(robot["underactuation"])),
+        ("mass", f"{number(robot.mass_kg)} kg"),
+        ("straight leg, foot to hip", f"{number(robot.hip_height_m)} m"),
+        ("friction of the feet", number(robot.friction)),
+        ("coordinates without a motor", number(robot.underactuation)),
     )
-    links = [
-        (link["name"], number(link["length_m"]), number(link["inertia_kg_m2"]))
-        for link in robot["links"]
-    ]
+    links = [(link.name, number(link.length_m), number(link.inertia_kg_m2)) for link in robot.links]
     motors = [
         (
-            motor["joint"],
-            number(motor["torque_limit_nm"]),
-            f"{number(motor['lower_rad'])} to {number(motor['upper_rad'])}",
-            number(motor["armature_kg_m2"]),
+            motor.joint,
+            number(motor.torque_limit_nm),
+            f"{number(motor.lower_rad)} to {number(motor.upper_rad)}",
+            number(motor.armature_kg_m2),
         )
-        for motor in robot["actuators"]
+        for motor in robot.actuators
     ]
     head = ("motor at", "torque at most [N m]", "range [rad]", "rotor inertia [kg m²]")
     return [
-        facts(f"{robot['robot']}, as its file says", whole),
+        facts(f"{robot.robot}, as its file says", whole),
         table("Links", ("link", "length [m]", "inertia [kg m²]"), links, numbers=" nn"),
         table("Joints", head, motors, numbers=" n n"),
     ]
 
 
 def _settings(saved: Saved) -> list[tuple[str, Any]]:
-    config = saved.config
-    recipe = (config.get("described") or {}).get("recipe") or {}
+    asked = saved.asked
+    rate = asked.learning_rate
     rows: list[tuple[str, Any]] = [
-        ("spec", config.get("spec")),
-        ("seed", config.get("seed")),
-        ("start", config.get("init")),
-        ("gradient steps", number(config.get("steps"))),
-        ("learning rate", number(recipe["learning_rate"]) if "learning_rate" in recipe else None),
+        ("spec", asked.spec),
+        ("seed", asked.seed),
+        ("start", asked.init),
+        ("gradient steps", number(asked.steps)),
+        ("learning rate", None if rate is None else number(rate)),
     ]
-    samples = recipe.get("samples") or {}
-    if samples:
-        told = ", ".join(f"{count} in {name}" for name, count in samples.items())
+    if asked.samples:
+        told = ", ".join(f"{count} in {name}" for name, count in asked.samples.items())
         rows.append(("samples a step", told))
-    bound = config.get("disturbance")
-    if bound:
-        rows.append(
-            ("borne in training", f"|d| ≤ ({number(bound[0])} m/s, {number(bound[1])} N m)")
-        )
-    if config.get("not_provable_because"):
-        rows.append(("cannot be proved, because", config["not_provable_because"]))
+    if asked.disturbance:
+        first, second = (number(bound) for bound in asked.disturbance)
+        rows.append(("borne in training", f"|d| ≤ ({first} m/s, {second} N m)"))
+    if asked.not_provable_because:
+        rows.append(("cannot be proved, because", asked.not_provable_because))
     return rows
 
 
 def _conditions(saved: Saved) -> list[Html]:
-    described = (saved.config.get("described") or {}).get("conditions") or []
-    measured = (saved.summary or {}).get("conditions") or {}
-    rows = [_row(entry, measured.get(entry.get("name"))) for entry in described]
+    measured = saved.measured
+    rows = [_row(one, measured.get(one.name)) for one in saved.asked.conditions]
     if not rows:
         return [paragraph("The run does not say which conditions it was trained for.")]
-    broken = [name for name, entry in measured.items() if entry["max_violation"] > 0.0]
+    broken = [name for name, entry in measured.items() if entry.broken]
     if not measured:
         said = "What the gait is to satisfy; nothing is measured before the training ends."
     elif broken:
@@ -150,7 +145,7 @@ def _conditions(saved: Saved) -> list[Html]:
             "evidence; what is proved stands further down."
         )
     head = ("condition", "where", "smallest margin seen", "mean violation", "scale")
-    caption = f"{len(rows)} conditions of spec {saved.config.get('spec')}"
+    caption = f"{len(rows)} conditions of spec {saved.asked.spec}"
     return [paragraph(said), table(caption, head, rows, numbers="  nnn")]
 
 
@@ -162,18 +157,12 @@ def _told(entry: Mapping[str, Any]) -> str:
         return "described in a way that this version does not know"
 
 
-def _row(entry: Mapping[str, Any], measured: Mapping[str, Any] | None) -> tuple[Any, ...]:
-    scale = float(entry.get("scale") or 1.0)
-    name = join(
-        [
-            tag("b", entry.get("name", "?")),
-            Html("<br>"),
-            tag("span", _told(entry), class_="quiet"),
-        ]
-    )
-    where = words.region(str(entry.get("region", "")))
+def _row(one: Stated, measured: Violations | None) -> tuple[Any, ...]:
+    scale = float(one.scale or 1.0)
+    name = join([tag("b", one.name), Html("<br>"), tag("span", _told(one.data), class_="quiet")])
+    where = words.region(one.region)
     if measured is None:
         return name, where, "–", "–", number(scale)
-    least, mean = measured["min_margin"] / scale, measured["mean_violation"] / scale
+    least, mean = measured.min_margin / scale, measured.mean_violation / scale
     held = "good" if least >= 0.0 else "bad"
     return name, where, tag("span", number(least), class_=held), number(mean), number(scale)

@@ -1,9 +1,9 @@
 """The part of the page that shows the walk: animation, controls, and what simulations found."""
 
 import json
-from collections.abc import Mapping
-from typing import Any
 
+from neuralgaits.records.shown import ShownWalk
+from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
@@ -16,6 +16,7 @@ from neuralgaits.report.page.markup import (
     tag,
 )
 from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.runs import plain
 from neuralgaits.runs.commands import command
 
 _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
@@ -69,8 +70,8 @@ def animation(contents: Contents) -> Html:
             "Drag to turn, wheel or pinch to zoom; with the keyboard, arrows and + −. Left: the "
             "robot",
             " and the force of the ground on its standing foot (the mean over "
-            f"{number(walk['frame_s'])} s)"
-            if walk["force_n"]
+            f"{number(walk.frame_s)} s)"
+            if walk.force_n
             else "",
             ". Right: the same moment as a point of the zero dynamics, the two numbers that no "
             "motor acts on. The green area is the gait's region. Along a step the point moves to "
@@ -86,45 +87,45 @@ def animation(contents: Contents) -> Html:
     )
 
 
-def data(walk: Mapping[str, Any]) -> Html:
+def data(walk: ShownWalk) -> Html:
     """The recording as a block of JSON that no parser takes for markup."""
-    written = json.dumps(walk, separators=(",", ":"), allow_nan=False)
+    written = json.dumps(plain(walk), separators=(",", ":"), allow_nan=False)
     safe = written.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
     return tag("script", Html(safe), type="application/json", id="recording")
 
 
-def _said(walk: Mapping[str, Any]) -> str:
+def _said(walk: ShownWalk) -> str:
     """Which walk it is, and that it is a simulation and not a drawing of the plan."""
     law = {"pd": "joint PD control", "fblin": "input-output linearisation"}
-    control = law.get(walk["controller"], f"controller {walk['controller']}")
+    control = law.get(walk.controller, f"controller {walk.controller}")
     said = (
         f"Recorded from a MuJoCo simulation of the whole robot under {control}, with contact, "
-        f"impacts and torque limits: not a playback of the plan. It {walk['origin']}"
+        f"impacts and torque limits: not a playback of the plan. It {walk.origin}"
     )
-    if walk["fell"]:
-        said += f", and falls after {walk['steps_walked']} steps: {walk['fall_reason']}."
+    if walk.fell:
+        said += f", and falls after {walk.steps_walked} steps: {walk.fall_reason}."
     else:
-        said += f", and stays up for all its {walk['steps_walked']} steps."
+        said += f", and stays up for all its {walk.steps_walked} steps."
     return said
 
 
-def _beside(walk: Mapping[str, Any]) -> str:
+def _beside(walk: ShownWalk) -> str:
     """What differs between the plant and the model."""
     told = []
-    if walk["plant"] != walk["robot"]:
-        told.append(f"the robot that walks is {walk['plant']}, the model is {walk['robot']}")
-    if changed := words.changes(walk["disturb"]):
+    if walk.plant != walk.robot:
+        told.append(f"the robot that walks is {walk.plant}, the model is {walk.robot}")
+    if changed := words.changes(walk.disturb):
         told.append(f"changed in the simulation: {', '.join(changed)}")
-    if walk["push_n_s"]:
-        told.append(f"a push of {number(walk['push_n_s'])} N s")
+    if walk.push_n_s:
+        told.append(f"a push of {number(walk.push_n_s)} N s")
     said = "; ".join(told)
     return f"{said[0].upper()}{said[1:]}." if said else ""
 
 
-def _controls(walk: Mapping[str, Any]) -> Html:
+def _controls(walk: ShownWalk) -> Html:
     speeds = [tag("option", f"{speed:g}×", value=speed, selected=speed == 1.0) for speed in _SPEEDS]
     forces = Html("")
-    if walk["force_n"]:
+    if walk.force_n:
         box = Html('<input type="checkbox" id="forces" checked>')
         forces = tag("label", box, "ground force")
     slider = Html(
@@ -157,27 +158,26 @@ def simulations(saved: Saved) -> Html:
                 class_="missing",
             ),
         )
-    fell = [bool(f) for f in done["fell"]]
-    stayed = len(fell) - sum(fell)
+    figures = ((label, unit, getattr(done, name)) for name, label, unit in _FIGURES)
     rows = [
-        (label, f"{number(done[name])} {unit}".rstrip())
-        for name, label, unit in _FIGURES
-        if done.get(name) is not None
+        (label, f"{number(value)} {unit}".rstrip())
+        for label, unit, value in figures
+        if value is not None
     ]
-    orbit = done.get("poincare") or {}
-    if orbit.get("multiplier") is not None:
-        told = f"{number(orbit['multiplier'])}, computed in float64; not the proved enclosure"
+    orbit = done.poincare
+    if orbit is not None and orbit.multiplier is not None:
+        told = f"{number(orbit.multiplier)}, computed in float64; not the proved enclosure"
         rows.append(("multiplier of the model's orbit", told))
-        rows.append(("length of a step on that orbit", f"{number(orbit['step_length_m'])} m"))
-    changed = ", ".join(words.changes(done.get("disturb"))) or "nothing"
-    push = f", push {number(done['push'])} N s" if done.get("push") else ""
+        rows.append(("length of a step on that orbit", f"{number(orbit.step_length_m)} m"))
+    changed = ", ".join(words.changes(done.disturb)) or "nothing"
+    push = f", push {number(done.push)} N s" if done.push else ""
     return section(
         "simulations",
         "Simulations",
         paragraph(
-            f"The whole robot in MuJoCo, controller {done['controller']}: {stayed} of {len(fell)} "
-            f"walks stayed up to their last step. Started from {done['start']}, plant "
-            f"{done['plant']}, changed: {changed}{push}, seed {done['seed']}. Simulations are "
+            f"The whole robot in MuJoCo, controller {done.controller}: {done.stayed} of "
+            f"{len(done.fell)} walks stayed up to their last step. Started from {done.start}, "
+            f"plant {done.plant}, changed: {changed}{push}, seed {done.seed}. Simulations are "
             "samples: they show what happened, not what must happen."
         ),
         _walks(done),
@@ -185,12 +185,12 @@ def simulations(saved: Saved) -> Html:
     )
 
 
-def _walks(done: Mapping[str, Any]) -> Html:
+def _walks(done: Simulated) -> Html:
     """A row for every walk that fell; nothing if none did."""
     fallen = [
         (n, steps, reason)
         for n, (steps, fell, reason) in enumerate(
-            zip(done["steps_walked"], done["fell"], done["fall_reasons"], strict=True)
+            zip(done.steps_walked, done.fell, done.fall_reasons, strict=True)
         )
         if fell
     ]

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from neuralgaits.certificate.levels.conditions.verdicts import ConditionVerdict, Verdict
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.records.certified import ConditionVerdict, Verdict
 
 
 def judge(

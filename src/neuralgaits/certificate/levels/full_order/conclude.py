@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from flint import arb, fmpq
 
-from neuralgaits.certificate.levels.conclusions import Bounds, Conclusion, Constant, above, below
+from neuralgaits.certificate.levels.conclusions import Bounds, above, below
 from neuralgaits.certificate.levels.full_order.theorem import (
     FENCES,
     STIFF,
@@ -20,6 +20,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     lyapunov_rate,
     premises,
 )
+from neuralgaits.records.certified import Conclusion, Constant
 
 LEVEL = 4
 _LEAST, _MOST = ("gamma", "radius", "epsilon", "most sigma"), ("step factor", "r_end", "t")

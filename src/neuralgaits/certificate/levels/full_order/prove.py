@@ -8,8 +8,7 @@ import jax
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from neuralgaits.certificate.levels.conclusions import Conclusion, proved_bounds
-from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
+from neuralgaits.certificate.levels.conclusions import proved_bounds
 from neuralgaits.certificate.levels.full_order.conclude import LEVEL, conclude_full_order
 from neuralgaits.certificate.levels.full_order.find import Look, Looks, find_full_order
 from neuralgaits.certificate.levels.full_order.margins import FullOrderModel, margins
@@ -21,6 +20,7 @@ from neuralgaits.certificate.search.schedule import Progress, box_count, explore
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.records.certified import Conclusion, Counterexample
 
 BUDGET_S = 240.0
 """Seconds that all attempts together may take."""

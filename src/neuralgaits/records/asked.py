@@ -1,0 +1,118 @@
+"""What a training was asked: `config.json` of a run, without what `runs` itself puts there."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Protocol
+
+from neuralgaits.records.record import Pair, Record, build, shape_of
+from neuralgaits.runs.names import CONFIG
+from neuralgaits.runs.reading import refuse_misshapen
+from neuralgaits.runs.shape import NUMBER, TEXT, list_of, table_of, whole
+
+WIDEST, DEEPEST = 2**14, 16
+"""Hidden layers that a config may ask for: what is more is damage, and would fill the memory."""
+Seed = Annotated[int, whole(0, 2**31 - 1)]
+Steps = Annotated[int, whole(1, 2**31 - 1)]
+Widths = Annotated[tuple[int, ...], list_of(whole(1, WIDEST), *range(1, DEEPEST + 1))]
+Spec = Annotated[
+    Mapping[str, Any],
+    {
+        "recipe": {"learning_rate?": NUMBER, "samples?": table_of(NUMBER)},
+        "conditions": list_of({"name": TEXT, "region": TEXT, "scale": NUMBER}),
+    },
+]
+
+
+class Folder(Protocol):
+    """A run folder, as far as its config goes."""
+
+    @property
+    def path(self) -> Path:
+        """The folder."""
+        ...
+
+    @property
+    def config(self) -> Mapping[str, Any]:
+        """Content of `config.json`."""
+        ...
+
+
+@dataclass(frozen=True)
+class Proving:
+    """Proofs during training. Attributes: budget_s: None for as long as it takes."""
+
+    budget_s: float | None
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A condition of a run's spec. Attributes: data: all of it, see `barriers.description`."""
+
+    name: str
+    region: str
+    scale: float
+    data: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Asked(Record):
+    """What a training was asked.
+
+    Attributes:
+        robot, spec: names, for people: the run has copies of both.
+        seed: of weights and samples.
+        init: what the weights start from.
+        hidden: widths of the hidden layers; None for a policy without a network.
+        steps: gradient steps.
+        described: the spec as plain data, see `GaitSpec.describe`.
+        not_provable_because: None if the gait can be certified.
+        certify: None if no proof was asked for.
+        rate: share of the recipe's learning rate.
+        disturbance: what may be added to dz (m/s, N m); None if nothing.
+        parent: the run that this one was refined from; None for one that was trained.
+    """
+
+    robot: str
+    spec: str
+    seed: Seed
+    init: Literal["posture", "random"]
+    hidden: Widths | None
+    steps: Steps
+    described: Spec
+    not_provable_because: str | None
+    certify: Proving | None = None
+    rate: float = 1.0
+    disturbance: Pair | None = None
+    parent: str | None = None
+
+    def unsaid(self) -> Collection[str]:
+        """Settings of `refine` are not those of `train`."""
+        return ("rate", "disturbance", "parent") if self.parent is None else ()
+
+    @property
+    def learning_rate(self) -> float | None:
+        """Of the recipe; None if it does not say."""
+        return self.described["recipe"].get("learning_rate")
+
+    @property
+    def samples(self) -> Mapping[str, int]:
+        """Fresh samples a step in each region."""
+        return self.described["recipe"].get("samples") or {}
+
+    @property
+    def conditions(self) -> Sequence[Stated]:
+        """The conditions asked for."""
+        rows = self.described["conditions"]
+        return [Stated(row["name"], row["region"], row["scale"], row) for row in rows]
+
+    @property
+    def regions(self) -> Mapping[str, Any]:
+        """Boxes of every region, by name."""
+        return self.described["regions"]
+
+
+def asked_of(folder: Folder) -> Asked:
+    """What a run was asked. Raises: RunError if its config is not that of a training."""
+    refuse_misshapen(folder.config, shape_of(Asked), folder.path / CONFIG)
+    return build(Asked, folder.config)

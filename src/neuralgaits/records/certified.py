@@ -1,0 +1,166 @@
+"""What `certify` found: the summary of a certificate, and the answers that it is made of."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from neuralgaits.records.record import Count, Pair, Record, Texts
+from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
+
+FOLDER = "certificate"
+SUMMARY = f"{FOLDER}/summary.json"
+PROOF, FULL_ORDER = f"{FOLDER}/proof.json", f"{FOLDER}/full-order.json"
+MAP = f"{FOLDER}/map.safetensors"
+"""Data of a picture: without it there is no picture, and the certificate stands."""
+LEVELS = (1, 2, 3, 4)
+
+Verdict = Literal["proved", "refuted", "undecided"]
+
+
+@dataclass(frozen=True)
+class Counterexample:
+    """A point where a condition does not hold, confirmed by its Python function in float64.
+
+    Attributes:
+        u: chart point (phase, level).
+        z: zero dynamics state (m, kg m^2/s).
+        margin: the most negative element there, in scales.
+    """
+
+    u: Pair
+    z: Pair
+    margin: float
+
+
+@dataclass(frozen=True)
+class ConditionVerdict:
+    """The answer for one condition on its whole region.
+
+    Attributes:
+        verdict: proved, refuted or undecided.
+        proved_fraction: share of the region's area on which it is proved.
+        boxes: that were bounded for its sake.
+        margin: if proved: no point of the region has a smaller one, in scales.
+        counterexample: if refuted.
+        undecided_boxes: that are neither proved nor known to violate it.
+    """
+
+    verdict: Verdict
+    proved_fraction: float
+    boxes: Count
+    margin: float | None
+    counterexample: Counterexample | None
+    undecided_boxes: Count
+
+
+@dataclass(frozen=True)
+class Constant:
+    """One number of a theorem, for a report.
+
+    Attributes:
+        name, value, unit, meaning: of it.
+        side: whether it is a bound, and from where: so it is rounded on a screen.
+    """
+
+    name: str
+    value: float
+    unit: str
+    meaning: str
+    side: Literal["least", "most", "exact"] = "exact"
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """The answer for one level.
+
+    Attributes:
+        level: 2, 3 or 4.
+        verdict: proved, or undecided with a reason; "consistent" if it follows from statements of
+            which it is not known what they are about.
+        reason: what is missing; None if proved.
+        words: the statement, one sentence each; empty if it is not proved.
+        figures: numbers that were proved on the way, by name.
+        constants: the same with units and in words, of a level that has many; else empty.
+    """
+
+    level: Annotated[int, one_of(2, 3, 4)]
+    verdict: Literal["proved", "consistent", "undecided"]
+    reason: str | None
+    words: Texts = ()
+    figures: Annotated[Mapping[str, float], table_of(may(NUMBER))] = field(default_factory=dict)
+    constants: tuple[Constant, ...] = ()
+
+    @property
+    def proved(self) -> bool:
+        """Whether it is."""
+        return self.verdict == "proved"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Certified(Record):
+    """What is known of a run's conditions, and what follows for its walks.
+
+    Attributes:
+        run, robot, spec: as asked.
+        verdict: of the whole: refuted if a condition is, proved if all are and all levels.
+        level: that was asked for.
+        conditions: level 1.
+        levels: above 1, as far as they were asked for.
+        boxes: that were bounded.
+        proof, map, full_order_proof: files; None if there are none.
+        sha256: of what it is about and rests on, by file; None where there is no such file.
+        wall_s: time.
+        reason: why there is no answer, or no Program.
+    """
+
+    run: str = ""
+    robot: str = ""
+    spec: str = ""
+    verdict: Verdict
+    level: Annotated[int, one_of(*LEVELS)]
+    conditions: Mapping[str, ConditionVerdict]
+    levels: tuple[Conclusion, ...]
+    boxes: Count
+    proof: str | None = None
+    sha256: Mapping[str, str | None] = field(default_factory=dict)
+    wall_s: float
+    map: str | None = None
+    reason: str | None = None
+    full_order_proof: str | None = None
+
+    def unsaid(self) -> Collection[str]:
+        """Files of a level that was not looked at, and a reason where there is an answer."""
+        if any(entry.level == max(LEVELS) for entry in self.levels):
+            return ()
+        return [n for n in ("map", "reason", "full_order_proof") if getattr(self, n) is None]
+
+    @property
+    def proved_level(self) -> int:
+        """The highest level that is proved with all below it; 0 if not even the first."""
+        if self.of_conditions != "proved":
+            return 0
+        proved = {entry.level for entry in self.levels if entry.proved}
+        return max((n for n in LEVELS if set(range(2, n + 1)) <= proved), default=1)
+
+    @property
+    def of_conditions(self) -> Verdict:
+        """The verdict on level 1."""
+        answers = {entry.verdict for entry in self.conditions.values()}
+        if "refuted" in answers:
+            return "refuted"
+        return "proved" if answers == {"proved"} else "undecided"
+
+    @property
+    def least_margin(self) -> float | None:
+        """That is proved of all conditions, in scales; None if one has none."""
+        margins = [entry.margin for entry in self.conditions.values()]
+        known = [margin for margin in margins if margin is not None]
+        return min(known) if known and len(known) == len(margins) else None
+
+    def named(self, verdict: Verdict) -> list[str]:
+        """The conditions with a verdict."""
+        return [name for name, entry in self.conditions.items() if entry.verdict == verdict]
+
+    def conclusion(self, level: int) -> Conclusion | None:
+        """The answer for a level; None if it was not asked for."""
+        return next((entry for entry in self.levels if entry.level == level), None)

@@ -1,0 +1,116 @@
+"""What a record is: named fields with kinds, which JSON data must have to become one.
+
+The annotations of a record are its format. `float` is any number, `Count` a whole one that is not
+negative, `X | None` may be null, a field with a default may be missing, `Annotated[X, shape]` has
+another shape of `runs.shape`. Fields that a file has beyond those of its record are left aside.
+"""
+
+import dataclasses
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin, get_type_hints
+
+from neuralgaits.runs import shape as shapes
+from neuralgaits.runs.plain import plain
+from neuralgaits.runs.reading import read_object, refuse_misshapen
+
+Count = Annotated[int, shapes.COUNT]
+Texts = tuple[str, ...]
+Pair = tuple[float, float]
+Disturb = Annotated[Mapping[str, Any], shapes.table_of(shapes.may(shapes.NUMBER))]
+"""What of a plant was changed, by name: see `simulation.disturbance`."""
+_PLAIN = {
+    float: shapes.NUMBER,
+    int: shapes.kind("a whole number", int),
+    str: shapes.TEXT,
+    bool: shapes.FLAG,
+}
+
+
+class Record(Mapping[str, Any]):
+    """A frozen dataclass that is, as a mapping, what `--json` prints of it."""
+
+    def unsaid(self) -> Collection[str]:
+        """Fields that are not printed."""
+        return ()
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._said():
+            raise KeyError(name)
+        return plain(getattr(self, name))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._said())
+
+    def __len__(self) -> int:
+        return len(self._said())
+
+    def _said(self) -> list[str]:
+        names = (field.name for field in dataclasses.fields(self))  # type: ignore[arg-type]
+        unsaid = self.unsaid()
+        return [name for name in names if name not in unsaid]
+
+    @classmethod
+    def of(cls, value: Any) -> Self:
+        """A record from JSON data. Raises: ValueError saying what is wrong with them."""
+        if wrong := shapes.complaint(value, shape_of(cls)):
+            raise ValueError(wrong)
+        return build(cls, value)
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """A record from a file. Raises: RunError if it is missing, damaged, or something else."""
+        value = read_object(path)
+        refuse_misshapen(value, shape_of(cls), path)
+        return build(cls, value)
+
+
+def shape_of(kind: Any) -> shapes.Shape:
+    """What JSON data must look like to become a value of a type."""
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        return inner[1]
+    if origin is Literal:
+        return shapes.one_of(*inner)
+    if origin in (Union, UnionType):
+        (some,) = (part for part in inner if part is not NoneType)
+        return shapes.may(shape_of(some))
+    if origin is tuple:
+        return shapes.list_of(shape_of(inner[0]), *([] if inner[-1] is ... else [len(inner)]))
+    if origin is not None:
+        return shapes.table_of(shape_of(inner[1]))
+    if not dataclasses.is_dataclass(kind):
+        return _PLAIN.get(kind, lambda value: None)
+    kinds = get_type_hints(kind, include_extras=True)
+    shape = {
+        field.name + "?" * _has_default(field): shape_of(kinds[field.name])
+        for field in dataclasses.fields(kind)
+    }
+    same = getattr(kind, "SAME_LENGTH", ())
+    return shapes.same_length(shape, *same) if same else shape
+
+
+def build(kind: Any, value: Any) -> Any:
+    """A value of a type from JSON data of its shape."""
+    origin, inner = get_origin(kind), get_args(kind)
+    if value is None or kind is Any:
+        return value
+    if origin is Annotated:
+        return build(inner[0], value)
+    if origin in (Union, UnionType):
+        return build(next(part for part in inner if part is not NoneType), value)
+    if origin is tuple:
+        return tuple(build(inner[0], item) for item in value)
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return {name: build(inner[1], item) for name, item in value.items()}
+    if not dataclasses.is_dataclass(kind):
+        return value
+    kinds, names = get_type_hints(kind, include_extras=True), dataclasses.fields(kind)
+    given = {f.name: build(kinds[f.name], value[f.name]) for f in names if f.name in value}
+    return kind(**given)  # type: ignore[operator]
+
+
+def _has_default(field: dataclasses.Field) -> bool:
+    missing = dataclasses.MISSING
+    return field.default is not missing or field.default_factory is not missing

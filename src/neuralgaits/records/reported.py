@@ -1,0 +1,34 @@
+"""What `report` wrote."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from neuralgaits.records.record import Record, Texts
+
+
+@dataclass(frozen=True)
+class Lack:
+    """What a run does not have yet, in words, and the command that makes it."""
+
+    what: str
+    command: str
+
+
+@dataclass(frozen=True, eq=False)
+class Reported(Record):
+    """A page and what is in it.
+
+    Attributes:
+        run, report: the run and the page.
+        bytes: size of the page.
+        figures: names of those that are drawn.
+        missing: what is not there.
+        damaged: why a part could not be read, by file.
+    """
+
+    run: str
+    report: str
+    bytes: int
+    figures: Texts
+    missing: tuple[Lack, ...]
+    damaged: Mapping[str, str]

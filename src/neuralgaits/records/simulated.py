@@ -1,0 +1,164 @@
+"""What `simulate` found: `simulation/summary.json` of a run."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from neuralgaits.records.record import Count, Disturb, Record, Texts
+
+FOLDER = "simulation"
+SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER}/walk.csv"
+LOCKSTEP = "lock-step"
+"""How a controller's process is reached where it is waited for."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModelOrbit(Record):
+    """The periodic orbit of the model's zero dynamics; Nones if there is none.
+
+    Attributes:
+        multiplier: slope of the Poincaré map [1].
+        period_s, step_length_m: of a step.
+        result: why there is none; None if it was found.
+    """
+
+    multiplier: float | None
+    period_s: float | None = None
+    step_length_m: float | None
+    result: str | None = None
+
+    def unsaid(self) -> Collection[str]:
+        """No reason where there is an orbit."""
+        return () if self.result is not None else ("result",)
+
+
+@dataclass(frozen=True)
+class Percentiles:
+    """Of many times, in microseconds."""
+
+    p50: float
+    p99: float
+
+
+@dataclass(frozen=True)
+class LinkTimes(Percentiles):
+    """The same of the messages of a link, and the largest."""
+
+    largest: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LinkFigures(Record):
+    """What the connection to a controller's process did.
+
+    Attributes:
+        law, mode: what it computes, and how it is reached.
+        loss, jitter_ms, blend_s: as asked.
+        ticks: control ticks.
+        packets_sent, packets_lost, packets_late, deadline_misses, overruns: counts.
+        faults: of each controller.
+        round_trip_us, controller_step_us: times; None if there are none.
+    """
+
+    law: str
+    mode: str
+    loss: float | None = None
+    jitter_ms: float | None = None
+    blend_s: float | None = None
+    ticks: int = 0
+    packets_sent: int = 0
+    packets_lost: int = 0
+    packets_late: int = 0
+    deadline_misses: int = 0
+    overruns: int = 0
+    faults: tuple[int, ...] = ()
+    round_trip_us: LinkTimes | None = None
+    controller_step_us: LinkTimes | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WalkFigures(Record):
+    """How walks went; see `simulation.metrics` for what is averaged over what.
+
+    Attributes:
+        steps_walked, fell, fall_reasons: of each walk.
+        speed_m_s, step_time_s: means.
+        cost_of_transport: mechanical [1].
+        max_output_error_rad, peak_torque_nm, steady_peak_torque_nm, max_joint_rate_rad_s,
+            min_normal_force_n: extremes.
+        saturated_fraction: share of time at a torque limit.
+        poincare: None if it was not looked for.
+        sim_steps_per_s, real_time_factor: of the simulation itself.
+    """
+
+    SAME_LENGTH = ("steps_walked", "fell", "fall_reasons")
+
+    steps_walked: tuple[Count, ...]
+    fell: tuple[bool, ...]
+    fall_reasons: tuple[str | None, ...]
+    speed_m_s: float | None = None
+    step_time_s: float | None = None
+    cost_of_transport: float | None = None
+    max_output_error_rad: float | None = None
+    peak_torque_nm: float | None = None
+    steady_peak_torque_nm: float | None = None
+    max_joint_rate_rad_s: float | None = None
+    min_normal_force_n: float | None = None
+    saturated_fraction: float | None = None
+    poincare: ModelOrbit | None = None
+    sim_steps_per_s: float | None = None
+    real_time_factor: float | None = None
+
+    @property
+    def stayed(self) -> int:
+        """Walks that stayed up to their last step."""
+        return len(self.fell) - sum(self.fell)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WalkSettings(Record):
+    """What was asked of walks, so that they can be repeated.
+
+    Attributes:
+        run: that walked.
+        plant: name of the robot that walked.
+        controller, law: name, and numbers of it.
+        episodes: walks.
+        start: as in `simulate`.
+        push: forward impulse [N s]; None for none.
+        disturb: what was changed of the plant; see `simulation.disturbance`.
+        seed: of starts and disturbances.
+        engine, engine_note: what walked, and why it is not what was asked for.
+        steps: walking steps asked of each walk.
+        logs: files of the walks.
+        sha256: of what the walks are about, by file.
+        plant_given: what to name to walk on the same plant: None for the run's own robot, empty
+            if the file is of a version that does not say.
+        link: None without a process for the controller.
+    """
+
+    run: str = ""
+    plant: str
+    controller: str
+    law: Mapping[str, Any] = field(default_factory=dict)
+    episodes: Count
+    start: str
+    push: float | None = None
+    disturb: Disturb | None = None
+    seed: Count
+    engine: str | None = None
+    engine_note: str | None = None
+    steps: Count | None = None
+    logs: Texts | None = ()
+    sha256: Mapping[str, str | None] = field(default_factory=dict)
+    plant_given: str | None = ""
+    link: LinkFigures | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Simulated(WalkFigures, WalkSettings):
+    """A simulation: what was asked, and how it went."""
+
+    def unsaid(self) -> Collection[str]:
+        """No link where there was none."""
+        return ("link",) if self.link is None else ()

@@ -1,0 +1,157 @@
+"""What `train` and `refine` found: `summary.json` of a run, and `nan.json` of one that failed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from neuralgaits.errors import RunError
+from neuralgaits.records.record import Count, Record, Texts
+from neuralgaits.runs.commands import resuming
+from neuralgaits.runs.names import SUMMARY
+
+
+@dataclass(frozen=True)
+class Violations:
+    """What fresh samples say of a condition, in its own unit.
+
+    Attributes:
+        mean_violation, max_violation: of margin >= 0.
+        min_margin: the smallest margin seen.
+    """
+
+    mean_violation: float
+    max_violation: float
+    min_margin: float
+
+    @property
+    def broken(self) -> bool:
+        """Whether some sample breaks it."""
+        return self.max_violation > 0.0
+
+
+@dataclass(frozen=True)
+class TrainingProof:
+    """The last certificate of a training that was to be proved.
+
+    Attributes:
+        verdict: of level 1.
+        level: 1.
+        repairs, repair_steps: further trainings, and gradient steps of all of them.
+        smallest_margin: that is proved, in scales; None if a condition is not proved.
+        open_boxes: boxes on which some condition is not proved.
+        failing: such boxes by condition.
+        wall_s: of proofs and repairs.
+    """
+
+    verdict: str
+    level: int
+    repairs: int
+    repair_steps: int
+    smallest_margin: float | None
+    open_boxes: int
+    failing: Mapping[str, int]
+    wall_s: float
+
+    @property
+    def proved(self) -> bool:
+        """Whether every condition is."""
+        return self.verdict == "proved"
+
+
+@dataclass(frozen=True)
+class ProofRound:
+    """What one certificate of a training found.
+
+    Attributes:
+        number: repairs before it.
+        steps: gradient steps before it.
+        verdict: of the certificate.
+        open_boxes: boxes on which some condition is not proved.
+        failing: such boxes by condition.
+        smallest_margin: that is proved, in scales; None if a condition is not.
+        wall_s: time that the certificate took.
+    """
+
+    number: Count
+    steps: Count
+    verdict: str
+    open_boxes: Count
+    failing: Mapping[str, int]
+    smallest_margin: float | None
+    wall_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class ProofHistory(Record):
+    """The certificates of a training so far: `rounds.json`."""
+
+    rounds: tuple[ProofRound, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trained(Record):
+    """What came of a training.
+
+    Attributes:
+        run, robot, spec, seed: as asked.
+        steps: gradient steps taken, those of repairs included.
+        loss: on fresh samples; None if it is not finite.
+        conditions: what fresh samples say of each.
+        provable: whether there is a Program of the spec's conditions.
+        program_hash: of it.
+        after_impact: what the real impact leaves of the outputs, at worst (units in the names).
+        certificate: None if no proof was asked for.
+        compile_s, train_s, wall_s: times.
+    """
+
+    run: str = ""
+    robot: str = ""
+    spec: str = ""
+    seed: int = 0
+    steps: Count
+    loss: float | None
+    conditions: Mapping[str, Violations]
+    provable: bool = True
+    program_hash: str | None = None
+    after_impact: Mapping[str, float] | None = None
+    certificate: TrainingProof | None = None
+    compile_s: float = 0.0
+    train_s: float = 0.0
+    wall_s: float
+
+    @property
+    def broken(self) -> dict[str, Violations]:
+        """The conditions that some sample breaks."""
+        return {name: found for name, found in self.conditions.items() if found.broken}
+
+    @property
+    def proved(self) -> bool:
+        """Whether there is every proof that was asked for."""
+        return self.certificate is None or self.certificate.proved
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EndedInNan(Record):
+    """Where a training ended.
+
+    Attributes:
+        step: gradient steps by then.
+        kept_step: of the last good state.
+        conditions: that were not finite.
+    """
+
+    step: Count
+    kept_step: int = 0
+    conditions: Texts
+
+
+def trained_of(run: Path) -> Trained:
+    """The summary of a finished training.
+
+    Raises: RunError if it is damaged; the last checkpoint can be finished again.
+    """
+    try:
+        return Trained.read(run / SUMMARY)
+    except RunError as error:
+        again = resuming(run)
+        raise RunError(f"{error}; deleted, it is written again by `{again}`") from None

@@ -1,0 +1,33 @@
+"""JSON files of a run, read or refused in one line."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.errors import RunError
+from neuralgaits.runs.plain import from_json
+from neuralgaits.runs.shape import Shape, complaint
+
+
+def read_object(path: Path) -> dict[str, Any]:
+    """Read a JSON object. Raises: RunError if it is missing or damaged."""
+    if not path.is_file():
+        raise RunError(f"expected {path}, found none: the run is incomplete")
+    try:
+        value = from_json(path.read_bytes())
+    except ValueError as error:
+        raise RunError(
+            f"expected JSON in {path}, found a damaged file ({error}): restore it or train again"
+        ) from None
+    if not isinstance(value, dict):
+        raise RunError(f"expected a JSON object in {path}, found {type(value).__name__}")
+    return value
+
+
+def refuse_misshapen(value: Mapping[str, Any], shape: Shape, path: Path) -> None:
+    """Raises: RunError if a JSON file that can be read does not have what its writer puts there."""
+    wrong = complaint(value, shape)
+    if wrong is not None:
+        raise RunError(
+            f"{path} is damaged or of another version, {wrong}: restore it, or make it again"
+        )
