@@ -30,7 +30,8 @@ from common import show, trained
 
 from neuralgaits.errors import InputError
 from neuralgaits.records.certified import FULL_ORDER as FULL_ORDER_PROOF
-from neuralgaits.workflows.certify import PROOF, certify
+from neuralgaits.records.certified import PROOF
+from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.run import open_run
 

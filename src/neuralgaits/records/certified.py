@@ -151,6 +151,13 @@ class Certified(Record):
         return "proved" if answers == {"proved"} else "undecided"
 
     @property
+    def of_all(self) -> Verdict:
+        """The verdict on the conditions and on every level that was asked for."""
+        if self.of_conditions == "proved" and not all(entry.proved for entry in self.levels):
+            return "undecided"
+        return self.of_conditions
+
+    @property
     def least_margin(self) -> float | None:
         """That is proved of all conditions, in scales; None if one has none."""
         margins = [entry.margin for entry in self.conditions.values()]

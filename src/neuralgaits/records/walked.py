@@ -1,12 +1,13 @@
 """What rounds of episodes came to: the walks of a round, and the summary of all rounds."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass, field, fields
+from typing import Annotated, Any, Literal, Self
 
 from neuralgaits.records.asked import Seed, Steps
-from neuralgaits.records.fitted import TouchdownErrors
+from neuralgaits.records.fitted import Fitted, TouchdownErrors
 from neuralgaits.records.record import Count, Disturb, Pair, Record, Texts
+from neuralgaits.records.trained import Trained
 from neuralgaits.runs.shape import NUMBER, may, table_of, whole
 
 ASKED, SUMMARY = "episodes.json", "summary.json"
@@ -147,6 +148,25 @@ class Round(RoundWalks, _RoundPolicy):
     error_bound: Pair | None = None
     reason: str | None = None
     wall_s: RoundTimes = RoundTimes()
+
+    @classmethod
+    def of_parts(
+        cls, number: int, run: str, trained: Trained, walked: WalkedRound, learned: Fitted | str
+    ) -> Self:
+        """A round of its training, its walks, and what was learned of them, or why nothing was."""
+        told = {part.name: getattr(walked, part.name) for part in fields(RoundWalks)}
+        for name in ("heldout_error", "nominal_heldout_error", "binned_floor", "touchdowns"):
+            told[name] = getattr(learned, name, None)
+        fit_s = None if isinstance(learned, str) else learned.wall_s
+        return cls(
+            round=number,
+            run=run,
+            loss=trained.loss,
+            **told,
+            error_bound=None if isinstance(learned, str) else learned.error_bound,
+            reason=learned if isinstance(learned, str) else None,
+            wall_s=RoundTimes(trained.wall_s, walked.wall_s, fit_s),
+        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

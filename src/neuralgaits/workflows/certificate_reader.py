@@ -171,11 +171,8 @@ def _levels(
 
 def _verdict(summary: Certified) -> Verdict:
     """Of the whole, as `certify` gives it: proved if every condition and every level asked is."""
-    if summary.of_conditions == "refuted":
-        return "refuted"
     whole = [entry.level for entry in summary.levels] == list(range(2, summary.level + 1))
-    proved = summary.of_conditions == "proved" and all(entry.proved for entry in summary.levels)
-    return "proved" if whole and proved else "undecided"
+    return "undecided" if summary.of_all == "proved" and not whole else summary.of_all
 
 
 def _concluded(claims: Claims, asked: Asked) -> list[Conclusion]:

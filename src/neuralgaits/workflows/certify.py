@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,18 +34,8 @@ from neuralgaits.certificate.search.schedule import (
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
-from neuralgaits.records.certified import (
-    FOLDER,
-    FULL_ORDER,
-    MAP,
-    PROOF,
-    SUMMARY,
-    Certified,
-    Conclusion,
-    ConditionVerdict,
-    Counterexample,
-    Verdict,
-)
+from neuralgaits.records import certified
+from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Verdict
 from neuralgaits.workflows.certificate_reader import hashes
 from neuralgaits.workflows.certify_full_order import certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
@@ -125,7 +115,7 @@ def certify(
         program = trace_certificate(*parts)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
-        for stale in (PROOF, MAP):
+        for stale in (certified.PROOF, certified.MAP):
             (trained.path / stale).unlink(missing_ok=True)
         return _finish(trained, level, _no_program(trained), [], began, reason=str(error))
     task = _Task(trained, level, sets, program)
@@ -144,7 +134,7 @@ def certify(
         raise
     if level == HIGHEST:
         # The summary that follows speaks of the proofs that are there then.
-        (trained.path / FULL_ORDER).unlink(missing_ok=True)
+        (trained.path / certified.FULL_ORDER).unlink(missing_ok=True)
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
     done = _written(task, problems, states, began, ended)
     return done if level < HIGHEST else _at_full_order(done, trained, began, deadline, progress)
@@ -201,7 +191,7 @@ def _confirmer(run: Run, sets: Sets) -> Confirm:
     conditions = {condition.name: condition for condition in run.spec.conditions}
     gait, zd = run.gait, run.zero_dynamics
 
-    def confirm(name: str, u: np.ndarray) -> Counterexample | None:
+    def confirm(name: str, u: np.ndarray) -> certified.Counterexample | None:
         z = gait.z(u)
         if name in conditions:
             condition = conditions[name]
@@ -211,13 +201,13 @@ def _confirmer(run: Run, sets: Sets) -> Confirm:
         if not margin < 0.0:
             return None
         state = (float(z[0]), float(z[1]))
-        return Counterexample((float(u[0]), float(u[1])), state, float(margin))
+        return certified.Counterexample((float(u[0]), float(u[1])), state, float(margin))
 
     return confirm
 
 
 def _boxes_file(run: Run, number: int) -> Path:
-    return run.path / FOLDER / f"boxes-{number}.safetensors"
+    return run.path / certified.FOLDER / f"boxes-{number}.safetensors"
 
 
 def _saved(run: Run, number: int, problem: Problem) -> Search:
@@ -238,7 +228,7 @@ def _written(
         save(_boxes_file(run, number), *pair)
     statements = tuple(statement for pair in pairs for statement in prove(*pair))
     conclusions = _conclusions(task, statements)
-    proof = run.path / PROOF
+    proof = run.path / certified.PROOF
     if statements:
         sets = task.sets
         claimed = tuple(found.level for found in conclusions if found.verdict == "proved")
@@ -259,7 +249,7 @@ def _written(
     from neuralgaits.workflows.certificate_figure import write_map
 
     more: dict[str, Any] = {
-        "map": str(write_map(run, [p for p, _ in own], [s for _, s in own], run.path / FOLDER)),
+        "map": str(write_map(run, [p for p, _ in own], [s for _, s in own], proof.parent)),
         "proof": str(proof) if statements else None,
     }
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
@@ -294,16 +284,11 @@ def _finish(
     boxes: int = 0,
     **more: Any,
 ) -> Certificate:
-    answers = {verdict.verdict for verdict in verdicts.values()}
-    further = {conclusion.verdict for conclusion in conclusions}
-    verdict: Verdict = "proved" if answers | further <= {"proved"} else "undecided"
-    if "refuted" in answers:
-        verdict = "refuted"
     summary = Certified(
         run=str(run.path),
         robot=run.asked.robot,
         spec=run.asked.spec,
-        verdict=verdict,
+        verdict="undecided",
         level=level,
         conditions=verdicts,
         levels=tuple(conclusions),
@@ -312,5 +297,6 @@ def _finish(
         boxes=boxes,
         **more,
     )
-    run.folder.write_json(SUMMARY, summary)
+    summary = replace(summary, verdict=summary.of_all)
+    run.folder.write_json(certified.SUMMARY, summary)
     return Certificate(summary)

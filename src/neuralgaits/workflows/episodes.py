@@ -7,7 +7,7 @@ whose file is there is not done again, so what was interrupted goes on where it 
 import shutil
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,14 +15,7 @@ from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.records import fitted
 from neuralgaits.records.fitted import Fitted
-from neuralgaits.records.walked import (
-    SUMMARY,
-    EpisodesDone,
-    Round,
-    RoundTimes,
-    RoundWalks,
-    WalkedRound,
-)
+from neuralgaits.records.walked import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.report.rounds import draw_file
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
@@ -137,14 +130,9 @@ def episodes(
         entries, run, stopped = session.run()
     except KeyboardInterrupt as stop:
         raise Interrupted(command("episodes", "--resume", named(folder.path))) from stop
-    settings = folder.config
+    names = ("robot", "plant", "disturb", "controller", "logs", "seed")
     summary = EpisodesDone(
-        robot=settings.robot,
-        plant=settings.plant,
-        disturb=settings.disturb,
-        controller=settings.controller,
-        logs=settings.logs,
-        seed=settings.seed,
+        **{name: getattr(folder.config, name) for name in names},
         episodes=str(folder.path),
         run=str(run.path),
         rounds=tuple(entries),
@@ -249,7 +237,7 @@ class _Session:
                 return entries, run, Stopped(waiting_for=missing)
             walked = self._walk(number, run, momentum)
             learned = self._learn(number, run, walked)
-            entries.append(_entry(number, run, walked, learned))
+            entries.append(Round.of_parts(number, str(run.path), run.summary, walked, learned))
         return entries, run, Stopped()
 
     def _missing_logs(self, number: int) -> str | None:
@@ -318,20 +306,3 @@ class _Session:
             if not last:
                 raise
             return str(error)
-
-
-def _entry(number: int, run: Run, walked: WalkedRound, learned: Fitted | str) -> Round:
-    """What the table has of a round."""
-    walks = {part.name: getattr(walked, part.name) for part in fields(RoundWalks)}
-    told = ("heldout_error", "nominal_heldout_error", "binned_floor", "touchdowns", "error_bound")
-    errors: dict[str, Any] = {name: getattr(learned, name, None) for name in told}
-    fitting_s = learned.wall_s if isinstance(learned, Fitted) else None
-    return Round(
-        round=number,
-        run=str(run.path),
-        loss=run.summary.loss,
-        **walks,
-        **errors,
-        reason=None if isinstance(learned, Fitted) else learned,
-        wall_s=RoundTimes(run.summary.wall_s, walked.wall_s, fitting_s),
-    )

@@ -3,56 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from neuralgaits.barriers.quantities import GISTS, WORDS
 from neuralgaits.report.page.markup import Html, number, tag
 
-_QUANTITIES = {
-    "torso_angle": ("lean of the torso, backwards positive", "rad"),
-    "joint_angles": ("angle of every joint", "rad"),
-    "joint_rates": ("rate of every joint", "rad/s"),
-    "torques": ("torque of every joint", "N m"),
-    "normal_force": ("force of the ground under the standing foot", "N"),
-    "foot_height": ("height of the swinging foot", "m"),
-    "foot_forward": ("swinging foot ahead of the standing one", "m"),
-    "foot_vertical_velocity": ("vertical velocity of the swinging foot", "m/s"),
-    "hip_height": ("height of the hip", "m"),
-    "hip_forward": ("hip ahead of the standing foot", "m"),
-    "hip_speed": ("forward speed of the hip", "m/s"),
-    "forward_rate": ("forward speed of the hip, linearised", "m/s"),
-    "transversal_inertia": ("transversal inertia, at 0 of which the theory ends", "kg m"),
-    "hip_state": ("z1", "m"),
-    "momentum": ("z2", "kg m²/s"),
-    "reset_hip_sum": ("z1 after touchdown plus z1 before", "m"),
-    "reset_hip": ("z1 after touchdown", "m"),
-    "output_mismatch": ("how far joints are off just after touchdown", "rad"),
-    "squared_mismatch": ("minus the squared joint error after touchdown", "rad²"),
-    "rate_mismatch": ("how far joint rates are off just after touchdown", "rad/s"),
-    "state_mismatch": ("how far the whole state is off after touchdown", "rad, rad/s"),
-    "impulse": ("impulse of the impact", "N s"),
-    "normal_impulse": ("upward impulse of the impact", "N s"),
-    "old_foot_lift": ("upward velocity of the old standing foot after touchdown", "m/s"),
-    "orbital_energy": ("orbital energy", "m²/s²"),
-    "foot_on_circle": ("swinging foot outside a circle: distance² less radius²", "m²"),
-    "parabolic_clearance": ("swinging foot above a parabola: height", "m"),
-}
-"""What each function of `barriers.functions` is, and its unit."""
-
-_GISTS = {
-    "torso_angle": "an upright torso",
-    "normal_force": "ground that only pushes",
-    "friction_forward": "feet that do not slip",
-    "torque_reserve": "torques within limits",
-    "joint_rates": "joints that are not too fast",
-    "forward_rate": "a hip that always moves forward",
-    "knee_bend": "bent knees",
-    "foot_above_arc": "a swinging foot clear of the ground",
-    "foot_on_circle": "a swinging foot clear of the ground",
-    "parabolic_clearance": "a swinging foot clear of the ground",
-    "foot_forward": "steps that are long enough",
-    "orbital_energy": "energy kept in bounds",
-    "output_mismatch": "joints that match across a touchdown",
-    "squared_mismatch": "joints that match across a touchdown",
-}
-"""What a condition on a quantity is there for, in two or three words."""
 _INLET = "a next step that begins in range"
 _REGIONS = {
     "tube": "the whole step",
@@ -223,8 +176,8 @@ def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
         name = (_object(inner.get("of")) or inner).get("function", "")
         if described.get("kind") == "Inlet":
             found[_INLET] = None
-        elif isinstance(name, str) and name in _GISTS:
-            found[_GISTS[name]] = None
+        elif isinstance(name, str) and name in GISTS:
+            found[GISTS[name]] = None
     return list(found)
 
 
@@ -270,8 +223,8 @@ def _named(described: Mapping[str, Any]) -> tuple[str, str]:
     if name == "after_reset":
         what, unit = _named(described["of"])
         return f"{what}, after touchdown", unit
-    if name in _QUANTITIES:
-        return _QUANTITIES[name]
+    if name in WORDS:
+        return WORDS[name]
     if name is None:
         return f"{described.get('user', 'a quantity')}, written by the user", ""
     return str(name).replace("_", " "), ""
