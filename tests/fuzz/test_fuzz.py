@@ -4,11 +4,12 @@ import sys
 
 import numpy as np
 import pytest
-from fuzzing import cases, commands
-from fuzzing.alter import altered_bytes, altered_json
-from fuzzing.doors import KINDS, inputs, readers
-from fuzzing.formats import altered
-from fuzzing.watch import Block, watch
+
+from support.fuzzing import cases, commands
+from support.fuzzing.alter import altered_bytes, altered_json
+from support.fuzzing.doors import KINDS, inputs, readers
+from support.fuzzing.formats import altered
+from support.fuzzing.watch import Block, watch
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 CASES = {
