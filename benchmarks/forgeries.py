@@ -9,8 +9,6 @@ Premises of levels 2 to 4 are taken as checked where a forgery is one of structu
 bounds them all, which takes an hour. Words restrict the themes: `forgeries.py regions trees`.
 """
 
-# The table lies with the tests, on a path set at run time.
-
 import contextlib
 import os
 import subprocess

@@ -10,8 +10,6 @@ Asked: 0 tracebacks, 0 hangs over 10 s, 0 files lost. `INPUTS=1000` alters so ma
 `fuzz.py KIND ...` alters these alone; `fuzz.py replay KIND NUMBER` shows one again.
 """
 
-# What alters inputs lies with the tests, on a path set at run time.
-
 import os
 import shutil
 import subprocess

@@ -12,8 +12,6 @@ left undecided. 20 planted policies: every forged proof is rejected, or left und
 that is too coarse for it.
 """
 
-# Altered proofs lie with the tests of the other checker, on a path set at run time.
-
 import itertools
 import json
 import shutil

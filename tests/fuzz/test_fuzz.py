@@ -72,10 +72,11 @@ def test_a_door_that_fails_and_one_that_loses_a_file_are_seen(place, monkeypatch
 def test_a_case_that_never_ends_or_kills_its_process_is_named(
     place, tmp_path, monkeypatch, what, found
 ):
-    monkeypatch.setattr("fuzzing.watch._note", _told := _Notes())
+    monkeypatch.setattr("support.fuzzing.watch._note", _told := _Notes())
     # No clock: patience ends once the case holds the process.
     monkeypatch.setattr(
-        "fuzzing.watch.Patience.spent", lambda self: (tmp_path / f"held-{self.pid}").exists()
+        "support.fuzzing.watch.Patience.spent",
+        lambda self: (tmp_path / f"held-{self.pid}").exists(),
     )
     script = tmp_path / "worker.py"
     script.write_text(HELD.format(what=what))

@@ -1,7 +1,5 @@
 """Altered logs are read, or refused in one line; many more: benchmarks/fuzz.py."""
 
-# What alters them lies with the tests of altered inputs, on a path set at run time.
-
 import numpy as np
 import pytest
 

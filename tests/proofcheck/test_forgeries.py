@@ -5,8 +5,6 @@ and without what is taken on trust here: that boxes were bounded where a forgery
 structure, and that a file which is refused by itself is refused with a run as well.
 """
 
-# The table lies with the tests of the other checker, on a path set at run time.
-
 import contextlib
 import tempfile
 from pathlib import Path

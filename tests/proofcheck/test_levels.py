@@ -3,8 +3,6 @@
 Conclusions are drawn before any box is bounded, so those of forged bounds can be compared too.
 """
 
-# Altered proofs lie with the tests of the other checker, on a path set at run time.
-
 import copy
 import json
 import re

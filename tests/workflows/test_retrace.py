@@ -1,7 +1,5 @@
 """A run's own spec is code: it is traced in another process, after the boxes, and patches none."""
 
-# The maker of runs lies with the tests of the checker, on a path set at run time.
-
 import json
 import subprocess
 import sys
