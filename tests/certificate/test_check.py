@@ -6,7 +6,6 @@ import random
 
 import numpy as np
 import pytest
-from small_proof import CENTRE, all_hold, checked, program, with_program, write
 
 from neuralgaits.certificate.proof_file.check import NOT_TIED, check
 from neuralgaits.certificate.proof_file.reader import read_claims
@@ -14,6 +13,7 @@ from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
 from neuralgaits.programs import Constant, Input, Operation, Output, Program
 from neuralgaits.workflows.check_proof import check_proof
+from support.small_proof import CENTRE, all_hold, checked, program, with_program, write
 
 
 def test_true_statements_are_consistent_and_no_more(tmp_path, proof):

@@ -6,10 +6,10 @@ import json
 from typing import Any
 
 import pytest
-from small_proof import checked, write
 
 from neuralgaits.certificate.proof_file.reader import children, read_claims
 from neuralgaits.errors import InputError
+from support.small_proof import checked, write
 
 
 def _flip(data: str) -> str:

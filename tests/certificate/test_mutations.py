@@ -11,11 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from forgeries.quick import programs_read_once
-from mutations.base import Base, Mutation, corners, least
-from mutations.generate import mutations
-from mutations.planted import planted
-from mutations.theorems import NOT_FOLLOWING
 
 from neuralgaits.certificate.proof_file import check as checker
 from neuralgaits.certificate.proof_file.coverage import contradictions
@@ -25,6 +20,11 @@ from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.run import open_run
+from support.forgeries.quick import programs_read_once
+from support.mutations.base import Base, Mutation, corners, least
+from support.mutations.generate import mutations
+from support.mutations.planted import planted
+from support.mutations.theorems import NOT_FOLLOWING
 
 EXIT = {"proved": 0, "consistent": 0, "rejected": 1, "undecided": 3}
 HOLDS = "every statement of the file holds"

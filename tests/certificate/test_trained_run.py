@@ -4,7 +4,6 @@ import json
 from typing import Any
 
 import pytest
-from small_proof import sha256, statement, write
 
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
@@ -12,6 +11,7 @@ from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows import retrace
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.provable import trace_spec
+from support.small_proof import sha256, statement, write
 
 NAME, REGION = "tube-width", "fence-lower"
 

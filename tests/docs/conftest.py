@@ -1,13 +1,10 @@
 """A place like a reader's: a run that `latest` names, and the files that a page says to save."""
 
 import shutil
-import sys
 from functools import partial
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 from neuralgaits.workflows import export as exporting
 from neuralgaits.workflows import train as training

@@ -3,11 +3,11 @@
 import re
 from pathlib import Path
 
-import pages
 import pytest
 
 from neuralgaits.cli.main import main
 from neuralgaits.cli.words import read
+from support import pages
 
 ALL = [(pages.name(page), words) for page in pages.PAGES for words in pages.commands(page)]
 CHEAP = ("inspect", "robots")

@@ -5,17 +5,12 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-
-# Tests of this folder share the helper module beside them, the random robots, and altered proofs.
-TESTS = Path(__file__).parents[1]
-sys.path[:0] = [str(TESTS / "proofcheck"), str(TESTS / "robots"), str(TESTS / "certificate")]
 
 REPOSITORY = Path(__file__).parents[2]
 PROGRAM = REPOSITORY / "build" / "proofcheck"

@@ -1,23 +1,21 @@
 """Every kind of forgery through the checkers that it is for.
 
-The table is tests/certificate/forgeries/; `benchmarks/forgeries.py` prints it with every answer
+The table is tests/support/forgeries/; `benchmarks/forgeries.py` prints it with every answer
 and without what is taken on trust here: that boxes were bounded where a forgery is one of
 structure, and that a file which is refused by itself is refused with a run as well.
 """
-
-# pyright: reportMissingImports=false
-# The table lies with the tests of the other checker, on a path set at run time.
 
 import contextlib
 import tempfile
 from pathlib import Path
 
 import pytest
-from forgeries import code, runs
-from forgeries.ask import answers, ask_cpp, ask_python, ask_report, complaints
-from forgeries.base import YES
-from forgeries.quick import statements_taken_as_checked, traced_once
-from forgeries.table import KINDS, THEMES
+
+from support.forgeries import code, runs
+from support.forgeries.ask import answers, ask_cpp, ask_python, ask_report, complaints
+from support.forgeries.base import YES
+from support.forgeries.quick import statements_taken_as_checked, traced_once
+from support.forgeries.table import KINDS, THEMES
 
 PROGRAM = Path(__file__).parents[2] / "build" / "proofcheck"
 LEAST_KINDS = 45

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from random_biped import random_biped
 
 from neuralgaits.report import skeleton
 from neuralgaits.robots import load_robot
+from support.random_biped import random_biped
 
 
 @pytest.mark.parametrize(("links", "torso"), [(1, False), (2, True), (2, False), (3, True)])

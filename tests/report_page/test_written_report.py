@@ -6,12 +6,12 @@ import shutil
 from pathlib import Path
 
 import pytest
-from shipped_run import SHIPPED
 
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.page.document import MOST_BYTES
 from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.shown_walk import FILE
+from support.shipped_run import SHIPPED
 
 WIDTHS = (390, 1440)
 """Pixels: a telephone, and a desk."""

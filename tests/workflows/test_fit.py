@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import jax
 import numpy as np
-import planted_walk
 import pytest
 
 from neuralgaits import logs
@@ -14,6 +13,7 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.residual import stored
 from neuralgaits.residual.fit import FitConfig
 from neuralgaits.workflows.fit import FILE, SUMMARY, fit
+from support import planted_walk
 
 FIELDS = {"residual", "train_error", "heldout_error", "nominal_heldout_error", "windows", "wall_s"}
 

@@ -15,7 +15,6 @@ import mujoco
 import numpy as np
 import pytest
 
-import neuralgaits
 from neuralgaits.cli.main import main
 from neuralgaits.control import Controller, Pd
 from neuralgaits.errors import InputError, NonFiniteError
@@ -34,8 +33,8 @@ from neuralgaits.simulation.walk import LAWS, plant_states, walk
 from neuralgaits.workflows.native_walk import _design, compiler, engine_of, engine_of_run, sources
 from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.simulate import simulate
+from support.shipped_run import SHIPPED
 
-SHIPPED = Path(neuralgaits.__file__).parent / "demo_run"
 RELATIVE = 1e-9
 """How far the two may be apart over three steps, in units of the largest value of a signal."""
 PLANTS = {

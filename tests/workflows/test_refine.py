@@ -5,7 +5,6 @@ import shutil
 
 import jax
 import numpy as np
-import planted_walk
 import pytest
 
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
@@ -20,6 +19,7 @@ from neuralgaits.workflows.provable import trace_spec
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.run import open_parts, open_run, untrained
 from neuralgaits.workflows.train import train
+from support import planted_walk
 
 STEPS = 120
 
