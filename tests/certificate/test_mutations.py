@@ -17,6 +17,7 @@ from mutations.generate import mutations
 from mutations.planted import planted
 from mutations.theorems import NOT_FOLLOWING
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file import check as checker
 from neuralgaits.certificate.proof_file.coverage import contradictions
 from neuralgaits.certificate.proof_file.reader import read_claims
@@ -24,7 +25,6 @@ from neuralgaits.errors import InputError
 from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.run import open_run
 
 EXIT = {"proved": 0, "consistent": 0, "rejected": 1, "undecided": 3}
 HOLDS = "every statement of the file holds"

@@ -9,13 +9,13 @@ import pytest
 from printed import check, on_page, on_screen
 
 import neuralgaits
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.arguments import Train
 from neuralgaits.cli.main import main
 from neuralgaits.report.again import simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.certificate_words import how_sure
-from neuralgaits.workflows.run import open_run
 
 SPEC = Path(__file__).parents[1] / "training" / "small_spec.py"
 SHIPPED = Path(neuralgaits.__file__).parent / "demo_run"

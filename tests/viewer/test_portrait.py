@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.quantities import Chart, Look, quantities
+from neuralgaits.analysis.run import open_run
 from neuralgaits.report import certificate_map
 from neuralgaits.viewer import markdown
 from neuralgaits.viewer import portrait as board
@@ -16,7 +17,6 @@ from neuralgaits.workflows import phase_plane
 from neuralgaits.workflows.certificate_reader import hashes
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.phase_plane import portrait
-from neuralgaits.workflows.run import open_run
 
 
 @pytest.fixture(scope="module")

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import neuralgaits
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import Controller, Pd
 from neuralgaits.errors import InputError, NonFiniteError
@@ -32,7 +33,6 @@ from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, plant_states, walk
 from neuralgaits.workflows.native_walk import _design, compiler, engine_of, engine_of_run, sources
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.simulate import simulate
 
 SHIPPED = Path(neuralgaits.__file__).parent / "demo_run"

@@ -8,6 +8,7 @@ import numpy as np
 import planted_walk
 import pytest
 
+from neuralgaits.analysis.run import open_parts, open_run, untrained
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.proof_file.model_data import model_data
@@ -18,7 +19,6 @@ from neuralgaits.runs.names import RESIDUAL, START, STATE, WEIGHTS
 from neuralgaits.workflows import certificate_reader, retrace
 from neuralgaits.workflows.provable import trace_spec
 from neuralgaits.workflows.refine import refine
-from neuralgaits.workflows.run import open_parts, open_run, untrained
 from neuralgaits.workflows.train import train
 
 STEPS = 120

@@ -94,7 +94,7 @@ def disturbance_bounds(text: str | None, run: str) -> tuple[float, float]:
         return 0.0, 0.0
     if text != LEARNED:
         return _pair(text)
-    from neuralgaits.workflows.run import open_run
+    from neuralgaits.analysis.run import open_run
 
     learned = open_run(run).learned
     if learned is None:

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
 from neuralgaits.export.source import gait_files
 from neuralgaits.simulation.link_config import LinkConfig
 from neuralgaits.simulation.remote import Remote
 from neuralgaits.workflows.export import design_of
-from neuralgaits.workflows.run import Run
 
 SOURCES = (*build.CORE, "amber_log.c", "link.c")
 

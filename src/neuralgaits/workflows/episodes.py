@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.report.rounds import draw_file
@@ -27,7 +28,6 @@ from neuralgaits.workflows.episode_folder import SUMMARY, EpisodeFolder, read, w
 from neuralgaits.workflows.episode_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.refine import refine
-from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.settings import check_rounds, check_seed
 from neuralgaits.workflows.train import train
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report import (
     again,
@@ -34,7 +35,6 @@ from neuralgaits.workflows.certificate_figure import DATA as MAP
 from neuralgaits.workflows.gait_data import gait_data
 from neuralgaits.workflows.proved import Certificate, certificate_of
 from neuralgaits.workflows.residual_data import residual_data
-from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.walk_log import measured_walk
 
 FOLDER = "figures"

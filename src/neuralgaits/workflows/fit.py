@@ -11,20 +11,19 @@ import numpy as np
 
 from neuralgaits import logs as walks
 from neuralgaits._types import Float
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Split, Stride, Windows
-from neuralgaits.residual import stored
 from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer, Progress
 from neuralgaits.residual.fit import fit as fit_flow
 from neuralgaits.residual.floor import floor
-from neuralgaits.residual.network import Residual
 from neuralgaits.residual.reset import fit_reset
-from neuralgaits.residual.stored import Learned
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 from neuralgaits.residual.trust import landing_errors
 from neuralgaits.runs import plain
-from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.settings import check_seed
 
 FOLDER = "residual"
@@ -94,7 +93,7 @@ def fit(
     pairs = walks.windows(parts.heldout, samples=2, step=STEP_S)
     learned = Learned(flow, reset, largest_defects(missed(zd, flow, pairs)))
     path = trained.path / FILE
-    stored.write(path, learned)
+    learned.write(path)
     summary = {
         "run": str(trained.path),
         "residual": str(path),

@@ -4,15 +4,15 @@ import time
 from pathlib import Path
 from typing import Literal
 
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import RunError
-from neuralgaits.residual import stored
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.runs.commands import learning
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows import fit
 from neuralgaits.workflows.proof_rounds import Watch
-from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.settings import (
     check_disturbance,
     check_proof_budget,
@@ -71,7 +71,7 @@ def refine(
             f"expected a residual of {parent.path}, found no {fit.FILE} in it: learn one from a "
             f"robot's logs, or as in `{learning(parent.folder)}`, or give --residual FILE"
         )
-    learned = stored.read(file, parent.robot)
+    learned = Learned.read(file, parent.robot)
     if disturbance == "learned":
         disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))
     if disturbance is not None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from neuralgaits.analysis.run import Run, asked_of, open_run
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.drawn import Drawn, Missing
@@ -18,7 +19,6 @@ from neuralgaits.runs.names import ROBOT
 from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.run import Run, asked_of, open_run
 from neuralgaits.workflows.shown_walk import shown_walk
 
 FILE = "report.html"

@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.quantities import Look
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.residual_field import ResidualData
-from neuralgaits.residual import stored
 from neuralgaits.runs import from_json, read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 from neuralgaits.runs.names import RESIDUAL
 from neuralgaits.runs.shape import TEXT, complaint, list_of
 from neuralgaits.workflows import fit
 from neuralgaits.workflows.gait_data import fingerprint, gait_data
-from neuralgaits.workflows.run import Run
 
 FILE = "figures/residual.safetensors"
 LOGS, STATES = 4, 2500
@@ -39,7 +39,7 @@ def residual_data(run: Run) -> ResidualData | None:
             arrays, words = {}, {}
         if SHA256 in words and words.get("of") == of:
             return ResidualData(gait, arrays["epsilon"], arrays["visited"], trained)
-    flow = stored.read(path, run.robot).flow
+    flow = Learned.read(path, run.robot).flow
     look = Look(lambda z: {"epsilon": flow(z)})
     z1, z2 = gait["plane/z1"], gait["plane/z2"]
     grid = np.stack(np.meshgrid(z1, z2), axis=-1)

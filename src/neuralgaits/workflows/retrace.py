@@ -66,12 +66,12 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
     Raises: InputError if the run cannot be opened or traced.
     """
     # These import JAX, and the run's spec.
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.certificate.levels.full_order.prove import trace_full_order
     from neuralgaits.certificate.levels.sets import Sets, trace_certificate
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
     from neuralgaits.workflows.certify_full_order import model_of
-    from neuralgaits.workflows.run import open_run
 
     opened = open_run(run)
     if theorems.full is not None:

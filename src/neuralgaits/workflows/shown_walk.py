@@ -13,6 +13,7 @@ import jax
 import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word
@@ -27,7 +28,6 @@ from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, Walk, walk
 from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.native_walk import engine_of_run
-from neuralgaits.workflows.run import Run
 
 FILE = "report/walk.json"
 STEPS = 12

@@ -12,6 +12,7 @@ import jax
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot, registry
@@ -28,7 +29,6 @@ from neuralgaits.simulation.starts import full_states, momentum_range, periodic_
 from neuralgaits.simulation.walk import Walk, law_named, walk
 from neuralgaits.workflows.connect import connected
 from neuralgaits.workflows.native_walk import Choice, Engine, engine_of_run
-from neuralgaits.workflows.run import Run, open_run
 
 SUMMARY, PLANT = "simulation/summary.json", "simulation/plant.xml"
 _ALL = 2**31 - 1

@@ -8,6 +8,7 @@ import numpy as np
 import viser
 
 from neuralgaits.analysis.quantities import Look, quantities
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
 from neuralgaits.viewer import markdown, page
 from neuralgaits.viewer.panel import Panel
@@ -16,7 +17,6 @@ from neuralgaits.viewer.stage import Stage
 from neuralgaits.viewer.walker import Walker
 from neuralgaits.workflows.live_gait import LiveGait
 from neuralgaits.workflows.phase_plane import portrait
-from neuralgaits.workflows.run import Run, open_run
 
 
 class LiveView:

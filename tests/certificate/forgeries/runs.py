@@ -7,6 +7,7 @@ from pathlib import Path
 
 from forgeries.base import Base, Table
 from forgeries.edits import claim, root, sha256, spec_file
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.full_order import prove as full_order
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH
@@ -19,7 +20,6 @@ from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.certify_full_order import certify_full_order, model_of
 from neuralgaits.workflows.demo import FOLDER
 from neuralgaits.workflows.proof_of import proof_of
-from neuralgaits.workflows.run import Run, open_run
 
 PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
 SUMMARY = "certificate/summary.json"
