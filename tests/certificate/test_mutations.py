@@ -18,11 +18,11 @@ from mutations.planted import planted
 from mutations.theorems import NOT_FOLLOWING
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file import check as checker
 from neuralgaits.certificate.proof_file.coverage import contradictions
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.errors import InputError
-from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 

@@ -12,6 +12,7 @@ import pytest
 from matplotlib._pylab_helpers import Gcf
 
 from neuralgaits import logs
+from neuralgaits.analysis.data import MeasuredWalk
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli import arguments
@@ -28,7 +29,6 @@ from neuralgaits.report import (
     residual_field,
     return_map,
 )
-from neuralgaits.report.data import MeasuredWalk
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.figure import png, svg, write
 from neuralgaits.report.full_order_set import FullOrderSet

@@ -13,15 +13,16 @@ from neuralgaits import logs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.residual.fit import FitConfig
-from neuralgaits.workflows.fit import FILE, SUMMARY, fit
+from neuralgaits.runs.names import FIT, FITTED
+from neuralgaits.workflows.fit import fit
 
 FIELDS = {"residual", "train_error", "heldout_error", "nominal_heldout_error", "windows", "wall_s"}
 
 
 def test_the_summary_is_what_the_interface_asks(brief_run, fitted):
     assert set(fitted.summary) >= FIELDS
-    assert fitted.residual == brief_run.path / FILE
-    assert json.loads((brief_run.path / SUMMARY).read_text()) == fitted.summary
+    assert fitted.residual == brief_run.path / FITTED
+    assert json.loads((brief_run.path / FIT).read_text()) == fitted.summary
     assert fitted.summary["strides"] == {"train": 12, "validation": 2, "heldout": 2}
 
 

@@ -14,6 +14,7 @@ from matplotlib import pyplot
 
 from fuzzing.place import EPISODES, FILES, RUN, Place
 from neuralgaits import logs
+from neuralgaits.analysis import gait_data, residual_data
 from neuralgaits.analysis import run as runs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import asked_of, open_run, untrained
@@ -22,7 +23,9 @@ from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
+from neuralgaits.episodes.folder import EpisodeFolder
 from neuralgaits.errors import InputError
+from neuralgaits.report import shown_walk
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
@@ -36,16 +39,12 @@ from neuralgaits.workflows import (
     certificate_reader,
     figures,
     fit,
-    gait_data,
     report,
-    residual_data,
-    shown_walk,
     train,
 )
 from neuralgaits.workflows import episodes as rounds
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.export import _origin
 from neuralgaits.workflows.inspect import inspect
 from neuralgaits.workflows.report import saved_of

@@ -93,7 +93,7 @@ class Contents:
     Attributes:
         saved: files of the run.
         robot: as `inspect` describes it.
-        walk: of `workflows.shown_walk`; None if there is none.
+        walk: of `report.shown_walk`; None if there is none.
         no_walk: why there is none, in a sentence.
         figures: drawn and missing.
         assumptions: of a proof, as `check-proof` lists them.

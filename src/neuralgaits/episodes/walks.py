@@ -27,10 +27,10 @@ from neuralgaits.runs import plain
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.native_walk import Engine, engine_of_run
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import walk
-from neuralgaits.workflows.native_walk import Engine, engine_of_run
 
 STARTS, STEPS = 10, 200
 """Walks from anywhere in the tube, and the steps asked of each."""

@@ -10,10 +10,10 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
+from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.viewer.walker import Limits, Margins, Shown
-from neuralgaits.workflows.native_walk import engine_of_run
 
 CONTROLLER = "pd"
 """Law that drives the robot: the one `simulate` takes if none is named."""
