@@ -19,12 +19,12 @@ import numpy as np
 from common import show, trained
 from threadpoolctl import threadpool_limits
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.search.halving import halves, split_axes
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.workflows.provable import trace_spec
-from neuralgaits.workflows.run import Run
 
 CASES = {
     "first derivatives": (

@@ -65,8 +65,8 @@ def _made_once(shared: Path, name: str, make: Callable[[Path], object]) -> Path:
 @pytest.fixture(scope="session")
 def trained(tmp_path_factory: pytest.TempPathFactory):
     """A finished run of the default training on amber3m, shared by all workers."""
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.robots import load_robot
-    from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.train import train
 
     shared = _shared(tmp_path_factory)
@@ -80,8 +80,8 @@ def trained(tmp_path_factory: pytest.TempPathFactory):
 @pytest.fixture(scope="session")
 def certified(trained, tmp_path_factory: pytest.TempPathFactory):
     """A copy of it, proved to level 3, shared by all workers: nobody changes it."""
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.workflows.certify import certify
-    from neuralgaits.workflows.run import open_run
 
     def make(run: Path) -> None:
         shutil.copytree(trained.path, run)

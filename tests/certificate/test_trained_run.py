@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
+from neuralgaits.certificate import retrace
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
-from neuralgaits.workflows import retrace
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.provable import trace_spec
 from support.small_proof import sha256, statement, write

@@ -9,6 +9,7 @@ import pytest
 from flint import arb
 
 from neuralgaits.barriers import Barrier
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.conclusions import proved_bounds
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.margins import (
@@ -25,7 +26,7 @@ from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.algebras.ball_fibre import FibreBallAlgebra
 from neuralgaits.programs.prune import prune
-from neuralgaits.workflows import certify_full_order, check_proof, retrace
+from neuralgaits.workflows import certify_full_order, check_proof
 from neuralgaits.workflows.certify_full_order import model_of
 from neuralgaits.workflows.full_order_check import (
     check_by_force,

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.report.certificate_map import PROVED, REFUTED, UNDECIDED, draw_file
 from neuralgaits.runs import write_arrays
-from neuralgaits.workflows.run import Run
 
 DATA, FIGURE = "map.safetensors", "map.png"
 

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from neuralgaits._settings import check_budget, check_disturbance
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.levels.conclusions import Conclusion, conclude, proved_bounds
 from neuralgaits.certificate.levels.conditions.judge import judge
@@ -44,8 +46,6 @@ from neuralgaits.runs import plain
 from neuralgaits.workflows.certificate_reader import MAP, hashes
 from neuralgaits.workflows.certify_full_order import FILE, certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import check_budget, check_disturbance
 
 FOLDER = "certificate"
 PROOF, SUMMARY = f"{FOLDER}/proof.json", f"{FOLDER}/summary.json"

@@ -13,17 +13,22 @@ import numpy as np
 from matplotlib import pyplot
 
 from neuralgaits import logs
+from neuralgaits.analysis import gait_data, residual_data
+from neuralgaits.analysis import run as runs
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.run import asked_of, open_run, untrained
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
+from neuralgaits.episodes.folder import EpisodeFolder
 from neuralgaits.errors import InputError
+from neuralgaits.report import shown_walk
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.report.shapes import RECORDED
-from neuralgaits.residual import stored
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import from_json, plain, read_arrays, resolve, to_json
@@ -33,21 +38,15 @@ from neuralgaits.workflows import (
     certificate_reader,
     figures,
     fit,
-    gait_data,
     report,
-    residual_data,
-    shown_walk,
     train,
 )
 from neuralgaits.workflows import episodes as rounds
-from neuralgaits.workflows import run as runs
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.export import _origin
 from neuralgaits.workflows.inspect import inspect
 from neuralgaits.workflows.report import saved_of
-from neuralgaits.workflows.run import asked_of, open_run, untrained
 from support.fuzzing.place import EPISODES, FILES, RUN, Place
 
 RARELY = 20
@@ -210,7 +209,7 @@ def resume_proof(place: Place, path: Path) -> None:
 
 def read_residual(place: Place, path: Path) -> None:
     """`refine RUN`, up to where it trains."""
-    stored.read(path, place.robot)
+    Learned.read(path, place.robot)
 
 
 def sure(place: Place, path: Path) -> None:

@@ -9,18 +9,17 @@ from typing import Any
 import jax
 from jaxtyping import PRNGKeyArray
 
+from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.report.page.saved import trained
-from neuralgaits.residual import stored
-from neuralgaits.residual.stored import Learned
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.folder import CONFIG, refuse_misshapen
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.shape import NUMBER, TEXT, Shape, list_of, may, one_of, table_of, whole
+from neuralgaits.runs.trained import trained
 
 WIDEST, DEEPEST = 2**14, 16
 """Hidden layers that a config may ask for: what is more is damage, and would fill the memory."""
@@ -157,7 +156,7 @@ def learned_of(folder: RunFolder, robot: PlanarBiped) -> Learned | None:
     """The residual file that a run carries. Raises: RunError if it is not as it was."""
     if RESIDUAL not in folder.config["copies"]:
         return None
-    return stored.read(folder.copied(RESIDUAL), robot)
+    return Learned.read(folder.copied(RESIDUAL), robot)
 
 
 def residuals_of(learned: Learned | None) -> Residuals:

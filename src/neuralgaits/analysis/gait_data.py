@@ -6,15 +6,15 @@ import json
 import numpy as np
 
 from neuralgaits.analysis import flow as gait_flow
+from neuralgaits.analysis.data import GaitData
 from neuralgaits.analysis.quantities import Chart, Look, quantities
+from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.barriers import Barrier
 from neuralgaits.errors import RunError
-from neuralgaits.report.data import GaitData
-from neuralgaits.report.skeleton import skeleton
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, WEIGHTS
-from neuralgaits.workflows.run import Run
 
 FILE = "figures/data.safetensors"
 VERSION = 1

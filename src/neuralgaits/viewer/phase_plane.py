@@ -4,10 +4,10 @@ import numpy as np
 
 from neuralgaits.analysis import flow as gait_flow
 from neuralgaits.analysis.quantities import Chart, Look
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
-from neuralgaits.workflows.run import Run
 
 MAP = "certificate/map.safetensors"
 COLUMNS, ROWS, FENCE_POINTS = 41, 31, 61
