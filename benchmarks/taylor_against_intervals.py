@@ -20,7 +20,7 @@ from common import show, trained
 from threadpoolctl import threadpool_limits
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.search.halving import halves, split_axes
+from neuralgaits.certificate.search.halving import Corners, halves, wide_axes
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
@@ -37,7 +37,7 @@ CASES = {
 }
 BUDGET_S = float(os.environ.get("BUDGET", 40.0))
 """Time that one method may take for one condition."""
-BATCH, START_DEPTH = 512, 3
+BATCH, START_DEPTH = 512, 6
 SLACK = 2.0**-44
 """Relative widening after each operation: far more than rounding, far less than the excess."""
 
@@ -196,10 +196,14 @@ def prove(bounds: Bounds, low: Sequence[float], high: Sequence[float]) -> Effort
     """Halve boxes until the lower bound is not negative on each, depth first, or time is up."""
     began = time.perf_counter()
     root = np.array([low]), np.array([high])
-    axes = split_axes(root[0][0], root[1][0])
+    axes = wide_axes(root[0][0], root[1][0])
+
+    def halved(low: np.ndarray, high: np.ndarray, depth: int) -> tuple[Corners, Corners]:
+        return halves(low, high, np.full(len(low), axes[depth % len(axes)]))
+
     start = root
-    for _ in range(START_DEPTH):
-        start = halves(*start, axes)
+    for depth in range(START_DEPTH):
+        start = halved(start[0], start[1], depth)
     stack, boxes, leaves, proved = [(*start, START_DEPTH)], 0, 0, 0.0
     while stack and time.perf_counter() - began < BUDGET_S:
         lows, highs, depth = stack.pop()
@@ -208,9 +212,9 @@ def prove(bounds: Bounds, low: Sequence[float], high: Sequence[float]) -> Effort
             lows, highs = lows[:BATCH], highs[:BATCH]
         boxes += len(lows)
         good = bounds(lows, highs) >= 0.0
-        leaves, proved = leaves + int(good.sum()), proved + good.sum() * 0.5 ** (len(axes) * depth)
+        leaves, proved = leaves + int(good.sum()), proved + good.sum() * 0.5**depth
         if not good.all():
-            stack.append((*halves(lows[~good], highs[~good], axes), depth + 1))
+            stack.append((*halved(lows[~good], highs[~good], depth), depth + 1))
     return Effort(boxes, leaves, time.perf_counter() - began, float(proved))
 
 

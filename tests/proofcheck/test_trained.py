@@ -58,7 +58,7 @@ def test_both_checkers_agree(asked, spoilt, tmp_path):
 
 
 def test_leaves_are_split_further(asked, spoilt):
-    claims(spoilt)["foot-clears"]["tree"] = "0"
+    claims(spoilt)["foot-clears"]["tree"] = "-"
     assert holds(asked(spoilt))
 
 
@@ -96,7 +96,7 @@ def test_false_statements_are_refuted_with_a_point(asked, spoilt, change):
 
 
 def no_width(table):
-    table["statements"][0]["tree"] = "1" * 60 + "0" * 181
+    table["statements"][0]["tree"] = "0" * 60 + "-" * 61
 
 
 INCONSISTENT = {
@@ -105,7 +105,7 @@ INCONSISTENT = {
     "operation": lambda t: t["program"]["operations"][3].__setitem__(0, "neg"),
     "tree cut": lambda t: t["statements"][0].__setitem__("tree", t["statements"][0]["tree"][:-1]),
     "tree grown": lambda t: t["statements"][1].__setitem__(
-        "tree", t["statements"][1]["tree"] + "0"
+        "tree", t["statements"][1]["tree"] + "-"
     ),
     "tree too deep": no_width,
     "scale": lambda t: claims(t)["foot-ceiling"]["scales"].__setitem__("foot-ceiling", 1.0),
@@ -192,11 +192,11 @@ UNREADABLE = {
     "deep": lambda t: "[" * 100_000,
     "cut": lambda t: json.dumps(t)[:-2],
     "more": lambda t: json.dumps(t) + "{}",
-    "twice": lambda t: '{"format": 2, ' + json.dumps(t)[1:],
+    "twice": lambda t: '{"format": 3, ' + json.dumps(t)[1:],
     "NaN": lambda t: json.dumps(t).replace('"degree": 2', '"degree": NaN', 1),
     "infinity": lambda t: json.dumps(t).replace('"degree": 2', '"degree": 1e999', 1),
     "format": lambda t: t | {"format": 1},
-    "fraction": lambda t: t | {"format": 2.0},
+    "fraction": lambda t: t | {"format": 3.0},
     "kind": lambda t: t | {"kind": "other"},
     "chart": lambda t: t | {"chart": "z"},
     "field": lambda t: t | {"note": "trust me"},

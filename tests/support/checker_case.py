@@ -24,6 +24,7 @@ from neuralgaits.barriers import (
     specs,
 )
 from neuralgaits.barriers import functions as f
+from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
 from neuralgaits.certificate.proof_file.model_data import model_data
@@ -158,17 +159,17 @@ class Case:
             "bounds": {"width": 0.0},
             "degree": 2,
             "root": {"low": ["0x0p0"] * 2, "high": ["0x1p0"] * 2},
-            "tree": "0",
+            "tree": "-",
         }
         return {
-            "format": 2,
+            "format": 3,
             "kind": "neuralgaits certificate",
             "robot": {"name": self.name, "sha256": "0"},
             "weights_sha256": "0",
             "spec": {"name": "all", "sha256": "0"},
             "program": json.loads(self.program.to_json()),
             "program_hash": self.program.hash,
-            "chart": "u = (phase, level)",
+            "chart": PLAIN.table(),
             "statements": [claim],
             "theorems": self.theorems,
             "model": model_data(self.robot, self.gait, self.spec, self.program),

@@ -67,7 +67,7 @@ def check_file(place: Place, path: Path) -> None:
     if leaves <= LEAVES:
         to_json(check_proof(path)).encode()
         return
-    to_json([line for one in claims.statements for line in in_words(one, claims.program)]).encode()
+    to_json([line for one in claims.statements for line in in_words(one, claims)]).encode()
     check(replace(claims, program_hash="another"))
     differences(claims, place.root / RUN)
 
@@ -204,7 +204,7 @@ def resume_proof(place: Place, path: Path) -> None:
     number = int(path.stem.rpartition("-")[2])
     search = load(path, place.problems[number])
     open_boxes(path)
-    search.cells.is_leaf.sum()
+    search.tree.is_leaf.sum()
 
 
 def read_residual(place: Place, path: Path) -> None:
