@@ -15,7 +15,6 @@ from flint import arb
 
 from neuralgaits.certificate.proof_file.reader import Corners, Statement, halves
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.ball_fibre import FibreBallAlgebra
 from neuralgaits.programs.evaluation import evaluate, fold
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import prune
@@ -35,8 +34,7 @@ class StatementCheck:
 
     def __init__(self, program: Program, statement: Statement):
         self.program, self.statement = program, statement
-        kind: type = BallAlgebra if len(program.inputs) == 1 else FibreBallAlgebra
-        self.algebra = kind(statement.degree)
+        self.algebra = BallAlgebra(statement.degree)
         self.folded = fold(program, self.algebra)
         self.least = {
             name: arb(statement.bounds[name]) * arb(statement.scales[name])

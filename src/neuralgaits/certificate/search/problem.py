@@ -3,15 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.certificate.search.halving import Corners, wide_axes
-from neuralgaits.programs import POINT, Algebra, Program, evaluate, fold
-from neuralgaits.programs.algebras.taylor import TERMS, TaylorAlgebra
-from neuralgaits.programs.algebras.taylor_fibre import FibreAlgebra
+from neuralgaits.programs import POINT, Program, evaluate, fold
+from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_model import terms
 
 LEAST_BATCH, MOST_BATCH = 64, 512
 """Boxes bounded at once: fewer waste time in calls, more exhaust the processor's cache."""
@@ -56,7 +55,7 @@ class Problem:
     def batch(self) -> int:
         """Boxes to bound at once."""
         largest = max((operation.size for operation in self.program.operations), default=1)
-        one = TERMS[self.degree] * largest * np.dtype(np.float64).itemsize
+        one = terms(self.degree, len(self.low)) * largest * np.dtype(np.float64).itemsize
         return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
 
     def bounds(
@@ -101,9 +100,8 @@ class Problem:
         return np.stack(rows, axis=1) / np.array(self.scales) - least
 
     @cached_property
-    def _algebra(self) -> Algebra[Any]:
-        one = len(self.program.inputs) == 1
-        return TaylorAlgebra(self.degree) if one else FibreAlgebra(self.degree)
+    def _algebra(self) -> TaylorAlgebra:
+        return TaylorAlgebra(self.degree)
 
     @cached_property
     def _folded(self):

@@ -79,3 +79,15 @@ def logistic(x: np.ndarray) -> Jet:
     s = 1 / (1 + _exp(-x))
     slope = s * (1 - s)
     return s, slope, slope * (1 - 2 * s), slope * (1 - 6 * slope)
+
+
+FUNCTIONS = {
+    "sqrt": sqrt,
+    "exp": exp,
+    "log1p": log1p,
+    "sin": sin,
+    "cos": cos,
+    "tanh": tanh,
+    "logistic": logistic,
+}
+"""By kind of operation."""
