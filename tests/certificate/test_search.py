@@ -13,7 +13,7 @@ from neuralgaits.certificate.search import schedule
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import (
     MOST_AT_START,
-    open_on,
+    missing,
     search,
     start,
 )
@@ -310,7 +310,7 @@ def test_the_axis_whose_halving_raises_the_bound_is_halved(steep):
 def test_a_condition_of_one_point_cannot_be_split():
     problem = _problem((0.3, 0.6), (0.3, 0.6), bowl=bowl, zero=lambda u: 0.1 - bowl(u))
     state = _run(problem)
-    assert not open_on(problem, state, "decide").any()
+    assert not missing(problem, state, "decide").any()
     assert _verdict(problem, state, "bowl").verdict == "proved"
     assert _verdict(problem, state, "zero").verdict != "proved"  # Zero to rounding: no margin.
 

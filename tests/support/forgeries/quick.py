@@ -73,10 +73,10 @@ def _here(run: Path, theorems: Theorems) -> dict[str, Any]:
 def _read_once(read: Callable, known: Traced) -> Callable:
     """By a file's very text; what is refused is read and refused again."""
 
-    def program(given):
+    def program(*given):
         key = ("program", hashlib.sha256(repr(given).encode(errors="surrogatepass")).digest())
         if key not in known:
-            known[key] = read(given)
+            known[key] = read(*given)
         return known[key]
 
     return program

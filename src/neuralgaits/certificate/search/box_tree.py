@@ -8,6 +8,11 @@ import numpy as np
 from neuralgaits._types import Float, Int
 from neuralgaits.certificate.search.halving import Corners, halves, wide_axes
 
+HELPS = 0.1
+"""Part of what is missing that a halving must have gained to be preferred for it."""
+LAG = 5
+"""An axis that matters is halved again once another is ahead of it by more halvings."""
+
 
 @dataclass(frozen=True)
 class BoxTree:
@@ -20,8 +25,8 @@ class BoxTree:
         cuts: how often each axis was halved to make the box; 0 at the root, box 0. [N, n]
         lower: no point of the box has a smaller margin; -inf if unknown. [N, C]
         upper: every point of the box has a margin at most this; inf if unknown. [N, C]
-        gain: by how much the last halving of an axis raised the bounds that were too low; inf if
-            none is known, -inf for an axis without width. [N, n]
+        gain: what the last halving of an axis gained of what was missing to the bounds that were
+            too low; inf if that is not known, -inf for an axis without width. [N, n]
     """
 
     low: Corners
@@ -62,10 +67,17 @@ class BoxTree:
         return self.first < 0
 
     def best_axis(self, boxes: np.ndarray) -> np.ndarray:
-        """The axis whose halving promises most, among equals the one halved least. [len(boxes)]."""
+        """The axis whose halving gained most; where none helped, the one halved least. [B].
+
+        Large boxes may gain nothing from any halving, and small ones of the same place much; and
+        bounds may creep towards what they need along one axis while another holds them up.
+        """
         gain, cuts = self.gain[boxes], self.cuts[boxes]
-        best = gain >= gain.max(axis=1, keepdims=True)
-        return np.argmin(np.where(best, cuts, np.iinfo(np.int64).max), axis=1)
+        most, deepest = (part.max(axis=1, keepdims=True) for part in (gain, cuts))
+        worth = np.where(most >= HELPS, gain >= most, gain > -np.inf)
+        behind = (gain > 0.0) & (cuts < deepest - LAG)
+        worth = np.where(behind.any(axis=1, keepdims=True), behind, worth)
+        return np.argmin(np.where(worth, cuts, np.iinfo(np.int64).max), axis=1)
 
     def halves_of(self, parents: np.ndarray, axis: np.ndarray) -> tuple[Corners, Corners]:
         """Corners of the halves of some boxes, each along its axis. [2 len(parents), n]."""
@@ -78,7 +90,7 @@ class BoxTree:
         boxes: tuple[Corners, Corners],
         lower: np.ndarray,
         upper: np.ndarray,
-        sought: np.ndarray | None = None,
+        missing: np.ndarray | None = None,
     ) -> "BoxTree":
         """Add the halves of some leaves. What holds on a box holds on its halves.
 
@@ -88,7 +100,7 @@ class BoxTree:
             boxes: corners of the halves, of `halves_of`.
             lower: bounds on them from below. [2P, C]
             upper: bounds on them from above. [2P, C]
-            sought: which bounds of the parents were too low; all if absent. [P, C]
+            missing: by how much bounds of the parents are too low; 0 for others. [P, C]
         """
         if not len(parents):
             return self
@@ -106,19 +118,24 @@ class BoxTree:
             np.concatenate([self.cuts, cuts]),
             np.concatenate([self.lower, np.fmax(lower, self.lower[family])]),
             np.concatenate([self.upper, np.fmin(upper, self.upper[family])]),
-            np.concatenate([self.gain, self._gains(parents, axis, lower, sought)]),
+            np.concatenate([self.gain, self._gains(parents, axis, lower, missing)]),
         )
 
     def _gains(
-        self, parents: np.ndarray, axis: np.ndarray, lower: np.ndarray, sought: np.ndarray | None
+        self, parents: np.ndarray, axis: np.ndarray, lower: np.ndarray, missing: np.ndarray | None
     ) -> np.ndarray:
         """The halves' `gain`, now that one axis is halved. [2P, n]."""
-        with np.errstate(invalid="ignore"):
-            rise = np.fmin(lower[::2], lower[1::2]) - self.lower[parents]
-        known = np.isfinite(rise) & (True if sought is None else sought)
-        total = np.where(known, np.maximum(rise, 0.0), 0.0).sum(axis=1)
-        gain, rows = self.gain[parents], np.arange(len(parents))
-        gain[rows, axis] = np.where(known.any(axis=1), total, gain[rows, axis])
+        gain = self.gain[parents]
+        if missing is not None:
+            with np.errstate(invalid="ignore"):
+                rise = np.fmin(lower[::2], lower[1::2]) - self.lower[parents]
+            known = np.isfinite(rise) & (missing > 0.0)
+            # What changes nothing at all is zero; what harms is next to nothing.
+            gained = np.where(rise == 0.0, 0.0, np.maximum(rise, np.finfo(np.float64).tiny))
+            total = np.where(known, gained, 0.0).sum(axis=1)
+            lacking = np.where(known, missing, 0.0).sum(axis=1)
+            rows, sure = np.arange(len(parents)), lacking > 0.0
+            gain[rows[sure], axis[sure]] = total[sure] / lacking[sure]
         return np.repeat(gain, 2, axis=0)
 
     def with_bounds(self, boxes: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> "BoxTree":

@@ -101,8 +101,8 @@ def search(
         work = to_split(problem, state, phase, most)
         if not len(work):
             break
-        sought = open_on(problem, state, phase)[work]
-        state = _round(problem, state, work, sought, confirm, deadline)
+        lacking = missing(problem, state, phase)[work]
+        state = _round(problem, state, work, lacking, confirm, deadline)
         if progress is not None:
             progress(state)
     return state
@@ -110,13 +110,15 @@ def search(
 
 def to_split(problem: Problem, state: Search, phase: Phase, most: int) -> np.ndarray:
     """Numbers of the leaves that the next round halves; none if there is no room for more."""
-    work = np.flatnonzero(np.any(open_on(problem, state, phase), axis=1))
+    work = np.flatnonzero(np.any(missing(problem, state, phase) > 0.0, axis=1))
     return work[: max((most - len(state.tree.first)) // 2, 0)]
 
 
-def open_on(problem: Problem, state: Search, phase: Phase) -> np.ndarray:
-    """Which leaves are to be halved for the sake of which condition. [N, C] bool."""
+def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, "B C"]:
+    """By how much bounds on leaves fall short of what is worth halving for; 0 elsewhere."""
     tree = state.tree
+    if not tree.axes or (phase == "tighten" and not problem.tighten):
+        return np.zeros_like(tree.lower)
     refuted = np.array([name in state.refuted for name in problem.names])
     with np.errstate(invalid="ignore"):
         # A condition that is not decided yet has no margin to raise.
@@ -127,17 +129,17 @@ def open_on(problem: Problem, state: Search, phase: Phase) -> np.ndarray:
     else:
         targets, depth = np.where(decided, np.maximum(worth, 0.0), -np.inf), TIGHTEN_DEPTH
     short = ~(tree.lower >= targets) & (tree.depth[:, None] < depth * len(tree.axes))
-    if not tree.axes or (phase == "tighten" and not problem.tighten):
-        return np.zeros_like(short)
     # Where every point violates a condition there is nothing left to find.
-    return short & tree.is_leaf[:, None] & ~(tree.upper < 0.0)
+    short &= tree.is_leaf[:, None] & ~(tree.upper < 0.0)
+    with np.errstate(invalid="ignore"):
+        return np.where(short, targets - tree.lower, 0.0)
 
 
 def _round(
     problem: Problem,
     state: Search,
     work: np.ndarray,
-    sought: np.ndarray,
+    lacking: np.ndarray,
     confirm: Confirm,
     deadline: float,
 ) -> Search:
@@ -153,7 +155,7 @@ def _round(
         if time.monotonic() >= deadline:
             break
     low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
-    tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, sought[:done])
+    tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, lacking[:done])
     state = replace(state, tree=tree)
     unsure = np.any(~(lower >= 0.0) | (lower < TIGHT * state.seen), axis=1)
     points = (low + (high - low) * 0.5)[unsure]
