@@ -225,6 +225,12 @@ class SetCase(Case):
         return list(Theorems(self.sets.walking, self.sets.orbit).tables())
 
 
+def chart_table(*more: tuple[str, float, float]) -> list[dict[str, str]]:
+    """The chart of a proof file: phase, level, and further axes (name, low, high)."""
+    axes = (("phase", -0.05, 1.05), ("level", 0.0, 1.0), *more)
+    return [{"name": name, "low": low.hex(), "high": high.hex()} for name, low, high in axes]
+
+
 def holds(answer) -> bool:
     """Whether all that a file states was confirmed; a file of some statements is undecided."""
     last = (answer.stdout.splitlines() or [""])[-1]
@@ -232,11 +238,13 @@ def holds(answer) -> bool:
     return part or (answer.returncode == 0 and last.startswith("proved "))
 
 
-def bounds(proofcheck, file: Path, low: np.ndarray, high: np.ndarray) -> list[dict[str, Any]]:
+def bounds(
+    proofcheck, file: Path, low: np.ndarray, high: np.ndarray, *options: str
+) -> list[dict[str, Any]]:
     """The checker's enclosures of all margins over boxes. Each: name to [elements, 2] or None."""
     boxes = np.concatenate([low, high], axis=1)
     lines = "\n".join(" ".join(float(x).hex() for x in box) for box in boxes)
-    answer = proofcheck("--bounds", file, text=lines)
+    answer = proofcheck(*options, "--bounds", file, text=lines)
     assert answer.returncode == 0, answer.stdout[-500:] + answer.stderr
     found = []
     for block in answer.stdout.strip().split("\n\n"):
