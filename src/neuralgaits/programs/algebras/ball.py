@@ -16,14 +16,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from neuralgaits.programs.algebras import ball_functions as functions
-from neuralgaits.programs.algebras.ball_model import (
-    UNIT,
-    BallModel,
-    Balls,
-    Key,
-    plus,
-    times,
-)
+from neuralgaits.programs.algebras.ball_model import BallModel, Balls, Key, plus, times
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program, box_and_ball
 
@@ -72,7 +65,7 @@ class BallAlgebra:
     def move(self, operands: Sequence[BallModel], index: np.ndarray) -> BallModel:
         """Gather elements: exact."""
         if len(operands) == 1:
-            return BallModel({key: term[index] for key, term in operands[0].terms.items()})
+            return _without_zeros({key: term[index] for key, term in operands[0].terms.items()})
         batch = max(part.constant.shape[1] for part in operands)
         shapes = [(len(part.constant), batch) for part in operands]
         terms: dict[Key, Balls] = {}
@@ -95,7 +88,7 @@ class BallAlgebra:
         wide = np.concatenate(stacked, axis=1)
         weights = arb_mat(rows, inner, matrix.constant.ravel().tolist())
         product = weights * arb_mat(inner, wide.shape[1], wide.ravel().tolist())
-        entries = np.array(product.entries(), dtype=object)
+        entries = np.fromiter(product.entries(), dtype=object)
         entries = entries.reshape(rows, len(right.terms), columns * batch)
         terms = {
             key: entries[:, place].reshape(rows * columns, batch)
@@ -141,7 +134,13 @@ class BallAlgebra:
                 _collect(terms, key, term * b.constant)
         for key, term in self._quadratic(a, b).items():
             _collect(terms, key, term)
-        return BallModel.of(self._with(terms, self._dropped(a, b)))
+        if self.degree == 1:
+            dropped = times(a.spread, b.spread)
+        else:
+            dropped = plus(times(a.linear, b.rest), times(a.rest, b.spread))
+        if dropped is not None:
+            terms[()] = terms[()] + dropped
+        return BallModel.of(terms)
 
     def div(self, a: BallModel, b: BallModel) -> BallModel:
         """Quotient, by the reciprocal."""
@@ -163,19 +162,20 @@ class BallAlgebra:
         if a.spread is None:
             return BallModel({(): function(a.constant)[0]})
         middle = _middle(a.constant)
-        d = BallModel({**a.terms, (): a.constant - middle})
-        reach = d.range()
+        moved = a.constant - middle
+        reach = BallModel({**a.terms, (): moved}).range()
         value, first, second, _ = function(middle)
-        terms = {key: first * term for key, term in d.terms.items()}
-        terms[()] = terms[()] + value
-        powers = reach * reach
+        terms = {key: first * term for key, term in a.terms.items() if key}
+        value, powers = value + first * moved, reach * reach
         if self.degree == 2:
             half, powers = second / 2, powers * reach
-            squared = self.mul(d, d)
-            for key, term in squared.terms.items():
+            for key, term in self._quadratic(a, a).items():
                 _collect(terms, key, half * term)
+            # Of d^2 = (linear + rest)^2, what is more than quadratic.
+            rest = moved if a.rest is None else moved + a.rest
+            value = value + half * rest * (rest if a.linear is None else rest + 2 * a.linear)
         remainder = function(middle + reach)[self.degree + 1] * powers
-        terms[()] = terms[()] + remainder / (2 if self.degree == 1 else 6)
+        terms[()] = value + remainder / (2 if self.degree == 1 else 6)
         return BallModel.of(terms)
 
     def _quadratic(self, a: BallModel, b: BallModel) -> dict[Key, Balls]:
@@ -186,16 +186,6 @@ class BallAlgebra:
                 for (j,), q in b.symbols.items():
                     _collect(terms, (min(i, j), max(i, j)), p * q)
         return terms
-
-    def _dropped(self, a: BallModel, b: BallModel) -> Balls | None:
-        """Bound on what a product does not keep."""
-        if self.degree == 1:
-            return times(a.spread, b.spread)
-        return plus(times(a.linear, b.rest), times(a.rest, b.spread))
-
-    def _with(self, terms: dict[Key, Balls], size: Balls | None) -> dict[Key, Balls]:
-        """Terms whose constant may be off by as much."""
-        return terms if size is None else {**terms, (): terms[()] + size * UNIT}
 
 
 _ARITHMETIC = {

@@ -31,7 +31,7 @@ _most, _root = each(arb.abs_upper), each(arb.sqrt)
 class BallModel:
     """A vector of Taylor models over a batch of boxes.
 
-    Bounds on the size of a part are balls that contain no less; None if the part is zero.
+    Parts that vary over a box are bounded by balls about zero; None if there is no such part.
 
     Attributes:
         terms: coefficients, all of one shape [size, batch]. The constant is always there.
@@ -57,37 +57,36 @@ class BallModel:
 
     @cached_property
     def linear(self) -> Balls | None:
-        """Bound on the linear part."""
-        return total(_most(term) for term in self.symbols.values())
+        """Range of the linear part."""
+        return total(term * UNIT for term in self.symbols.values())
 
     @cached_property
     def length(self) -> Balls | None:
-        """Bound on s . xi: the Euclidean norm of s."""
-        sizes = (_most(term) for key, term in self.terms.items() if key and key[0] < 0)
-        # The square of a ball about zero reaches below zero; that of its largest size does not.
-        squares = total(size * size for size in sizes)
-        return None if squares is None else _root(squares)
+        """Range of s . xi: at most the Euclidean norm of s."""
+        squares = total(term * term for key, term in self.terms.items() if key and key[0] < 0)
+        # The square of a ball may reach below zero: what is largest in the sum does not.
+        return None if squares is None else _root(_most(squares)) * UNIT
 
     @cached_property
     def rest(self) -> Balls | None:
-        """Bound on the quadratic part and on s . xi."""
-        sizes = (_most(term) for key, term in self.terms.items() if len(key) == 2)
-        return plus(total(sizes), self.length)
+        """Enclosure of the quadratic part and of s . xi."""
+        quadratic = total(term * UNIT for key, term in self.terms.items() if len(key) == 2)
+        return plus(quadratic, self.length)
 
     @cached_property
     def spread(self) -> Balls | None:
-        """Bound on all but the constant term."""
+        """Enclosure of all but the constant term."""
         return plus(self.linear, self.rest)
 
     def range(self) -> Balls:
         """Balls that contain the value everywhere on each box and for every xi."""
-        value, straight = self.constant, plus(self.linear, self.length)
+        value = self.constant
+        for part in (self.linear, self.length):
+            value = value if part is None else value + part
         for key, term in self.terms.items():
-            if len(key) == 2 and key[0] == key[1]:
-                value = value + term * SQUARE
-            elif len(key) == 2:
-                straight = plus(straight, _most(term))
-        return value if straight is None else value + straight * UNIT
+            if len(key) == 2:
+                value = value + term * (SQUARE if key[0] == key[1] else UNIT)
+        return value
 
 
 def plus(a: Balls | None, b: Balls | None) -> Balls | None:

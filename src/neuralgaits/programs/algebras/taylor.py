@@ -132,12 +132,13 @@ class TaylorAlgebra:
 
     def mul(self, a: Taylor, b: Taylor) -> Taylor:
         """Product; what exceeds the degree goes into the remainder."""
-        layout, p, q = max(a.layout, b.layout), a.poly, b.poly
+        a, b = sorted((a, b), key=lambda model: len(model.poly))
+        layout, p, q = b.layout, a.poly, b.poly
         radius = a.radius * (b.bound + b.radius) + b.radius * a.bound
-        if not a.layout.axes or not b.layout.axes:
-            return rounded(p * q, radius, layout)
-        poly = together(np.add, p[0] * q, p * q[0])
-        poly[0] = p[0] * q[0]
+        poly = p[0] * q
+        if not a.layout.axes:
+            return rounded(poly, radius, layout)
+        poly[1 : len(p)] += p[1:] * q[0]
         if self.degree == 2:
             poly[layout.quadratic] += products(p[layout.linear], q[layout.linear])
         radius += self._dropped(a, b)
