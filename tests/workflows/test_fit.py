@@ -15,6 +15,8 @@ from neuralgaits.residual.fit import FitConfig
 from neuralgaits.workflows.fit import FILE, SUMMARY, fit
 from support import planted_walk
 
+pytestmark = pytest.mark.slow
+
 FIELDS = {"residual", "train_error", "heldout_error", "nominal_heldout_error", "windows", "wall_s"}
 
 

@@ -21,6 +21,8 @@ from neuralgaits.workflows.run import open_parts, open_run, untrained
 from neuralgaits.workflows.train import train
 from support import planted_walk
 
+pytestmark = pytest.mark.slow
+
 STEPS = 120
 
 
