@@ -51,6 +51,7 @@ def test_the_table_has_no_kind_twice_and_enough_of_them():
     assert all(kind.answers for kind in KINDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theme", THEMES)
 def test_forgeries(proofcheck, base, traced, tmp_path, theme):
     """Each differs from what it was made from, and gets an answer that is right."""

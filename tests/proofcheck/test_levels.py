@@ -157,6 +157,7 @@ def test_conclusions_that_do_not_follow_are_rejected(deceived, proof, certified)
     assert deceived(mutations(base, "model", 28, groups=CONCLUSIONS)) == []
 
 
+@pytest.mark.slow
 def test_forged_proofs_of_planted_violations_are_rejected_by_both(
     deceived, spoilt, certified, tmp_path
 ):

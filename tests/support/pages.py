@@ -32,14 +32,18 @@ def read(page: Path) -> str:
     return page.read_text(encoding="utf-8")
 
 
-def blocks(page: Path, *languages: str) -> list[Block]:
-    """The blocks in one of these languages, in order."""
+def fences(page: Path) -> list[Block]:
+    """All blocks, in order."""
     text = read(page)
-    found = [
+    return [
         Block(match[1], match[2], text[: match.start()].count("\n") + 2)
         for match in _FENCE.finditer(text)
     ]
-    return [block for block in found if block.language in languages]
+
+
+def blocks(page: Path, *languages: str) -> list[Block]:
+    """The blocks in one of these languages, in order."""
+    return [block for block in fences(page) if block.language in languages]
 
 
 def files(page: Path) -> dict[str, str]:

@@ -1,20 +1,28 @@
 """A run of few conditions and logs of its walk with planted residuals."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from neuralgaits import logs
 from neuralgaits.robots import load_robot
+from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
 from support import brief_spec, planted_walk
 
 
 @pytest.fixture(scope="session")
-def brief_run(tmp_path_factory):
-    """Hardly trained: the gait is still near its start, which walks."""
-    root = tmp_path_factory.mktemp("brief")
-    spec = f"{brief_spec.__file__}:brief"
-    return train(load_robot("amber3m"), spec, steps=2, out=root / "run", root=root)
+def brief_run(made_once, tmp_path_factory):
+    """Hardly trained: the gait is still near its start, which walks. `fit` writes into it."""
+
+    def make(run: Path) -> None:
+        spec = f"{brief_spec.__file__}:brief"
+        train(load_robot("amber3m"), spec, steps=2, out=run, root=run.parent)
+
+    made = made_once("brief", make)
+    return open_run(shutil.copytree(made, tmp_path_factory.mktemp("brief") / "run"))
 
 
 @pytest.fixture(scope="session")

@@ -16,6 +16,8 @@ from neuralgaits.runs.names import FIT, FITTED
 from neuralgaits.workflows.fit import fit
 from support import planted_walk
 
+pytestmark = pytest.mark.slow
+
 FIELDS = {"residual", "train_error", "heldout_error", "nominal_heldout_error", "windows", "wall_s"}
 
 

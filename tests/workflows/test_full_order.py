@@ -35,6 +35,8 @@ from neuralgaits.workflows.full_order_check import (
     walker,
 )
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def result(trained):

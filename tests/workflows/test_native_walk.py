@@ -107,6 +107,7 @@ def test_every_tick_is_that_of_the_reference(run, library, law, plant):
     assert apart(a.gauge, b.gauge) <= RELATIVE
 
 
+@pytest.mark.slow
 def test_every_kind_of_end_is_that_of_the_reference(run, library):
     """Pushed so hard that some fall, each at its own time."""
     settings = {"episodes": 6, "steps": 9, "disturbance": parse("friction=0.5,delay_ms=2")}

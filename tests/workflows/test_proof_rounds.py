@@ -21,6 +21,8 @@ from neuralgaits.workflows.proof_rounds import HISTORY, REPAIR, Watch
 from neuralgaits.workflows.train import train
 from support import small_spec
 
+pytestmark = pytest.mark.slow
+
 SMALL = small_spec.__file__
 
 PROOF = Path("certificate") / "proof.json"

@@ -22,6 +22,8 @@ from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.train import train
 from support import planted_walk
 
+pytestmark = pytest.mark.slow
+
 STEPS = 120
 
 
