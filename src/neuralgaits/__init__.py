@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from neuralgaits._version import __version__
 
 if TYPE_CHECKING:
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.barriers import specs
     from neuralgaits.gait import (
         BezierPolicy,
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.refine import refine
     from neuralgaits.workflows.report import write_report
-    from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.simulate import simulate
     from neuralgaits.workflows.train import train
     from neuralgaits.workflows.view import view
@@ -50,7 +50,7 @@ _HOMES = {
     "fit": "neuralgaits.workflows.fit",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
-    "open_run": "neuralgaits.workflows.run",
+    "open_run": "neuralgaits.analysis.run",
     "poincare": "neuralgaits.gait",
     "refine": "neuralgaits.workflows.refine",
     "simulate": "neuralgaits.workflows.simulate",

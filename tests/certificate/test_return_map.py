@@ -56,6 +56,7 @@ def flow(trained):
     return integrate
 
 
+@pytest.mark.slow
 def test_the_derivative_is_that_of_the_integrated_return_map(trained, flow):
     gait, zd = trained.gait, trained.zero_dynamics
     low, high = gait.tube.fences(jnp.array(0.5))

@@ -1,7 +1,6 @@
 """The verb certify: exit codes, one JSON object, a table."""
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -17,8 +16,10 @@ from neuralgaits.records.certified import (
 )
 from neuralgaits.workflows.certify import HIGHEST
 from neuralgaits.workflows.train import train
+from support import small_spec
 
-SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+SMALL = small_spec.__file__
+
 Captured = pytest.CaptureFixture[str]
 
 

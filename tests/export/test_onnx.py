@@ -10,13 +10,13 @@ from importlib.util import find_spec
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from program_cases import CASES, points_of
 
 from neuralgaits.errors import InputError, MismatchError, SpecError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.runs import to_json
 from neuralgaits.workflows.export import export_controller
+from support.program_cases import CASES, points_of
 
 pytestmark = pytest.mark.skipif(
     find_spec("onnx") is None or find_spec("onnxruntime") is None, reason="needs the extra onnx"

@@ -1,15 +1,9 @@
 """Each case, and AMBER-3M alone."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-# Tests of this folder share the helper modules beside them.
-sys.path.insert(0, str(Path(__file__).parent))
-
-from gait_cases import CASES, Case
+from support.gait_cases import CASES, Case
 
 
 @pytest.fixture(scope="session", params=CASES)

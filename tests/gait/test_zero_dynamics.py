@@ -2,14 +2,15 @@
 
 import inspect
 
+import jax
 import numpy as np
 import pytest
-from gait_cases import CASES, quick
 from hypothesis import given
 from hypothesis import strategies as st
 
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics, poincare
+from support.gait_cases import CASES
 
 ZD = {}
 
@@ -18,7 +19,7 @@ def maps(name):
     """Jitted phi and phi_inv of a case; its policy depends on z2."""
     if name not in ZD:
         zd = CASES[name].zd
-        ZD[name] = quick(lambda x: zd.phi(x)), quick(lambda z, eta: zd.phi_inv(z, eta))
+        ZD[name] = jax.jit(lambda x: zd.phi(x)), jax.jit(lambda z, eta: zd.phi_inv(z, eta))
     return ZD[name]
 
 

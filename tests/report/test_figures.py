@@ -12,9 +12,13 @@ import pytest
 from matplotlib._pylab_helpers import Gcf
 
 from neuralgaits import logs
+from neuralgaits.analysis.data import MeasuredWalk
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli import arguments
 from neuralgaits.cli.words import read
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs.table import Log
 from neuralgaits.report import (
     certificate_map,
@@ -25,18 +29,13 @@ from neuralgaits.report import (
     residual_field,
     return_map,
 )
-from neuralgaits.report.data import MeasuredWalk
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.figure import png, svg, write
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.residual_field import ResidualData
 from neuralgaits.report.return_map import Proved
-from neuralgaits.residual import stored
-from neuralgaits.residual.network import Residual
-from neuralgaits.residual.stored import Learned
 from neuralgaits.workflows import figures as workflow
 from neuralgaits.workflows.figures import MAKERS, Absent, Source, figures
-from neuralgaits.workflows.run import open_run
 
 UNIT = re.compile(r"\[.+\]")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -150,7 +149,7 @@ def test_a_residual_brings_its_field(run, data, tmp_path):
     copy = copied(run, tmp_path)
     assert isinstance(entry(copy, "residual-field"), Missing)
     flow = Residual.like((4,))
-    stored.write(copy.path / "residual" / "residual.safetensors", Learned(flow, None, np.zeros(2)))
+    Learned(flow, None, np.zeros(2)).write(copy.path / "residual" / "residual.safetensors")
     made = entry(copy, "residual-field")
     assert not isinstance(made, Missing)
     caption, _ = made

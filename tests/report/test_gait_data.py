@@ -5,12 +5,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.analysis import gait_data as workflow
+from neuralgaits.analysis.gait_data import FILE, fingerprint, gait_data
 from neuralgaits.analysis.quantities import Chart, Look
 from neuralgaits.gait import poincare
 from neuralgaits.gait.poincare import return_map
 from neuralgaits.runs import read_arrays, write_arrays
-from neuralgaits.workflows import gait_data as workflow
-from neuralgaits.workflows.gait_data import FILE, fingerprint, gait_data
 
 
 @pytest.fixture(scope="module")

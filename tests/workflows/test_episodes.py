@@ -15,17 +15,19 @@ import numpy as np
 import pytest
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import open_run
+from neuralgaits.episodes import walks as episode_walks
+from neuralgaits.episodes.walks import Field, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, NeuralGaitsError, NonFiniteError, RunError
 from neuralgaits.records.fitted import Fitted, Strides
 from neuralgaits.records.walked import EpisodesDone
 from neuralgaits.report import rounds as figure
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.workflows import episode_walks
 from neuralgaits.workflows import episodes as workflow
-from neuralgaits.workflows.episode_walks import Field, nominal_momentum, walk_round
 from neuralgaits.workflows.episodes import episodes
-from neuralgaits.workflows.run import open_run
+
+pytestmark = pytest.mark.slow
 
 FIELDS = {"steps_walked", "speed_range_m_s", "heldout_error", "nominal_heldout_error", "loss"}
 LEARNED = Fitted(

@@ -5,9 +5,6 @@ from dataclasses import dataclass, field
 
 from neuralgaits.records.record import Count, Pair, Record, Texts
 
-FOLDER = "residual"
-FILE, SUMMARY = f"{FOLDER}/residual.safetensors", f"{FOLDER}/summary.json"
-
 
 @dataclass(frozen=True)
 class Landing:

@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Annotated, Any, Literal, Self
 
+from neuralgaits._settings import MOST_ROUNDS
 from neuralgaits.records.asked import Seed, Steps
 from neuralgaits.records.fitted import Fitted, TouchdownErrors
 from neuralgaits.records.record import Count, Disturb, Pair, Record, Texts
@@ -13,8 +14,6 @@ from neuralgaits.runs.shape import NUMBER, may, table_of, whole
 ASKED, SUMMARY = "episodes.json", "summary.json"
 WALKS = "walks"
 """Folder of a round's run with `SUMMARY` and logs of its walks."""
-MOST_ROUNDS = 100
-"""Of episodes: what is more is a slip of the finger, or damage."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 from neuralgaits._digits import at_least
+from neuralgaits.analysis.run import Run
 from neuralgaits.records.certified import PROOF, Certified
 from neuralgaits.runs.commands import command, named
 from neuralgaits.viewer import markdown
 from neuralgaits.workflows.certificate_reader import read_certificate
-from neuralgaits.workflows.run import Run
 
 
 class Sureness(NamedTuple):

@@ -4,6 +4,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.conclude import LEVEL
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH, FullOrderModel
 from neuralgaits.certificate.levels.full_order.prove import BUDGET_S, FullOrderResult, full_order
@@ -13,7 +14,6 @@ from neuralgaits.certificate.search.schedule import Progress
 from neuralgaits.errors import SpecError
 from neuralgaits.records.certified import FULL_ORDER, Conclusion
 from neuralgaits.workflows.proof_of import proof_of
-from neuralgaits.workflows.run import Run
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file.check import (
     ASSUMPTIONS,
     DERIVED_ELSEWHERE,
@@ -26,7 +27,6 @@ from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.errors import RunError
 from neuralgaits.records.checked import Checked
 from neuralgaits.runs import resolve
-from neuralgaits.workflows import retrace
 
 Progress = Callable[[int, int], None]
 
@@ -116,5 +116,5 @@ def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
 
 def _rejected(claims: Claims, wrong: list[str]) -> Report:
     """A file that is not about the run."""
-    statements = tuple(line for one in claims.statements for line in in_words(one, claims.program))
+    statements = tuple(line for one in claims.statements for line in in_words(one, claims))
     return Report("rejected", "; ".join(wrong), statements, (), (), 0)

@@ -11,25 +11,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from neuralgaits._settings import check_rounds, check_seed
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.episodes.folder import EpisodeFolder, read, write
+from neuralgaits.episodes.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
-from neuralgaits.records import fitted
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.walked import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.report.rounds import draw_file
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.commands import command, named
-from neuralgaits.runs.names import CONFIG
+from neuralgaits.runs.names import CONFIG, FIT
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
 from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.workflows.episode_folder import EpisodeFolder, read, write
-from neuralgaits.workflows.episode_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.refine import refine
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import check_rounds, check_seed
 from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
@@ -290,7 +289,7 @@ class _Session:
 
     def _learn(self, number: int, run: Run, walked: WalkedRound) -> Fitted | str:
         """What was learned, or why nothing was."""
-        summary = run.path / fitted.SUMMARY
+        summary = run.path / FIT
         if summary.is_file():
             return read(summary, Fitted)
         self.tell(number, "learning")

@@ -8,6 +8,11 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from neuralgaits.analysis.data import GaitData, MeasuredWalk
+from neuralgaits.analysis.gait_data import gait_data
+from neuralgaits.analysis.residual_data import residual_data
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.certified import MAP
 from neuralgaits.records.simulated import LOG
@@ -27,15 +32,10 @@ from neuralgaits.report import (
     rounds,
     stride,
 )
-from neuralgaits.report.data import GaitData, MeasuredWalk
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.two_pens import Sheet, second_pen, write_all
 from neuralgaits.runs.commands import command, learning, named
-from neuralgaits.workflows.gait_data import gait_data
 from neuralgaits.workflows.proved import Certificate, certificate_of
-from neuralgaits.workflows.residual_data import residual_data
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.walk_log import measured_walk
 
 FOLDER = "figures"
 

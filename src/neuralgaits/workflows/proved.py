@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder
 from neuralgaits.certificate.levels.theorems import Orbit
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.return_map import Proved
 from neuralgaits.workflows.certificate_reader import read_certificate
-from neuralgaits.workflows.run import Run
 
 
 @dataclass(frozen=True)

@@ -5,22 +5,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from neuralgaits.errors import RunError
-from neuralgaits.records import fitted
-from neuralgaits.records.asked import Proving
-from neuralgaits.residual import stored
-from neuralgaits.runs import RUNS_ROOT, RunFolder
-from neuralgaits.runs.commands import learning
-from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
-from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.workflows.proof_rounds import Watch
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import (
+from neuralgaits._settings import (
     check_disturbance,
     check_proof_budget,
     check_seed,
     check_steps,
 )
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.errors import RunError
+from neuralgaits.records.asked import Proving
+from neuralgaits.runs import RUNS_ROOT, RunFolder
+from neuralgaits.runs.commands import learning
+from neuralgaits.runs.names import FITTED, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.training_session import TrainingSession
 
 STEPS_SHARE = 0.7
@@ -67,13 +66,13 @@ def refine(
     """
     began = time.perf_counter()
     parent = open_run(run)
-    file = parent.path / fitted.FILE if residual is None else Path(residual)
+    file = parent.path / FITTED if residual is None else Path(residual)
     if residual is None and not file.is_file():
         raise RunError(
-            f"expected a residual of {parent.path}, found no {fitted.FILE} in it: learn one from a "
+            f"expected a residual of {parent.path}, found no {FITTED} in it: learn one from a "
             f"robot's logs, or as in `{learning(parent.path)}`, or give --residual FILE"
         )
-    learned = stored.read(file, parent.robot)
+    learned = Learned.read(file, parent.robot)
     if disturbance == "learned":
         disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))
     if disturbance is not None:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import jax
 
+from neuralgaits._settings import check_proof_budget, check_seed, check_steps
+from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.barriers import Gait, GaitSpec, specs, user_code
 from neuralgaits.barriers.spec import Init
 from neuralgaits.errors import InputError, RunError
@@ -16,8 +18,6 @@ from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
-from neuralgaits.workflows.run import Run, open_parts, untrained
-from neuralgaits.workflows.settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.workflows.training_session import TrainingSession
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import jax
 import numpy as np
 
+from neuralgaits.analysis.run import learned_of, residuals_of
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.errors import Interrupted
 from neuralgaits.gait import Residuals
@@ -22,7 +23,6 @@ from neuralgaits.training import Trainer, TrainState, start_from_posture
 from neuralgaits.training.gradient_steps import GradientSteps, Progress
 from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
 from neuralgaits.workflows.provable import after_impact, trace_spec
-from neuralgaits.workflows.run import learned_of, residuals_of
 
 FRESH_SAMPLES_SEED = 2**31
 """Seed of the samples the summary is measured on; no run can have it."""

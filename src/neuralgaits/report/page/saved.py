@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from neuralgaits.errors import RunError
-from neuralgaits.records import fitted, walked
+from neuralgaits.records import walked
 from neuralgaits.records.asked import Asked, asked_of
 from neuralgaits.records.certified import FULL_ORDER, PROOF, SUMMARY, Certified, ConditionVerdict
-from neuralgaits.records.fitted import SUMMARY as LEARNING
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.record import Record
@@ -22,7 +21,8 @@ from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, learning, named
 from neuralgaits.runs.folder import file_hashes
-from neuralgaits.runs.names import NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from neuralgaits.runs.names import FIT as LEARNING
+from neuralgaits.runs.names import FITTED, NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 
 Kind = TypeVar("Kind", bound=Record)
 _HASHED = (
@@ -103,7 +103,7 @@ class Contents:
     Attributes:
         saved: files of the run.
         robot: as `inspect` describes it.
-        walk: of `workflows.shown_walk`; None if there is none.
+        walk: of `report.shown_walk`; None if there is none.
         no_walk: why there is none, in a sentence.
         figures: drawn and missing.
         assumptions: of a proof, as `check-proof` lists them.
@@ -186,7 +186,7 @@ def read(
 
 def _learned(folder: RunFolder) -> Iterable[str | None]:
     """The sha256 of what `fit` learned."""
-    return file_hashes(folder.path, (fitted.FILE,)).values()
+    return file_hashes(folder.path, (FITTED,)).values()
 
 
 def _nan(found: EndedInNan | None) -> str:

@@ -1,0 +1,152 @@
+"""A finished run, opened: robot, spec, gait and what was measured."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import jax
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.barriers import Gait, GaitSpec, specs
+from neuralgaits.errors import RunError
+from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.records.asked import Asked, asked_of
+from neuralgaits.records.trained import Trained, trained_of
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.runs import RunFolder, plain, resolve
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+
+
+@dataclass(frozen=True)
+class Run:
+    """A trained gait with everything it came from.
+
+    Attributes:
+        folder: on disk.
+        robot: the model it was trained on, from the run's own copy.
+        spec: the conditions it was trained for.
+        gait: policy and tube.
+    """
+
+    folder: RunFolder
+    robot: PlanarBiped
+    spec: GaitSpec
+    gait: Gait
+
+    @property
+    def path(self) -> Path:
+        """The run folder."""
+        return self.folder.path
+
+    @cached_property
+    def asked(self) -> Asked:
+        """What the training was asked."""
+        return asked_of(self.folder)
+
+    @property
+    def summary(self) -> Trained:
+        """What `train --json` printed. Raises: RunError if it is damaged."""
+        return trained_of(self.path)
+
+    @cached_property
+    def learned(self) -> Learned | None:
+        """What the run was told of its robot beyond the model; None if nothing."""
+        return learned_of(self.folder, self.robot)
+
+    @property
+    def residuals(self) -> Residuals:
+        """Residuals of flow and reset that the run was trained with."""
+        return residuals_of(self.learned)
+
+    @property
+    def zero_dynamics(self) -> ZeroDynamics:
+        """The hybrid zero dynamics of the run's robot under its policy, residuals included."""
+        return ZeroDynamics(self.robot, self.gait.policy, *self.residuals)
+
+
+def open_run(run: "Run | str | Path") -> Run:
+    """Open a finished run by path or as `latest`.
+
+    Raises: RunError with one line if it is missing, unfinished, damaged or does not fit.
+    """
+    if isinstance(run, Run):
+        return run
+    folder = resolve(run)
+    robot, spec = open_parts(folder)
+    gait = folder.read_tree(WEIGHTS, _shaped(folder, spec))
+    return Run(folder, robot, spec, gait)
+
+
+def _shaped(folder: RunFolder, spec: GaitSpec) -> Gait:
+    """A gait whose arrays have shapes and kinds but no values, which a run's weights fill.
+
+    The values that training started from are left out: computing them takes a second. A user's own
+    function may do with them what it likes, so it gets them.
+    """
+    if asked_of(folder).spec not in specs.DESCRIPTIONS:
+        return untrained(folder, spec)
+    kept = {}
+
+    def shapes(key):
+        leaves, kept["structure"] = jax.tree.flatten(_new_gait(folder, spec, key))
+        kept["leaves"] = leaves
+        return [leaf for leaf in leaves if isinstance(leaf, jax.Array)]
+
+    found = iter(jax.eval_shape(shapes, jax.eval_shape(jax.random.key, 0)))
+    leaves = [next(found) if isinstance(leaf, jax.Array) else leaf for leaf in kept["leaves"]]
+    return jax.tree.unflatten(kept["structure"], leaves)
+
+
+def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
+    """Robot and spec of a run, from the run's own copies."""
+    asked = asked_of(folder)
+    robot = robot_from_text(folder.copy(ROBOT), asked.robot)
+    name = asked.spec
+    if name not in specs.DESCRIPTIONS:
+        if ".py:" not in name:
+            raise RunError(
+                f"expected a built-in spec or FILE.py:NAME, found {name!r}: the run was trained "
+                "from a GaitSpec that no file defines; write the spec to FILE.py and train with "
+                "--spec FILE.py:NAME"
+            )
+        folder.copy(SPEC)  # Refuses a file that was changed after the run.
+        name = f"{folder.path / SPEC}:{name.rpartition(':')[2]}"
+    spec = specs.load(name, robot)
+    found = plain(spec.describe())
+    if found != asked.described:
+        differ = (key for key, value in found.items() if value != asked.described.get(key))
+        part = next(differ, "fields")
+        raise RunError(
+            f"expected the spec the run was trained with, found other {part} in {name!r}: the run "
+            "was trained from a GaitSpec that no file defines, or by another version; write the "
+            "spec to FILE.py and train with --spec FILE.py:NAME"
+        )
+    return robot, spec
+
+
+def learned_of(folder: RunFolder, robot: PlanarBiped) -> Learned | None:
+    """The residual file that a run carries. Raises: RunError if it is not as it was."""
+    if RESIDUAL not in folder.copies:
+        return None
+    return Learned.read(folder.copied(RESIDUAL), robot)
+
+
+def residuals_of(learned: Learned | None) -> Residuals:
+    """Residuals for zero dynamics; none if nothing was learned."""
+    return Residuals() if learned is None else learned.residuals
+
+
+def untrained(folder: RunFolder, spec: GaitSpec) -> Gait:
+    """The gait the run started from, before any posture steps."""
+    gait = _new_gait(folder, spec, jax.random.key(asked_of(folder).seed))
+    if START not in folder.copies:
+        return gait
+    folder.copied(START)  # Refuses weights that were changed since.
+    return folder.read_tree(START, gait)
+
+
+def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> Gait:
+    asked = asked_of(folder)
+    return spec.new_gait(key, asked.init, asked.hidden)
