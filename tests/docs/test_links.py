@@ -7,7 +7,7 @@ import pytest
 
 import neuralgaits
 from neuralgaits.cli.main import main
-from neuralgaits.workflows.figures import MAKERS
+from neuralgaits.report.makers import MAKERS
 
 
 @pytest.mark.parametrize("page", pages.PAGES, ids=pages.name)

@@ -7,9 +7,9 @@ from neuralgaits.analysis.quantities import Chart, Look
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays
+from neuralgaits.runs.names import MAP
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
 
-MAP = "certificate/map.safetensors"
 COLUMNS, ROWS, FENCE_POINTS = 41, 31, 61
 PHASES, LEVELS = 41, 21
 """Cells whose least margin is shown where there is no certificate."""
