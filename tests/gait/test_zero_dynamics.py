@@ -8,8 +8,9 @@ from gait_cases import CASES, quick
 from hypothesis import given
 from hypothesis import strategies as st
 
+from neuralgaits.analysis.orbit import poincare
 from neuralgaits.errors import InputError
-from neuralgaits.gait import ZeroDynamics, poincare
+from neuralgaits.gait import ZeroDynamics
 
 ZD = {}
 
