@@ -8,9 +8,9 @@ import pytest
 from shipped_run import SHIPPED
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.episodes.folder import EpisodeFolder
 from neuralgaits.report.shown_walk import STEPS, Asked, asked_of
 from neuralgaits.robots import load_robot
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.simulation.disturbance import Disturbance
 
 SIMULATED = {

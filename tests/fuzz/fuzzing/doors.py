@@ -23,7 +23,6 @@ from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
-from neuralgaits.episodes.folder import EpisodeFolder
 from neuralgaits.errors import InputError
 from neuralgaits.report import makers, shown_walk
 from neuralgaits.report.page.closing import missing_parts
@@ -32,6 +31,7 @@ from neuralgaits.report.page.saved import Contents
 from neuralgaits.report.shapes import RECORDED
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import from_json, plain, read_arrays, resolve, to_json
 from neuralgaits.runs.names import ROBOT, STATE
 from neuralgaits.runs.shape import complaint
