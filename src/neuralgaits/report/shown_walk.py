@@ -14,12 +14,12 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
-from neuralgaits.episodes.folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word
 from neuralgaits.report.shapes import RECORDED
 from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import from_json, plain
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.runs.shape import complaint
