@@ -9,8 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from common import seeds, show, trained
 
+from neuralgaits.analysis.orbit import poincare
 from neuralgaits.analysis.run import Run
-from neuralgaits.gait import poincare
 from neuralgaits.training import Sampler, lay_out, margin_matrix
 
 COUNTS = {

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from neuralgaits._version import __version__
 
 if TYPE_CHECKING:
+    from neuralgaits.analysis.orbit import poincare
     from neuralgaits.analysis.run import open_run
     from neuralgaits.barriers import specs
     from neuralgaits.gait import (
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
         HybridInvariantPolicy,
         MLPPolicy,
         ZeroDynamics,
-        poincare,
     )
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.certify import certify
@@ -51,7 +51,7 @@ _HOMES = {
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
     "open_run": "neuralgaits.analysis.run",
-    "poincare": "neuralgaits.gait",
+    "poincare": "neuralgaits.analysis.orbit",
     "refine": "neuralgaits.workflows.refine",
     "simulate": "neuralgaits.workflows.simulate",
     "specs": "neuralgaits.barriers",

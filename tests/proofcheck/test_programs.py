@@ -89,7 +89,7 @@ def file_of(program: Program, bounds: dict[str, float], tree: str = "-") -> dict
 
 
 def bowl(axes: int, least: float, depth: float = 0.0) -> Program:
-    """The square of a distance, plus `least`, less a dent of width 1/30 around a point of its own."""
+    """A squared distance, plus `least`, less a dent of width 1/30 around a point of its own."""
     draw = np.random.default_rng(axes)
     ends = np.array([(0.0, 1.0), (0.0, 1.0), *((a, b) for _, a, b in MORE)])[:axes]
     at = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * draw.uniform(0.2, 0.8, size=(2, axes))

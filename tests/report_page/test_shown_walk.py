@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.episodes.folder import EpisodeFolder
 from neuralgaits.report.shown_walk import STEPS, Asked, asked_of
 from neuralgaits.robots import load_robot
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.simulation.disturbance import Disturbance
 from support.shipped_run import SHIPPED
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import jax
 import numpy as np
+from neuralgaits.residual.network import Residual
 
 from neuralgaits.barriers import (
     AbstractCondition,
@@ -25,12 +26,16 @@ from neuralgaits.barriers import (
 )
 from neuralgaits.barriers import functions as f
 from neuralgaits.certificate.levels.chart import PLAIN
+from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
+from neuralgaits.certificate.levels.full_order.prove import trace_full_order
+from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
+from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.residual.reset import ResetResidual
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.workflows.provable import trace_spec
@@ -109,6 +114,8 @@ class Case:
 
     name: str
     activation: str = "tanh"
+    learned: bool = False
+    """Whether residuals are added to flow and reset."""
 
     @cached_property
     def robot(self):
@@ -130,6 +137,21 @@ class Case:
         )
         return Gait(policy, tube)
 
+    @property
+    def residuals(self) -> Residuals:
+        """Of sizes that matter, of flow and reset."""
+        if not self.learned:
+            return Residuals()
+        draw, m = np.random.default_rng(8), self.robot.n - 1
+        layers = [(5, 2), (4, 5), (2, 4)]
+        weights = tuple(draw.normal(size=shape) for shape in layers)
+        biases = tuple(draw.normal(size=rows) for rows, _ in layers)
+        scale, shift = np.array([0.2, 9.0]), np.array([0.1, 1.1])
+        bounds = np.array([0.05, 3.0]), draw.uniform(0.01, 0.05, size=1 + m)
+        flow = Residual(Network(weights, biases, "tanh"), scale, shift, bounds[0])
+        weight, offset = draw.normal(size=(1 + m, 2)), draw.normal(size=1 + m)
+        return Residuals(flow, ResetResidual(weight, offset, scale, shift, bounds[1]))
+
     @cached_property
     def spec(self):
         walking = specs.walking(self.robot)
@@ -142,7 +164,7 @@ class Case:
 
     @cached_property
     def program(self):
-        return trace_spec(self.spec, self.robot, self.gait)
+        return trace_spec(self.spec, self.robot, self.gait, self.residuals)
 
     def values(self, u: np.ndarray) -> dict[str, np.ndarray]:
         """Margins of the conditions' Python functions at points. [points, elements] each."""
@@ -172,7 +194,7 @@ class Case:
             "chart": PLAIN.table(),
             "statements": [claim],
             "theorems": self.theorems,
-            "model": model_data(self.robot, self.gait, self.spec, self.program),
+            "model": model_data(self.robot, self.gait, self.spec, self.program, self.residuals),
         }
 
     @property
@@ -218,11 +240,59 @@ class SetCase(Case):
 
     @cached_property
     def program(self):
-        return trace_certificate(self.spec, self.robot, self.gait, self.sets)
+        return trace_certificate(self.spec, self.robot, self.gait, self.sets, self.residuals)
 
     @property
     def theorems(self) -> list[dict[str, Any]]:
         return list(Theorems(self.sets.walking, self.sets.orbit).tables())
+
+
+@dataclass(frozen=True)
+class FullCase(SetCase):
+    """The outputs of level 4, for a set and constants around nothing in particular.
+
+    Attributes:
+        radius: of the outputs, in the step and at the guard [rad].
+    """
+
+    radius: float = 1e-7
+
+    @cached_property
+    def full_model(self) -> FullOrderModel:
+        return FullOrderModel(self.robot, self.gait, self.spec)
+
+    @cached_property
+    def shape(self) -> FullOrder:
+        draw = np.random.default_rng(9)
+        rows = tuple(
+            BarrierConstants(name, *draw.uniform(0.5, 2.0, size=7).tolist())
+            for name in self.full_model.names
+        )
+        numbers = draw.uniform(0.5, 2.0, size=6).tolist()
+        radii = (self.radius, 0.5, self.radius)
+        return FullOrder(30.0, *radii, 0.003, 0.002, 0.001, 0.06, (0.9, 3.0), *numbers, rows)
+
+    @cached_property
+    def program(self):
+        return trace_full_order(self.full_model, self.shape)
+
+    @property
+    def theorems(self) -> list[dict[str, Any]]:
+        return list(Theorems(full=self.shape).tables())
+
+    @cached_property
+    def table(self) -> dict[str, Any]:
+        found = super().table
+        (claim,) = found["statements"]
+        change = {"conditions": ["full/pace"], "region": "full order"}
+        change |= {"scales": {"full/pace": 1.0}, "bounds": {"full/pace": -9.0}}
+        return found | {"statements": [claim | change]}
+
+    def values(self, u: np.ndarray, xi: np.ndarray | None = None) -> dict[str, np.ndarray]:
+        """At points of the chart and of the unit ball, its centre if none are given."""
+        xi = np.zeros((len(u), self.full_model.size)) if xi is None else xi
+        values = evaluate(self.program, {"u": u, "xi": xi}, POINT)
+        return {name: value.reshape(len(value), -1) for name, value in values.items()}
 
 
 def chart_table(*more: tuple[str, float, float]) -> list[dict[str, str]]:

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from neuralgaits.workflows.run import open_run
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.train import train
 from support import brief_spec, planted_walk

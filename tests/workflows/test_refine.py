@@ -113,7 +113,7 @@ def test_the_policy_is_matched_to_the_corrected_impact(refined):
     assert refined.summary["after_impact"]["output_rad"] < 1e-6
 
 
-def test_its_program_holds_the_residual_and_its_proof_no_model(refined):
+def test_its_program_and_its_proof_hold_the_residual(refined):
     spec, robot, gait = refined.spec, refined.robot, refined.gait
     corrected = trace_spec(spec, robot, gait, refined.residuals)
     assert refined.summary["program_hash"] == corrected.hash
@@ -121,8 +121,9 @@ def test_its_program_holds_the_residual_and_its_proof_no_model(refined):
     certified = trace_certificate(spec, robot, gait, Sets(), refined.residuals)
     assert certified.hash == corrected.hash
     # A reader that derives the dynamics on its own must not take the model's for these.
-    assert model_data(robot, gait, spec, corrected, refined.residuals) is None
-    assert model_data(robot, gait, spec, corrected) is not None
+    data = model_data(robot, gait, spec, corrected, refined.residuals)
+    assert data is not None and data["residuals"]["flow"] is not None
+    assert "residuals" not in (model_data(robot, gait, spec, corrected) or {})
 
 
 def test_a_killed_refinement_goes_on_to_the_same_gait(refined, root):

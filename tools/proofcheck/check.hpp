@@ -1,10 +1,10 @@
 #pragma once
 
-#include "premises.hpp"
+#include "full_order.hpp"
 
 namespace {
 
-// ------------------------------------------------------------------------------ 11 the check
+// ------------------------------------------------------------------------------ 12 the check
 //
 // A statement: on a box of the chart, each output has at least its bound, in its scale. The tree
 // says how the box was halved. Every leaf is bounded anew, and split further if that is not enough.

@@ -4,7 +4,7 @@
 
 namespace {
 
-// --------------------------------------------------------------------------- 13 what follows
+// --------------------------------------------------------------------------- 14 what follows
 //
 // The statements are inequalities on boxes. Levels 2 and 3 put them together: each method draws one
 // conclusion, or says which premise is missing. docs/guarantees.md has the same in prose.
@@ -17,6 +17,7 @@ struct ProofFile {
   Model model;
   string underivable;              // Why nothing follows from `model` here; empty if it does.
   std::optional<Program> program;  // If statements are to be bounded by it.
+  bool states_conditions = true;   // Whether the Program has any: a file may be of level 4 alone.
   Regions regions;
   std::map<string, Condition> conditions;
   Theorems theorems;
@@ -171,8 +172,110 @@ class Conclusions {
                 at_most(multiplier.high()) + "]"};
   }
 
+  // Level 4: the premises of docs/full_order.md, and inequalities (1) to (7) there. V falls at the
+  // rate gamma = 3 w / 2 at least: with the matrices of one joint, -(A' P + P A + gamma P) has the
+  // entries 2 w, 3 and 9 / (2 w), whose determinant is 0, for every w > 0.
+  vector<string> full_order() const {
+    const FullOrder& f = *file_.theorems.full;
+    full_order_premises(f);
+    const I w(f.bandwidth), gamma = I(1.5) * w, radius(f.radius), shrink(f.shrink),
+        guard_radius(f.guard_radius), start(f.start_strip), zero(0.0);
+    const auto falls_to = [&](I phase) { return radius * exp(-(shrink * square(phase))); };
+    const I mismatch = size(f.mismatch) +
+                       size(f.drift) * I(larger((I(1.0) - I(f.near)).high(),
+                                                (I(f.far) - I(1.0)).high()));
+    const I after = mismatch + size(f.gain) * guard_radius;  // r_bar
+    need("0 < bandwidth", zero, w);
+    need("0 < least pace", zero, I(f.slowest));
+    need("0 < inertia", zero, I(f.inertia));
+    need("0 < radius", zero, radius);
+    need("0 < start_strip", zero, start);
+    need("start_strip < 0.05", start, I(0.05));
+    need("guard_strip < 0.05", I(f.guard_strip), I(0.05));
+    need("0 < crossing", zero, I(f.crossing));
+    need("1 - guard_strip < 1 - crossing", I(f.before), I(f.near));
+    need("1 + crossing < 1 + guard_strip", I(f.far), I(f.last));
+    need("0 < risen", zero, I(f.risen));
+    need("risen < 1 - guard_strip", I(f.risen), I(f.before));
+    need("0 < shrink", zero, shrink);
+    need("4 shrink (1 + guard_strip) most pace < gamma",
+         I(4.0) * shrink * I(f.last) * I(f.fastest), gamma);
+    need("the radius at the guard < guard_radius", falls_to(I(f.before)), guard_radius);
+    need("|phase+| < start_strip", I(f.landing) + size(f.landing_slope) * guard_radius, start);
+    need("sqrt(V+) < the radius at the start", after, falls_to(start));
+    string steps, names;
+    for (const BarrierConstants& b : f.barriers) {
+      need(b.name + ": 0 < alpha", zero, I(b.alpha));
+      need(b.name + ": alpha < gamma", I(b.alpha), gamma);
+      need(b.name + ": 0 < sigma", zero, I(b.sigma));
+      const bool fence = names.empty() || &b == &f.barriers[1];
+      const I four = I(4.0) * I(b.sigma);
+      const I tightening = fence ? zero : square(I(b.reading)) / four;
+      if (fence && b.reading != 0.0) throw DoesNotFollow{b.name + " reads outputs"};
+      need(b.name + ": c^2/(4 sigma (gamma - alpha)) + alpha t < epsilon",
+           square(I(b.coupling)) / (four * (gamma - I(b.alpha))) + I(b.alpha) * tightening,
+           I(b.epsilon));
+      need(b.name + ": sigma r_bar^2 < h+ - L_h R_g - t", I(b.sigma) * square(after),
+           I(b.reset) - size(b.reset_slope) * guard_radius - tightening);
+      steps += (names.empty() ? "" : "; ") + b.name;
+      if (!fence) steps += " - " + brief(b.reading) + "^2/(4 * " + brief(b.sigma) + ")";
+      steps += " >= " + brief(b.sigma) + " V";
+      names += (names.empty() ? "" : ", ") + b.name;
+    }
+    const I time = (I(f.before) - start) / I(f.fastest);
+    return {"D is every full state with z2 > 0, phase from " + brief(f.first) + " to " +
+                brief(f.last) + ", swing foot on or above the ground, sqrt(V) <= " +
+                brief(f.radius) + " exp(-" + brief(f.shrink) + " phase^2), and " + steps +
+                "; V is the sum of (dy/w)^2 + 4 (y + dy/w)^2 over the outputs, w = " +
+                brief(f.bandwidth) + " rad/s",
+            "under exact input-output linearisation, ddy = -w^2 y - 2 w dy, in continuous time, "
+            "every trajectory that starts in D stays in D between impacts, meets the ground once "
+            "and transversally in each step, and is in D after the impact: it walks for ever, "
+            "every step takes " + at_least(time.low()) + " s or more, and sqrt(V) after an impact is " +
+                at_most(after.high()) + " rad or less",
+            "all along, " + names + " are not negative on the robot itself, outputs included; the "
+            "contact force stays in the friction cone, so does every impulse, and torques stay "
+            "within the robot's limits"};
+  }
+
  private:
   const ProofFile& file_;
+
+  // A constant of which the premises speak by its square: its sign is free there.
+  static I size(double bound) { return I(std::abs(bound)); }
+
+  static void need(const string& claim, I left, I right) {
+    if (!(left.high() < right.low()))
+      throw DoesNotFollow{claim + ": " + at_least(left.low()) + " against " +
+                          at_most(right.high())};
+  }
+
+  void full_order_premises(const FullOrder& f) const {
+    const Box tube = f.tube(), strip = f.strip(), around = f.around();
+    for (const char* name : {"full/pace", "full/inertia", "full/contact", "full/torque"})
+      positive(name, tube);
+    positive("full/foot-rises", {{f.first, 0.0}, {f.risen, 1.0}});
+    positive("full/foot-above", {{f.risen, 0.0}, {f.before, 1.0}});
+    positive("full/foot-below", {{f.last, 0.0}, {f.last, 1.0}});
+    positive("full/crossing-before", {{f.near, 0.0}, {f.near, 1.0}});
+    positive("full/crossing-behind", {{f.far, 0.0}, {f.far, 1.0}});
+    for (const char* name :
+         {"full/guard-slope", "full/foot-falls", "full/impulse", "full/momentum-after"})
+      positive(name, strip);
+    not_negative("full/gain", strip);
+    not_negative("full/landing-slope", strip);
+    not_negative("full/mismatch", {{1.0, 0.0}, {1.0, 1.0}});
+    not_negative("full/drift", around);
+    not_negative("full/landing", around);
+    for (size_t i = 0; i < f.barriers.size(); ++i) {
+      const string& name = f.barriers[i].name;
+      not_negative("full/rate " + name, tube);
+      not_negative("full/coupling " + name, tube);
+      not_negative("full/reset " + name, around);
+      not_negative("full/reset-slope " + name, strip);
+      if (i > 1) not_negative("full/reading " + name, tube);
+    }
+  }
 
   // The bound that a statement has for an output on a box, rounded down.
   double bound(const string& output, const Box& box) const {

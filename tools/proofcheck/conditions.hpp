@@ -386,7 +386,7 @@ S flow_slope(Motion<S>& p) { return flow_slope(p, p.dz1(), p.dz2()); }
 
 // Fences and their slopes over the phase, by a dual in the phase.
 Fences<Dual> sloping_fences(const Tube& tube, const TM& phase) {
-  return fences(tube, Dual(phase, ONE));
+  return fences(tube, Dual(phase, TM(1.0)));
 }
 
 using Rates = vector<std::pair<TM, TM>>;  // Values of (dz1, dz2).
@@ -444,7 +444,7 @@ vector<TM> margins(const Condition& c, Motion<TM>& p, const TM& phase) {
     return inward(p.model.tube, phase, p, c.side == "upper", {{p.dz1(), p.dz2()}});
   if (c.kind == "Inlet") {
     const TM level = reset_level(p.model.tube, p);
-    return {c.side == "lower" ? level : ONE - level};
+    return {c.side == "lower" ? level : TM(1.0) - level};
   }
   if (c.kind == "TubeWidth") return {relative_width(p.model.tube, phase) - TM(c.least)};
   throw Unknown{"the kind of condition " + c.kind};

@@ -4,7 +4,7 @@
 
 namespace {
 
-// ------------------------------------------------------------------------------- 14 the file
+// ------------------------------------------------------------------------------- 15 the file
 
 struct Named { string name, sha256; };
 
@@ -21,6 +21,14 @@ struct ProgramFacts {
   Constants constants;               // Those that have a name.
   vector<vector<double>> values;     // All of them.
   std::map<string, size_t> outputs;  // Name to number of elements.
+  vector<vector<int>> inputs;        // Shapes of u, and of xi if there is one.
+  bool ball = false;                 // Whether there is.
+
+  // Whether conditions of the spec are among the outputs.
+  bool has_conditions() const {
+    return std::any_of(outputs.begin(), outputs.end(),
+                       [](const auto& output) { return !of_theorem(output.first); });
+  }
 };
 
 ProgramFacts program_facts(const Json& table, const Chart& chart) {
@@ -28,12 +36,19 @@ ProgramFacts program_facts(const Json& table, const Chart& chart) {
   if (text_of(field(table, "the Program", "format"), "a format") != "neuralgaits-program" ||
       integer_of(field(table, "the Program", "version"), "a version") != 1)
     refuse("a Program of another version");
-  const vector<Json>& inputs = list_of(field(table, "the Program", "inputs"), "inputs");
-  if (inputs.size() != 1 || list_of(inputs[0], "an input").size() != 2 ||
-      text_of(inputs[0].items[0], "an input's name") != "u" ||
-      shape_of(inputs[0].items[1], "u") != vector<int>{static_cast<int>(chart.size())})
-    refuse("a Program that is no function of the chart's u alone");
   ProgramFacts facts;
+  vector<string> names;
+  for (const Json& input : list_of(field(table, "the Program", "inputs"), "inputs")) {
+    if (list_of(input, "an input").size() != 2) refuse("an input that is not name and shape");
+    names.push_back(text_of(input.items[0], "an input's name"));
+    facts.inputs.push_back(shape_of(input.items[1], names.back()));
+  }
+  facts.ball = names == vector<string>{"u", "xi"};
+  if ((!facts.ball && names != vector<string>{"u"}) ||
+      facts.inputs[0] != vector<int>{static_cast<int>(chart.size())} ||
+      facts.inputs.back().size() != 1)
+    refuse("a Program that is no function of the chart's u, or of u and xi");
+  if (facts.ball && facts.inputs[1][0] > 256) refuse("a Program of more than 256 elements of xi");
   for (const Json& row : list_of(field(table, "the Program", "constants"), "constants")) {
     const vector<Json>& parts = list_of(row, "a constant");
     if (parts.size() != 3) refuse("a constant that is not name, shape and data");
@@ -140,6 +155,7 @@ Statement statement_of(const Json& table, const Chart& chart,
 // What a statement about a premise stands under, where one about a condition has its region.
 string label_of(const string& premise) {
   if (premise.rfind("set/", 0) == 0) return "walking set";
+  if (premise.rfind("full/", 0) == 0) return "full order";
   return premise == "orbit/expansion" || premise == "orbit/gain" ? "return map" : "orbit";
 }
 
@@ -227,7 +243,84 @@ Orbit orbit_of(const Json& table, const Tube& tube) {
   return o;
 }
 
-// Levels 2 and 3, in this order, and whether anything is claimed of them.
+FullOrder full_order_of(const Json& table) {
+  const string what = "level 4";
+  only(table, what, {"bandwidth", "radius", "shrink", "guard_radius", "start_strip", "guard_strip",
+                     "crossing", "risen", "pace", "inertia", "mismatch", "drift", "gain", "landing",
+                     "landing_slope", "barriers"});
+  const auto number = [](const Json& from, const char* name) {
+    return hexadecimal(field(from, "level 4", name), name);
+  };
+  FullOrder f;
+  f.bandwidth = number(table, "bandwidth");
+  f.radius = number(table, "radius");
+  f.shrink = number(table, "shrink");
+  f.guard_radius = number(table, "guard_radius");
+  f.start_strip = number(table, "start_strip");
+  f.guard_strip = number(table, "guard_strip");
+  f.crossing = number(table, "crossing");
+  f.risen = number(table, "risen");
+  f.inertia = number(table, "inertia");
+  f.mismatch = number(table, "mismatch");
+  f.drift = number(table, "drift");
+  f.gain = number(table, "gain");
+  f.landing = number(table, "landing");
+  f.landing_slope = number(table, "landing_slope");
+  const vector<double> pace = series_of(*table.find("pace"), "a pace");
+  if (pace.size() != 2) refuse("a pace that is not two numbers");
+  f.slowest = pace[0];
+  f.fastest = pace[1];
+  f.first = -f.start_strip;
+  f.last = one_and(f.guard_strip);
+  f.before = one_and(-f.guard_strip);
+  f.near = one_and(-f.crossing);
+  f.far = one_and(f.crossing);
+  for (const Json& row : list_of(*table.find("barriers"), "barriers")) {
+    only(row, "a barrier", {"name", "alpha", "epsilon", "coupling", "reading", "reset",
+                            "reset_slope", "sigma"});
+    BarrierConstants b;
+    b.name = text_of(*row.find("name"), "a barrier's name");
+    b.alpha = number(row, "alpha");
+    b.epsilon = number(row, "epsilon");
+    b.coupling = number(row, "coupling");
+    b.reading = number(row, "reading");
+    b.reset = number(row, "reset");
+    b.reset_slope = number(row, "reset_slope");
+    b.sigma = number(row, "sigma");
+    f.barriers.push_back(b);
+  }
+  // The first two are the fences; no two have one name.
+  std::set<string> names;
+  for (const BarrierConstants& b : f.barriers) names.insert(b.name);
+  if (names.size() != f.barriers.size() || names.size() < 2 ||
+      f.barriers[0].name != "level-lower" || f.barriers[1].name != "level-upper")
+    throw Inconsistent{"barriers of level 4 that are not two fences, then others of other names"};
+  return f;
+}
+
+// Which condition each barrier is of: NAME, or NAME[k] for an element of several.
+void find_conditions(FullOrder& f, const std::map<string, Condition>& conditions) {
+  for (size_t i = 2; i < f.barriers.size(); ++i) {
+    BarrierConstants& b = f.barriers[i];
+    string name = b.name;
+    const size_t open = name.rfind('[');
+    if (!conditions.count(name) && open != string::npos && name.back() == ']') {
+      const string digits = name.substr(open + 1, name.size() - open - 2);
+      if (digits.empty() || digits.size() > 3 ||
+          digits.find_first_not_of("0123456789") != string::npos)
+        throw Inconsistent{"level 4 has the barrier " + name + ", which is none"};
+      b.element = static_cast<size_t>(std::stoi(digits));
+      name = name.substr(0, open);
+    }
+    const auto found = conditions.find(name);
+    if (found == conditions.end() ||
+        (found->second.unknown.empty() && found->second.kind != "Barrier"))
+      throw Inconsistent{"level 4 has the barrier " + name + ", no barrier condition of the spec"};
+    b.condition = &found->second;
+  }
+}
+
+// Levels 2, 3 and 4, in this order, and whether anything is claimed of them.
 Theorems theorems_of(const Json& list, const Tube& tube) {
   Theorems found;
   for (const Json& table : list_of(list, "the theorems")) {
@@ -236,14 +329,17 @@ Theorems theorems_of(const Json& list, const Tube& tube) {
     const Json& claimed = field(table, "a theorem", "claimed");
     const Json& parameters = field(table, "a theorem", "parameters");
     if (claimed.type != Json::boolean) refuse("a theorem that is neither claimed nor not");
-    if (level == 2 && !found.walking) {
+    if (level == 2 && !found.walking && !found.full) {
       found.walking = walking_set_of(parameters);
       found.walking->claimed = claimed.number_value != 0.0;
-    } else if (level == 3 && found.walking && !found.orbit) {
+    } else if (level == 3 && found.walking && !found.orbit && !found.full) {
       found.orbit = orbit_of(parameters, tube);
       found.orbit->claimed = claimed.number_value != 0.0;
+    } else if (level == 4 && !found.full) {
+      found.full = full_order_of(parameters);
+      found.full->claimed = claimed.number_value != 0.0;
     } else {
-      refuse("theorems that are not of level 2, then 3");
+      refuse("theorems that are not of level 2, then 3, then 4");
     }
   }
   return found;
@@ -259,6 +355,14 @@ std::map<string, vector<double>> lists_of(const Theorems& theorems) {
     lists["orbit.expansion"] = o->expansion;
     lists["orbit.slowest"] = o->slowest;
     lists["orbit.fastest"] = o->fastest;
+  }
+  if (const auto& f = theorems.full; f) {
+    lists["full.set"] = {f->bandwidth, f->radius,  f->shrink,  f->guard_radius,
+                         f->inertia,   f->mismatch, f->drift,  f->gain,
+                         f->landing,   f->landing_slope, f->slowest, f->fastest};
+    vector<double>& rows = lists["full.barriers"];
+    for (const BarrierConstants& b : f->barriers)
+      rows.insert(rows.end(), {b.alpha, b.epsilon, b.coupling, b.reading, b.reset, b.reset_slope});
   }
   return lists;
 }
@@ -288,6 +392,19 @@ void match_model(const Constants& constants, const Json& model, const Theorems& 
   }
 }
 
+// full/WHAT BARRIER.
+Output barrier_output(const string& what, const string& barrier, const FullOrder& full) {
+  const auto known = barrier_outputs().find(what);
+  size_t number = 0;
+  while (number < full.barriers.size() && full.barriers[number].name != barrier) ++number;
+  if (known == barrier_outputs().end() || number == full.barriers.size())
+    throw Inconsistent{"the Program's output " + what + " " + barrier + " is no theorem's"};
+  Output output = output_of_barrier(what, number, known->second);
+  if (const Condition* condition = full.barriers[number].condition)
+    output.unknown = condition->unknown;
+  return output;
+}
+
 // Every output of the Program with its meaning.
 std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile& file) {
   const Theorems& theorems = file.theorems;
@@ -306,9 +423,14 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
     const auto known = theorem_outputs().find(name);
     const bool of_set = name.rfind("set/", 0) == 0 && theorems.walking;
     const bool of_orbit = name.rfind("orbit/", 0) == 0 && theorems.orbit;
+    const bool of_full = name.rfind("full/", 0) == 0 && theorems.full;
     const size_t space = name.find(' ');
     if (known != theorem_outputs().end() && (of_set || of_orbit)) {
       output = output_of(name, known->second);
+    } else if (of_full && full_outputs().count(name)) {
+      output = output_of_full_order(name, full_outputs().at(name));
+    } else if (of_full && space != string::npos) {
+      output = barrier_output(name.substr(0, space), name.substr(space + 1), *theorems.full);
     } else if (of_set && space != string::npos) {
       const string what = name.substr(0, space), barrier = name.substr(space + 1);
       if (what != "set/after" && what != "set/value" && what != "set/rate")
@@ -344,7 +466,7 @@ void read_conditions(const Json& table, const ProgramFacts& program, int joints,
     const string& name = table.names[i];
     only_a_name(name, "a condition");
     const Condition condition = condition_of(table.items[i], joints);
-    if (!program.outputs.count(name))
+    if (!program.outputs.count(name) && (program.has_conditions() || !program.ball))
       throw Inconsistent{"the spec's condition " + name + " is no output of the Program"};
     if (!file.regions.count(condition.region))
       throw Inconsistent{name + " is about the region " + condition.region + ", which is none"};
@@ -376,11 +498,14 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   constexpr int kAnyJoint = 1'000'000;  // Where no robot is read, no joint is looked at.
   const Json& model = *table.find("model");
   if (model.type == Json::null) {
-    file.underivable = "a policy or residual of the user's own";
+    file.underivable = "the file describes no policy and robot that are known here";
     conditions_of_statements(*table.find("statements"), program, file);
     return;
   }
-  only(model, "the model", {"robot", "policy", "tube", "regions", "conditions"});
+  vector<string> parts = {"robot", "policy", "tube", "regions", "conditions"};
+  const Json* residuals = model.find("residuals");
+  if (residuals) parts.push_back("residuals");  // Of a run that has learned some.
+  only(model, "the model", parts);
   read_regions(*model.find("regions"), file.chart, file.regions);
   if (by_program || file.chart.size() > 2) {
     file.underivable = "a chart with the axis " + file.chart.back().name;
@@ -394,6 +519,13 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   const int joints = file.model.robot.joints();
   file.model.policy = policy_of(*model.find("policy"), joints, program.constants);
   file.model.tube = tube_of(*model.find("tube"), file.model.policy, program.constants);
+  if (residuals) {
+    only(*residuals, "the residuals", {"flow", "reset"});
+    const Json &flow = *residuals->find("flow"), &reset = *residuals->find("reset");
+    if (flow.type != Json::null) file.model.flow = flow_residual_of(flow, program.constants);
+    if (reset.type != Json::null)
+      file.model.reset = reset_residual_of(reset, joints, program.constants);
+  }
   read_conditions(*model.find("conditions"), program, joints, file);
 }
 
@@ -410,11 +542,6 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
   file.robot = named(*table.find("robot"), "robot").name;
   file.spec = named(*table.find("spec"), "spec").name;
   file.weights_sha256 = text("weights_sha256");
-  const vector<Json>& theorems = list_of(*table.find("theorems"), "the theorems");
-  if (theorems.size() == 1 &&
-      integer_of(field(theorems[0], "a theorem", "level"), "a level") == 4)
-    throw Unknown{"the full-order theorem (level 4)"};
-
   const ProgramFacts program = program_facts(*table.find("program"), file.chart);
   string written;
   canonical(*table.find("program"), written);
@@ -425,6 +552,16 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
 
   read_model(table, program, by_program, file);
   file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
+  file.states_conditions = program.has_conditions();
+  if (auto& full = file.theorems.full; full && file.underivable.empty()) {
+    find_conditions(*full, file.conditions);
+    if (file.model.flow || file.model.reset)
+      throw Inconsistent{"level 4 of a robot with residuals: it is about the links alone"};
+    if (program.ball && program.inputs[1][0] != 2 * file.model.robot.joints())
+      throw Inconsistent{"xi has another size than two for each joint"};
+  }
+  if (program.ball != file.theorems.full.has_value())
+    refuse("a Program of xi without level 4, or level 4 without xi");
   match_theorems(program.constants, file.theorems, by_program);
   if (file.underivable.empty())
     match_model(program.constants, *table.find("model"), file.theorems);

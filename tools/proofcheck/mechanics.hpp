@@ -172,9 +172,10 @@ struct Outputs {
   vector<S> y, d1, d2;
 };
 
-Outputs<TM> first_order(const vector<Jet>& jets) {
-  Outputs<TM> out;
-  for (const Jet& jet : jets) {
+template <class T>
+Outputs<T> first_order(const vector<Jet<T>>& jets) {
+  Outputs<T> out;
+  for (const Jet<T>& jet : jets) {
     out.y.push_back(jet.c[0]);
     out.d1.push_back(jet.c[1]);
     out.d2.push_back(jet.c[2]);
@@ -182,13 +183,10 @@ Outputs<TM> first_order(const vector<Jet>& jets) {
   return out;
 }
 
-Outputs<TM> outputs_at(const Policy& policy, const TM& z1, const TM& z2) {
-  return first_order(desired_outputs(policy, z1, z2, 1));
-}
-
-Outputs<Dual> along(const vector<Jet>& jets, const TM& dz1, const TM& dz2) {
-  Outputs<Dual> out;
-  for (const Jet& jet : jets) {
+template <class T>
+Outputs<DualOf<T>> along(const vector<Jet<T>>& jets, const T& dz1, const T& dz2) {
+  Outputs<DualOf<T>> out;
+  for (const Jet<T>& jet : jets) {
     out.y.push_back({jet.c[0], jet.c[1] * dz1 + jet.c[2] * dz2});
     out.d1.push_back({jet.c[1], jet.c[3] * dz1 + jet.c[4] * dz2});
     out.d2.push_back({jet.c[2], jet.c[4] * dz1 + jet.c[5] * dz2});
@@ -196,9 +194,39 @@ Outputs<Dual> along(const vector<Jet>& jets, const TM& dz1, const TM& dz2) {
   return out;
 }
 
-Outputs<Dual> outputs_at(const Policy& policy, const Dual& z1, const Dual& z2) {
-  return along(desired_outputs(policy, z1.v, z2.v, 2), z1.d, z2.d);
+// Values and first derivatives of jets at z; `jets` takes z and an order.
+template <class S, class Jets>
+Outputs<S> outputs_of_jets(Jets jets, const S& z1, const S& z2) {
+  if constexpr (Under<S>::moves) return along(jets(z1.v, z2.v, 2), z1.d, z2.d);
+  else return first_order(jets(z1, z2, 1));
 }
+
+// Values alone.
+template <class S, class Jets>
+vector<S> values_of_jets(Jets jets, const S& z1, const S& z2) {
+  vector<S> out;
+  if constexpr (Under<S>::moves) {
+    for (const auto& jet : jets(z1.v, z2.v, 1))
+      out.push_back({jet.c[0], jet.c[1] * z1.d + jet.c[2] * z2.d});
+  } else {
+    for (const auto& jet : jets(z1, z2, 0)) out.push_back(jet.c[0]);
+  }
+  return out;
+}
+
+// Outputs that are off zero, and their rates; they obey ddy = -w^2 y - 2 w dy.
+template <class S>
+struct Off {
+  vector<S> y, dy;
+  I bandwidth;  // w
+
+  vector<S> ddy() const {
+    vector<S> out;
+    for (size_t j = 0; j < y.size(); ++j)
+      out.push_back(-(square(bandwidth) * y[j]) - I(2.0) * bandwidth * dy[j]);
+    return out;
+  }
+};
 
 // Everything is computed when first asked for, and kept only once it is complete: an operation
 // without a bound leaves nothing behind.
@@ -207,15 +235,37 @@ class Motion {
  public:
   const Model& model;
   const Robot& robot;
+  using T = typename Under<S>::type;
   const S z1, z2;
+  const std::optional<Off<S>> off;  // Nothing: outputs are zero.
 
-  Motion(const Model& m, S first, S second, std::optional<Outputs<S>> known = {})
+  Motion(const Model& m, S first, S second, std::optional<Off<S>> outputs_off = {},
+         std::optional<Outputs<S>> known = {})
       : model(m), robot(m.robot), z1(std::move(first)), z2(std::move(second)),
-        outputs_(std::move(known)) {}
+        off(std::move(outputs_off)), outputs_(std::move(known)) {}
 
   const Outputs<S>& outputs() {
-    if (!outputs_) outputs_ = outputs_at(model.policy, z1, z2);
+    const auto jets = [this](const T& first, const T& second, int order) {
+      return desired_outputs(model.policy, first, second, order);
+    };
+    if (!outputs_) outputs_ = outputs_of_jets(jets, z1, z2);
     return *outputs_;
+  }
+
+  // What the flow's residual adds to dz, and the reset's to z2 and rates, per z2.
+  const vector<S>& flow_correction() {
+    const auto jets = [this](const T& first, const T& second, int order) {
+      return flow_residual(*model.flow, first, second, order);
+    };
+    if (!flow_correction_) flow_correction_ = values_of_jets(jets, z1, z2);
+    return *flow_correction_;
+  }
+  const vector<S>& reset_correction() {
+    const auto jets = [this](const T& first, const T& second, int order) {
+      return reset_residual(*model.reset, first, second, order);
+    };
+    if (!reset_correction_) reset_correction_ = values_of_jets(jets, z1, z2);
+    return *reset_correction_;
   }
 
   // q with c q = z1 and the joints at `joints`; linear, so it lifts rates as well.
@@ -230,7 +280,11 @@ class Motion {
   }
 
   const Pose<S>& pose() {
-    if (!pose_) pose_.emplace(robot, lifted(z1, outputs().y));
+    if (pose_) return *pose_;
+    vector<S> joints = outputs().y;
+    if (off)
+      for (size_t j = 0; j < joints.size(); ++j) joints[j] = joints[j] + off->y[j];
+    pose_.emplace(robot, lifted(z1, joints));
     return *pose_;
   }
 
@@ -244,9 +298,13 @@ class Motion {
     return *along2_;
   }
 
-  // dz2: moment of the weight about the stance foot.
+  // Moment of the weight about the stance foot: dz2 but for the residual.
+  const S& weight_moment() {
+    if (!weight_moment_) weight_moment_ = robot.gravity * point(robot.moment, pose().e).x;
+    return *weight_moment_;
+  }
   const S& dz2() {
-    if (!dz2_) dz2_ = robot.gravity * point(robot.moment, pose().e).x;
+    if (!dz2_) dz2_ = model.flow ? weight_moment() + flow_correction()[1] : weight_moment();
     return *dz2_;
   }
 
@@ -256,11 +314,17 @@ class Motion {
     return *transversal_;
   }
 
-  // dz1: with z2 = -(momentum per dz1) dz1 - (momentum per dz2) dz2.
+  // dz1: with z2 = -(momentum per dz1) dz1 - (momentum of all else), but for the residual.
   const S& dz1() {
-    if (!dz1_) dz1_ = -(z2 + pose().momentum(per_dz2()) * dz2()) / transversal();
+    if (dz1_) return *dz1_;
+    S momentum = z2 + pose().momentum(per_dz2()) * weight_moment();
+    if (off) momentum = momentum + pose().momentum(w_off());
+    const S rate = -momentum / transversal();
+    dz1_ = model.flow ? rate + flow_correction()[0] : rate;
     return *dz1_;
   }
+  // Rates of the links due to outputs that are off zero.
+  vector<S> w_off() const { return turned(robot, lifted(S(I(0.0)), off->dy)); }
 
   // Rates of the links, and of the coordinates.
   const vector<S>& w() {
@@ -268,6 +332,10 @@ class Motion {
       vector<S> rates;
       for (size_t k = 0; k < per_dz1().size(); ++k)
         rates.push_back(per_dz1()[k] * dz1() + per_dz2()[k] * dz2());
+      if (off) {
+        const vector<S> more = w_off();
+        for (size_t k = 0; k < rates.size(); ++k) rates[k] = rates[k] + more[k];
+      }
       w_ = rates;
     }
     return *w_;
@@ -306,10 +374,11 @@ class Motion {
     return sum;
   }
 
-  // Angular momentum about the new stance foot is kept.
+  // Angular momentum about the new stance foot is kept, but for the residual.
   S z2_after() {
     const Vec<S> pivot = foot();
-    return -pose().momentum(w(), &pivot);
+    const S kept = -pose().momentum(w(), &pivot);
+    return model.reset ? kept + reset_correction()[0] * z2 : kept;
   }
 
   Motion& after() {
@@ -320,7 +389,7 @@ class Motion {
   struct Impact {
     Pose<S> pose;
     vector<S> w, dq;  // Rates of links and coordinates after it.
-    Vec<S> impulse;   // Of the ground on the new stance foot.
+    Vec<S> impulse;   // Of the ground on the new stance foot; the links' own.
   };
 
   // Plastic impact: the old stance foot is free, the impulse acts at the new one, so momenta
@@ -351,92 +420,111 @@ class Motion {
       const Vec<S> change = later[i] - before[i];
       impulse = impulse + Vec<S>{robot.mass[i] * change.x, robot.mass[i] * change.z};
     }
-    impact_ = std::make_unique<Impact>(Impact{pose_after, turning, rates, impulse});
+    const vector<S> dq = model.reset ? corrected(pose_after, turning, rates) : rates;
+    impact_ = std::make_unique<Impact>(Impact{pose_after, turned(robot, dq), dq, impulse});
     return *impact_;
   }
 
-  // ---- what needs accelerations: only for S = TM.
+  // Rates after the impact with what the residual adds to the joints' and to z2; the first, which
+  // has no motor, follows from both.
+  vector<S> corrected(const Pose<S>& after, const vector<S>& w_after, vector<S> rates) {
+    const S momentum = after.momentum(w_after) - reset_correction()[0] * z2;  // Minus z2.
+    vector<S> alone(rates.size(), S(0.0));
+    alone[0] = S(I(1.0));
+    rates[0] = S(0.0);
+    for (size_t j = 1; j < rates.size(); ++j) rates[j] = rates[j] + reset_correction()[j] * z2;
+    rates[0] = (momentum - after.momentum(turned(robot, rates))) /
+               after.momentum(turned(robot, alone));
+    return rates;
+  }
+
+  // ---- what needs derivatives: not for duals.
   struct Forces {
     vector<S> torque;  // Of the joints.
     Vec<S> ground;     // On the stance foot.
   };
   const Forces& forces();
 
-  // The same state, with derivatives along (dz1, dz2) of direction.
-  Motion<Dual> moving(const TM& first, const TM& second);
-  // Along the flow.
-  Motion<Dual>& flow();
   // Desired outputs with their second derivatives.
-  const vector<Jet>& jets();
+  const vector<Jet<T>>& jets() {
+    if (!jets_) {
+      jets_ = desired_outputs(model.policy, z1, z2, 2);
+      outputs_ = first_order(*jets_);
+    }
+    return *jets_;
+  }
+
+  // The same state, with derivatives along a direction in z, and in y and dy.
+  Motion<DualOf<T>> moving(const T& first, const T& second, const vector<T>& y = {},
+                           const vector<T>& dy = {}) {
+    std::optional<Off<DualOf<T>>> moved;
+    if (off) {
+      moved = Off<DualOf<T>>{{}, {}, off->bandwidth};
+      for (size_t j = 0; j < off->y.size(); ++j) {
+        moved->y.push_back({off->y[j], y.empty() ? T(0.0) : y[j]});
+        moved->dy.push_back({off->dy[j], dy.empty() ? T(0.0) : dy[j]});
+      }
+    }
+    return {model, DualOf<T>(z1, first), DualOf<T>(z2, second), moved,
+            along(jets(), first, second)};
+  }
+
+  // Along the flow.
+  Motion<DualOf<T>>& flow() {
+    if (flow_) return *flow_;
+    jets();  // Before the rates ask for the outputs' first derivatives alone.
+    const vector<T> none;
+    flow_ = std::make_unique<Motion<DualOf<T>>>(
+        moving(dz1(), dz2(), off ? off->dy : none, off ? off->ddy() : none));
+    return *flow_;
+  }
 
  private:
   std::optional<Outputs<S>> outputs_;
   std::optional<Pose<S>> pose_;
   std::optional<vector<S>> along1_, along2_, w_, dq_, theta_after_;
-  std::optional<S> dz1_, dz2_, transversal_;
+  std::optional<vector<S>> flow_correction_, reset_correction_;
+  std::optional<S> dz1_, dz2_, weight_moment_, transversal_;
   std::optional<vector<Vec<S>>> spin_;
   std::unique_ptr<Motion> after_;
   std::unique_ptr<Impact> impact_;
-  std::unique_ptr<Motion<Dual>> flow_;
+  std::unique_ptr<Motion<DualOf<T>>> flow_;
   std::optional<Forces> forces_;
-  std::optional<vector<Jet>> jets_;
+  std::optional<vector<Jet<T>>> jets_;
 };
 
-template <>
-const vector<Jet>& Motion<TM>::jets() {
-  if (!jets_) {
-    jets_ = desired_outputs(model.policy, z1, z2, 2);
-    outputs_ = first_order(*jets_);
+template <class S>
+const typename Motion<S>::Forces& Motion<S>::forces() {
+  if constexpr (Under<S>::moves) throw Unknown{"a rate of forces"};
+  else {
+    if (forces_) return *forces_;
+    const vector<DualOf<S>>& rates = flow().w();
+    // Accelerations of the directions: quarter(e) dw - e w^2.
+    const Pose<S>& p = pose();
+    vector<Vec<S>> turning, push;
+    vector<S> couples;
+    for (size_t k = 0; k < rates.size(); ++k) {
+      const S fast = rates[k].v * rates[k].v;
+      turning.push_back(scaled(rates[k].d, quarter(p.e[k])) - scaled(fast, p.e[k]));
+      couples.push_back(robot.inertia[k] * rates[k].d);
+    }
+    // Mass times (acceleration plus gravity) of each link: what ground and joints must bring up.
+    Vec<S> ground{S(0.0), S(0.0)};
+    for (size_t i = 0; i < rates.size(); ++i) {
+      Vec<S> a = point(robot.centre[i], turning);
+      a.z = a.z + S(robot.gravity);
+      push.push_back({robot.mass[i] * a.x, robot.mass[i] * a.z});
+      ground = ground + push.back();
+    }
+    const vector<S> needed = gathered(robot, p.moments(push, couples));
+    const vector<DualOf<S>>& joint_rates = flow().dq();
+    vector<S> torque;
+    for (size_t j = 1; j < needed.size(); ++j)
+      torque.push_back(needed[j] + robot.armature[j] * joint_rates[j].d +
+                       robot.damping[j] * joint_rates[j].v);
+    forces_ = Forces{torque, ground};
+    return *forces_;
   }
-  return *jets_;
-}
-
-template <>
-Motion<Dual> Motion<TM>::moving(const TM& first, const TM& second) {
-  return {model, Dual(z1, first), Dual(z2, second), along(jets(), first, second)};
-}
-
-template <>
-Motion<Dual>& Motion<TM>::flow() {
-  jets();  // Before the rates ask for the outputs' first derivatives alone.
-  if (!flow_) flow_ = std::make_unique<Motion<Dual>>(moving(dz1(), dz2()));
-  return *flow_;
-}
-
-template <>
-const Motion<TM>::Forces& Motion<TM>::forces() {
-  if (forces_) return *forces_;
-  const vector<Dual>& rates = flow().w();
-  // Accelerations of the directions: quarter(e) dw - e w^2.
-  const Pose<TM>& p = pose();
-  vector<Vec<TM>> turning, push;
-  vector<TM> couples;
-  for (size_t k = 0; k < rates.size(); ++k) {
-    const TM fast = rates[k].v * rates[k].v;
-    turning.push_back(scaled(rates[k].d, quarter(p.e[k])) - scaled(fast, p.e[k]));
-    couples.push_back(robot.inertia[k] * rates[k].d);
-  }
-  // Mass times (acceleration plus gravity) of each link: what ground and joints must bring up.
-  Vec<TM> ground{TM(0.0), TM(0.0)};
-  for (size_t i = 0; i < rates.size(); ++i) {
-    Vec<TM> a = point(robot.centre[i], turning);
-    a.z = a.z + TM(robot.gravity);
-    push.push_back({robot.mass[i] * a.x, robot.mass[i] * a.z});
-    ground = ground + push.back();
-  }
-  const vector<TM> needed = gathered(robot, p.moments(push, couples));
-  const vector<Dual>& joint_rates = flow().dq();
-  vector<TM> torque;
-  for (size_t j = 1; j < needed.size(); ++j)
-    torque.push_back(needed[j] + robot.armature[j] * joint_rates[j].d +
-                     robot.damping[j] * joint_rates[j].v);
-  forces_ = Forces{torque, ground};
-  return *forces_;
-}
-
-template <>
-const Motion<Dual>::Forces& Motion<Dual>::forces() {
-  throw Unknown{"a rate of forces"};
 }
 
 // ---- the tube's chart: phase and level of a state.
@@ -483,13 +571,24 @@ S level_of(const Tube& tube, const S& z1, const S& z2) {
   return (I(0.5) * (z2 * z2) - f.lower) / (f.upper - f.lower);
 }
 
-// The state at a phase of the step, zeta given; and at a box of a tube's chart.
-Motion<TM> state_of(const Model& model, const TM& phase, const TM& zeta) {
-  const Tube& tube = model.tube;
-  const TM z1 = TM(tube.start) + (I(tube.guard) - I(tube.start)) * phase;
-  return {model, z1, root(I(2.0) * zeta)};
+// The state (z1, z2) at a phase of the step, zeta given; and at a box of a tube's chart.
+template <class S>
+std::pair<S, S> z_of(const Tube& tube, const S& phase, const S& zeta) {
+  return {S(I(tube.start)) + (I(tube.guard) - I(tube.start)) * phase, root(I(2.0) * zeta)};
 }
 
+template <class S>
+std::pair<S, S> z_at(const Tube& tube, const S& phase, const S& level) {
+  const Fences<S> f = fences(tube, phase);
+  return z_of(tube, phase, f.lower + level * (f.upper - f.lower));
+}
+
+Motion<TM> state_of(const Model& model, const TM& phase, const TM& zeta) {
+  const auto [z1, z2] = z_of(model.tube, phase, zeta);
+  return {model, z1, z2};
+}
+
+// The thin tube's chart has the same z1 at a phase.
 Motion<TM> state_at(const Model& model, const Tube& tube, const TM& phase, const TM& level) {
   const Fences<TM> f = fences(tube, phase);
   return state_of(model, phase, f.lower + level * (f.upper - f.lower));

@@ -58,10 +58,38 @@ struct Orbit {
   bool claimed = false;
 };
 
+// Constants of one barrier h of level 4, of a fence if `condition` is none; docs/full_order.md.
+struct BarrierConstants {
+  string name;
+  double alpha = 0.0, epsilon = 0.0, coupling = 0.0, reading = 0.0, reset = 0.0,
+         reset_slope = 0.0, sigma = 0.0;
+  const Condition* condition = nullptr;
+  std::optional<size_t> element;  // Of the condition's quantity; it has but one if none is named.
+};
+
+// The set D of level 4 and its constants, by the names of docs/full_order.md.
+struct FullOrder {
+  double bandwidth = 0.0, radius = 0.0, shrink = 0.0, guard_radius = 0.0, start_strip = 0.0,
+         guard_strip = 0.0, crossing = 0.0, risen = 0.0, slowest = 0.0, fastest = 0.0,
+         inertia = 0.0, mismatch = 0.0, drift = 0.0, gain = 0.0, landing = 0.0,
+         landing_slope = 0.0;
+  vector<BarrierConstants> barriers;
+  // Phases -start_strip, 1 + guard_strip, 1 - guard_strip, 1 - crossing, 1 + crossing, as doubles.
+  double first = 0.0, last = 0.0, before = 0.0, near = 0.0, far = 0.0;
+  bool claimed = false;
+
+  Box tube() const { return {{first, 0.0}, {last, 1.0}}; }
+  Box strip() const { return {{before, 0.0}, {last, 1.0}}; }
+  Box around() const { return {{near, 0.0}, {far, 1.0}}; }
+};
+
 struct Theorems {
   std::optional<WalkingSet> walking;
   std::optional<Orbit> orbit;
+  std::optional<FullOrder> full;
 };
+
+class FullState;
 
 // A box of the chart, and the states that it stands for in either tube.
 class Place {
@@ -69,10 +97,12 @@ class Place {
   const Model& model;
   const Theorems& theorems;
   const TM phase, level;
+  const Box box;
+  std::shared_ptr<FullState> full;  // Made when level 4 asks for it first.
 
-  Place(const Model& m, const Theorems& t, const Box& box)
-      : model(m), theorems(t), phase(coordinate<TM>(box.low[0], box.high[0], 0)),
-        level(coordinate<TM>(box.low[1], box.high[1], 1)) {}
+  Place(const Model& m, const Theorems& t, const Box& b)
+      : model(m), theorems(t), phase(coordinate<TM>(b.low[0], b.high[0], 0)),
+        level(coordinate<TM>(b.low[1], b.high[1], 1)), box(b) {}
 
   Motion<TM>& wide() {
     if (!wide_) wide_.emplace(state_at(model, model.tube, phase, level));
@@ -162,7 +192,7 @@ const std::map<string, Meaning>& theorem_outputs() {
   return table;
 }
 
-vector<TM> inside(const TM& level) { return {level, ONE - level}; }
+vector<TM> inside(const TM& level) { return {level, TM(1.0) - level}; }
 
 vector<TM> set_margins(const string& n, Place& at) {
   const Tube& tube = at.model.tube;
@@ -238,45 +268,6 @@ vector<TM> pushed_rates(const Condition& c, Place& at) {
     out.insert(out.end(), one.begin(), one.end());
   }
   return out;
-}
-
-// An output of the Program: a condition of the spec, or a premise of a theorem.
-struct Output {
-  size_t elements = 0;  // In the Program.
-  string unknown;       // Why it cannot be checked here; empty if it can.
-  std::function<vector<Estimate>(Place&)> margins;
-  std::function<string(double)> words;  // That the margin is at least this.
-};
-
-Output output_of(const Condition& c) {
-  return {0, c.unknown, [&c](Place& at) { return estimates(margins(c, at.wide(), at.phase)); },
-          [&c](double least) { return words_for(c, least); }};
-}
-
-Output output_of(const string& name, const Meaning& meaning) {
-  const bool set = name.rfind("set/", 0) == 0;
-  return {0, "",
-          [name, set](Place& at) {
-            return estimates(set ? set_margins(name, at) : orbit_margins(name, at));
-          },
-          [&meaning](double least) {
-            return string(meaning.words) + " >= " + at_least(least) + (*meaning.unit ? " " : "") +
-                   meaning.unit;
-          }};
-}
-
-// set/after NAME, set/value NAME, set/rate NAME, of a barrier condition.
-Output output_of(const string& what, const Condition& c) {
-  if (!c.unknown.empty()) return {0, c.unknown, {}, {}};
-  const string h = words_for(c.quantity) + " >= ", unit = " " + unit_of(c.quantity);
-  if (what == "set/value")
-    return {0, "", [&c](Place& at) { return estimates(value(c.quantity, at.wide())); },
-            [h, unit](double least) { return h + at_least(least) + unit; }};
-  if (what == "set/after")
-    return {0, "", [&c](Place& at) { return estimates(value(c.quantity, at.wide().after())); },
-            [h, unit](double least) { return "after the reset, " + h + at_least(least) + unit; }};
-  return {0, "", [&c](Place& at) { return estimates(pushed_rates(c, at)); },
-          [&c](double least) { return "disturbed, " + words_for(c, least); }};
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 namespace {
 
-// --------------------------------------------------------------------------- 12 the Program
+// --------------------------------------------------------------------------- 13 the Program
 //
 // The list of operations in the file, as the finder worked with it. It is read only on request: of
 // what it computes this section knows nothing, and shows nothing about the robot. Every value is a

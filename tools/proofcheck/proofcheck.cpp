@@ -40,7 +40,7 @@
 
 namespace {
 
-// ---------------------------------------------------------------------------- 15 the command
+// ---------------------------------------------------------------------------- 16 the command
 
 string read_file(const string& path) {
   string text;
@@ -58,6 +58,7 @@ string read_file(const string& path) {
 // Boxes of conditions without a statement.
 vector<string> unclaimed(const ProofFile& file) {
   vector<string> found;
+  if (!file.states_conditions) return found;
   for (const auto& [name, condition] : file.conditions) {
     if (!file.regions.count(condition.region)) found.push_back(name);
     else for (const Box& box : file.regions.at(condition.region)) {
@@ -76,13 +77,15 @@ vector<string> unclaimed(const ProofFile& file) {
 // What the claimed levels say, in words, if it follows from the statements.
 std::map<int, vector<string>> concluded(const ProofFile& file) {
   std::map<int, vector<string>> found;
-  const auto& [walking, orbit] = file.theorems;
+  const auto& [walking, orbit, full] = file.theorems;
   int level = 2;
   try {
     const bool third = orbit && orbit->claimed;
     if ((walking && walking->claimed) || third) found[2] = Conclusions(file).walking();
     level = 3;
     if (third) found[3] = Conclusions(file).attraction();
+    level = 4;
+    if (full && full->claimed) found[4] = Conclusions(file).full_order();
   } catch (const DoesNotFollow& missing) {
     throw Inconsistent{"level " + std::to_string(level) + " does not follow: " + missing.why};
   } catch (const NoBound&) {
@@ -158,6 +161,17 @@ void say_model(const ProofFile& file) {
     say("  at phase " + brief(phase) + ": z2 between " + at_least(root(I(2.0) * f.lower).low()) +
         " and " + at_most(root(I(2.0) * f.upper).high()) + " kg m^2/s");
   }
+  const auto sizes = [](const vector<double>& bounds) {
+    string words;
+    for (const double bound : bounds) words += (words.empty() ? "" : ", ") + brief(bound);
+    return words;
+  };
+  if (const auto& flow = file.model.flow)
+    say("learned of the flow, added to dz: a network of sizes up to " + sizes(flow->bound) +
+        " (m/s, N m), on top of the links' own");
+  if (const auto& reset = file.model.reset)
+    say("learned of the reset, added to z2 and the joints' rates per z2: sizes up to " +
+        sizes(reset->bound) + " (1, rad/(kg m^2))");
   say("spec " + file.spec + ": " + std::to_string(file.conditions.size()) + " conditions");
 }
 
@@ -185,14 +199,19 @@ int check(const ProofFile& file) {
   string answer = file.program ? "consistent: every statement follows from the Program in the file; "
                                  "nothing was derived from the robot's numbers: "
                                : "proved of the robot, policy and spec above: ";
-  answer += std::to_string(claims) + " claims of " + std::to_string(file.conditions.size()) +
-            " conditions";
+  answer += std::to_string(claims) + " claims";
+  if (file.states_conditions)
+    answer += " of " + std::to_string(file.conditions.size()) + " conditions";
+  else
+    say("of the spec's conditions on their own (level 1) this file states nothing");
   if (worst.verdict == proved)
     for (const auto& [level, words] : levels) {
       say("level " + std::to_string(level) + " " + good(file));
       for (const string& line : words) say("  " + line);
       answer += ", level " + std::to_string(level);
     }
+  if (worst.verdict == proved && file.theorems.full && !file.theorems.full->claimed)
+    worst = {undecided, "every statement of the file holds, but level 4 is not claimed", 0};
   if (worst.verdict == proved && !missing.empty())
     worst = {undecided, "every statement holds, but conditions have none on " +
                             std::to_string(missing.size()) + " boxes of their regions", 0};

@@ -80,6 +80,7 @@ struct Robot {
   vector<Row> centre;            // Centres of mass.
   Row hip, foot, moment;         // Hip, swing foot, and mass times centre of mass of the whole.
   I weight_mass, gravity;        // Total mass, g.
+  I friction;                    // Coefficient of the feet.
   vector<I> armature, damping;   // Of the n coordinates; the first has none.
   vector<I> torque_limit;        // Of the n - 1 joints.
   vector<I> hip_gradient;        // c: z1 = c q.
@@ -128,10 +129,10 @@ Robot robot_of(const Json& table) {
   r.links = 2 * r.leg + r.torso;
   r.name = text_of(field(table, "the robot", "name"), "the robot's name");
   r.gravity = at_least(number(table, "gravity"), true, "a gravity that is not positive");
-  const I friction = at_least(number(table, "friction"), false, "a friction that is negative");
+  r.friction = at_least(number(table, "friction"), false, "a friction that is negative");
   const I radius = at_least(number(table, "foot_radius"), false, "a foot of negative radius");
   r.words.push_back("gravity " + brief(r.gravity.low()) + " m/s^2, friction of the feet " +
-                    brief(friction.low()) + ", radius of the feet " + brief(radius.low()) + " m");
+                    brief(r.friction.low()) + ", radius of the feet " + brief(radius.low()) + " m");
   const auto n = static_cast<size_t>(r.links);
   r.mass.resize(n);
   r.inertia.resize(n);
@@ -209,6 +210,27 @@ struct Policy {
   vector<double> cubic;             // [4, m]
 };
 
+// network.weights[i] and network.biases[i] of an owner, from two inputs to `outputs`.
+vector<Layer> layers_of(const std::map<string, Array>& arrays, int depth, int outputs) {
+  vector<Layer> layers;
+  if (depth < 1 || depth > 50) refuse("a network of " + std::to_string(depth) + " layers");
+  int columns = 2;
+  for (int i = 0; i < depth; ++i) {
+    const string place = "[" + std::to_string(i) + "]";
+    const auto found = arrays.find("network.weights" + place);
+    if (found == arrays.end() || found->second.shape.size() != 2)
+      refuse("no array 'network.weights" + place + "' in the model");
+    Layer layer;
+    layer.rows = i + 1 == depth ? outputs : found->second.shape[0];
+    layer.columns = columns;
+    layer.weights = array(arrays, "network.weights" + place, {layer.rows, columns}).values;
+    layer.biases = array(arrays, "network.biases" + place, {layer.rows}).values;
+    columns = layer.rows;
+    layers.push_back(layer);
+  }
+  return layers;
+}
+
 Policy policy_of(const Json& table, int joints, const Constants& constants) {
   only(table, "the policy", {"kind", "activation", "layers", "z2_dependence", "arrays"});
   const auto text = [&](const char* name) {
@@ -240,21 +262,8 @@ Policy policy_of(const Json& table, int joints, const Constants& constants) {
     used = 5;
   }
   const int depth = integer_of(field(table, "the policy", "layers"), "the number of layers");
-  if (depth < 1 || depth > 50) refuse("a network of " + std::to_string(depth) + " layers");
-  int columns = 2;
-  for (int i = 0; i < depth; ++i, used += 2) {
-    const string place = "[" + std::to_string(i) + "]";
-    const auto found = arrays.find("network.weights" + place);
-    if (found == arrays.end() || found->second.shape.size() != 2)
-      refuse("no array 'network.weights" + place + "' in the model");
-    Layer layer;
-    layer.rows = i + 1 == depth ? joints : found->second.shape[0];
-    layer.columns = columns;
-    layer.weights = array(arrays, "network.weights" + place, {layer.rows, columns}).values;
-    layer.biases = array(arrays, "network.biases" + place, {layer.rows}).values;
-    columns = layer.rows;
-    p.layers.push_back(layer);
-  }
+  p.layers = layers_of(arrays, depth, joints);
+  used += 2 * p.layers.size();
   if (used != arrays.size()) refuse("arrays of the policy that its kind does not have");
   return p;
 }
@@ -284,10 +293,46 @@ Tube tube_of(const Json& table, const Policy& policy, const Constants& constants
   return t;
 }
 
+// What was learned of the robot beyond its links; see the policy's section.
+struct FlowResidual {
+  vector<Layer> layers;
+  vector<double> scale, shift, bound;  // [2] each
+};
+
+struct ResetResidual {
+  Layer layer;
+  vector<double> scale, shift, bound;  // [2], [2], [1 + m]
+};
+
+FlowResidual flow_residual_of(const Json& table, const Constants& constants) {
+  only(table, "the flow's residual", {"layers", "arrays"});
+  const auto arrays =
+      arrays_of(field(table, "the flow's residual", "arrays"), "residuals.flow", constants);
+  const int depth = integer_of(field(table, "the flow's residual", "layers"), "layers");
+  FlowResidual r = {layers_of(arrays, depth, 2), array(arrays, "scale", {2}).values,
+                    array(arrays, "shift", {2}).values, array(arrays, "bound", {2}).values};
+  if (arrays.size() != 3 + 2 * r.layers.size()) refuse("other arrays of the flow's residual");
+  return r;
+}
+
+ResetResidual reset_residual_of(const Json& table, int joints, const Constants& constants) {
+  only(table, "the reset's residual", {"arrays"});
+  const auto arrays =
+      arrays_of(field(table, "the reset's residual", "arrays"), "residuals.reset", constants);
+  const int rows = 1 + joints;
+  if (arrays.size() != 5) refuse("other arrays of the reset's residual");
+  return {{rows, 2, array(arrays, "weight", {rows, 2}).values, array(arrays, "offset", {rows}).values},
+          array(arrays, "scale", {2}).values,
+          array(arrays, "shift", {2}).values,
+          array(arrays, "bound", {rows}).values};
+}
+
 struct Model {
   Robot robot;
   Policy policy;
   Tube tube;
+  std::optional<FlowResidual> flow;
+  std::optional<ResetResidual> reset;
 };
 
 }  // namespace

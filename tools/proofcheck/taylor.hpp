@@ -58,6 +58,11 @@ struct Taylor : Slope<Ball> {
   }
 };
 
+template <class T>
+constexpr bool has_slopes = false;
+template <int N>
+constexpr bool has_slopes<Taylor<N, true>> = true;
+
 using TM = Taylor<2, false>;  // Functions of (phase, level).
 using BM = Taylor<2, true>;   // And of the outputs of the full order.
 
@@ -353,6 +358,18 @@ struct DualOf {
   DualOf(double constant) : v(constant) {}
 };
 using Dual = DualOf<TM>;
+
+// What a dual is made of; anything else is made of itself.
+template <class S>
+struct Under {
+  using type = S;
+  static constexpr bool moves = false;
+};
+template <class T>
+struct Under<DualOf<T>> {
+  using type = T;
+  static constexpr bool moves = true;
+};
 
 template <class T>
 inline DualOf<T> operator-(const DualOf<T>& a) { return {-a.v, -a.d}; }

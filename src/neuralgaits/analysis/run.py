@@ -52,13 +52,18 @@ class Run:
 
     @cached_property
     def learned(self) -> Learned | None:
-        """What the run was told of its robot beyond the model; None if nothing."""
-        return learned_of(self.folder, self.robot)
+        """What the run was told of its robot beyond the model; None if nothing.
+
+        Raises: RunError if the file is not as it was.
+        """
+        if RESIDUAL not in self.folder.copies:
+            return None
+        return Learned.read(self.folder.copied(RESIDUAL), self.robot)
 
     @property
     def residuals(self) -> Residuals:
         """Residuals of flow and reset that the run was trained with."""
-        return residuals_of(self.learned)
+        return Residuals() if self.learned is None else self.learned.residuals
 
     @property
     def zero_dynamics(self) -> ZeroDynamics:
@@ -124,18 +129,6 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
             "spec to FILE.py and train with --spec FILE.py:NAME"
         )
     return robot, spec
-
-
-def learned_of(folder: RunFolder, robot: PlanarBiped) -> Learned | None:
-    """The residual file that a run carries. Raises: RunError if it is not as it was."""
-    if RESIDUAL not in folder.copies:
-        return None
-    return Learned.read(folder.copied(RESIDUAL), robot)
-
-
-def residuals_of(learned: Learned | None) -> Residuals:
-    """Residuals for zero dynamics; none if nothing was learned."""
-    return Residuals() if learned is None else learned.residuals
 
 
 def untrained(folder: RunFolder, spec: GaitSpec) -> Gait:

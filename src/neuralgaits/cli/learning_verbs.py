@@ -74,7 +74,7 @@ def carry_out_episodes(verb: Episodes) -> Outcome:
 
 def _found(resume: str, quiet: bool) -> str | Path:
     """What to go on with; on stderr if the caller left open which, unless `quiet`."""
-    from neuralgaits.episodes.folder import EpisodeFolder
+    from neuralgaits.rounds.folder import EpisodeFolder
     from neuralgaits.runs import RUNS_ROOT
     from neuralgaits.runs.latest import LATEST
 

@@ -10,8 +10,6 @@ from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
 PROOF, FULL_ORDER = f"{FOLDER}/proof.json", f"{FOLDER}/full-order.json"
-MAP = f"{FOLDER}/map.safetensors"
-"""Data of a picture: without it there is no picture, and the certificate stands."""
 LEVELS = (1, 2, 3, 4)
 
 Verdict = Literal["proved", "refuted", "undecided"]

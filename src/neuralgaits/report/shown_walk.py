@@ -15,13 +15,13 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
-from neuralgaits.episodes.folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.shown import FILE, ShownWalk
 from neuralgaits.records.simulated import SUMMARY, Simulated
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word
 from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import plain
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.simulation.disturbance import Disturbance

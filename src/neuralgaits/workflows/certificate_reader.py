@@ -20,7 +20,6 @@ from neuralgaits.errors import InputError
 from neuralgaits.records.asked import asked_of
 from neuralgaits.records.certified import (
     FULL_ORDER,
-    MAP,
     PROOF,
     SUMMARY,
     Certified,
@@ -31,7 +30,7 @@ from neuralgaits.records.certified import (
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.runs import RunFolder, from_json
 from neuralgaits.runs.folder import file_hashes
-from neuralgaits.runs.names import RESIDUAL
+from neuralgaits.runs.names import MAP, RESIDUAL
 from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF, FULL_ORDER)
@@ -121,7 +120,8 @@ def _claims(run: Path, file: str, asked: Asked) -> Claims | None:
     if claims.program.hash != claims.program_hash:
         wrong.append("its Program has another hash than it says")
     full = claims.theorems.full is not None
-    if (run / RESIDUAL).is_file() and (full or claims.model is not None):
+    rigid = claims.model is not None and "residuals" not in claims.model
+    if (run / RESIDUAL).is_file() and (full or rigid):
         wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
     wrong += contradictions(claims.statements, claims.theorems, None if full else asked)
     if wrong:

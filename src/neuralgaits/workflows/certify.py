@@ -39,6 +39,7 @@ from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.records import certified
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Verdict
+from neuralgaits.runs.names import MAP
 from neuralgaits.workflows.certificate_reader import hashes
 from neuralgaits.workflows.certify_full_order import certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
@@ -116,7 +117,7 @@ def certify(
         program = trace_certificate(*parts)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
-        for stale in (certified.PROOF, certified.MAP):
+        for stale in (certified.PROOF, MAP):
             (trained.path / stale).unlink(missing_ok=True)
         return _finish(trained, level, _no_program(trained), [], began, reason=str(error))
     task = _Task(trained, level, sets, program)

@@ -13,14 +13,14 @@ from typing import Any, NamedTuple
 
 from neuralgaits._settings import check_rounds, check_seed
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.episodes.folder import EpisodeFolder, read, write
-from neuralgaits.episodes.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.walked import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.report.rounds import draw_file
 from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.rounds.folder import EpisodeFolder, read, write
+from neuralgaits.rounds.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import CONFIG, FIT

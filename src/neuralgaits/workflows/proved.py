@@ -1,7 +1,4 @@
-"""What a run's certificate says, as far as figures show it."""
-
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+"""A run's certificate read for its figures."""
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
@@ -11,31 +8,9 @@ from neuralgaits.certificate.levels.full_order.theorem import FullOrder
 from neuralgaits.certificate.levels.theorems import Orbit
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report.full_order_set import FullOrderSet
+from neuralgaits.report.proved import Certificate
 from neuralgaits.report.return_map import Proved
 from neuralgaits.workflows.certificate_reader import read_certificate
-
-
-@dataclass(frozen=True)
-class Certificate:
-    """What is proved of a gait.
-
-    Attributes:
-        reason: why nothing is known to be proved; None if there is a certificate of this gait.
-        level: up to which all is proved; 0 if some condition is not.
-        margins: proved lower bound of each proved condition, in its scale.
-        orbit: of level 3; None if that is not proved.
-        full: the set of level 4; None likewise.
-        no_full: why there is none.
-        map_fits: whether the map of boxes was made with the proof.
-    """
-
-    reason: str | None = None
-    level: int = 0
-    margins: Mapping[str, float] = field(default_factory=dict)
-    orbit: Proved | None = None
-    full: FullOrderSet | None = None
-    no_full: str = "level 4 is not proved yet"
-    map_fits: bool = False
 
 
 def certificate_of(run: Run) -> Certificate:

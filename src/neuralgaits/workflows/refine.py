@@ -20,7 +20,7 @@ from neuralgaits.runs.commands import learning
 from neuralgaits.runs.names import FITTED, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.proof_rounds import Watch
-from neuralgaits.workflows.training_session import TrainingSession
+from neuralgaits.workflows.train import train_to_the_end
 
 STEPS_SHARE = 0.7
 """Gradient steps, as a share of the recipe's: the gait is nearly there."""
@@ -99,6 +99,5 @@ def refine(
     folder = RunFolder.create(
         config, copies, name=parent.robot.name, seed=seed, root=root, out=place
     )
-    session = TrainingSession(folder, parent.robot, parent.spec, progress, watch or Watch(), began)
-    gait = session.run(root, parent.gait)
-    return Run(folder, parent.robot, parent.spec, gait)
+    child = Run(folder, parent.robot, parent.spec, parent.gait)
+    return train_to_the_end(child, progress=progress, watch=watch, root=root, began=began)

@@ -22,20 +22,19 @@ from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
-from neuralgaits.episodes.folder import EpisodeFolder
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.shown import FILE, ShownWalk
-from neuralgaits.report import shown_walk
+from neuralgaits.report import makers, shown_walk
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import read_arrays, resolve, to_json
 from neuralgaits.runs.names import ROBOT, STATE
 from neuralgaits.workflows import (
     certificate_reader,
-    figures,
     fit,
     report,
     train,
@@ -45,6 +44,7 @@ from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.export import _origin
 from neuralgaits.workflows.inspect import inspect
+from neuralgaits.workflows.proved import certificate_of
 from neuralgaits.workflows.report import saved_of
 from support.fuzzing.place import EPISODES, FILES, RUN, Place
 
@@ -131,12 +131,13 @@ def _kept_walk(path: Path) -> tuple[Any, str | None]:
 
 def pictures(*names: str, rare: bool = False) -> Reader:
     """Figures of `report RUN`; if `rare`, drawn of some inputs, and their data read of all."""
-    chosen = [make for name, _, make in figures.MAKERS if name in names]
+    chosen = [make for name, _, make in makers.MAKERS if name in names]
 
     def draw(place: Place, path: Path) -> None:
-        source = figures.Source(open_run(place.root / RUN))
+        run = open_run(place.root / RUN)
+        source = makers.Source(run, certificate_of(run))
         if rare:
-            _ = source.certificate, source.walk
+            _ = source.walk
         if "residual-field" in names:
             with _instead(gait_data, compute=lambda run: _computed(place)):
                 residual_data.residual_data(source.run)
@@ -144,7 +145,7 @@ def pictures(*names: str, rare: bool = False) -> Reader:
             return
         with _instead(gait_data, compute=lambda run: _computed(place)):
             for make in chosen:
-                with contextlib.suppress(figures.Absent):
+                with contextlib.suppress(makers.Absent):
                     make(source)
         pyplot.close("all")
 

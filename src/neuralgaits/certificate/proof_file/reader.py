@@ -179,7 +179,8 @@ def _claims(table: Any) -> Claims:
         statements=tuple(_statement(entry, outputs, chart) for entry in entries),
         theorems=theorems,
         model=model,
-        asked=None if model is None else _asked(model, outputs),
+        # A file of level 4 alone has a model to derive the dynamics from, and states no condition.
+        asked=None if model is None or theorems.full is not None else _asked(model, outputs),
     )
 
 
