@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.conditions.judge import judge
-from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
 from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.search import schedule
 from neuralgaits.certificate.search.box_tree import BoxTree
@@ -23,6 +22,7 @@ from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import SearchInterrupted, explore
 from neuralgaits.errors import RunError
 from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.records.certified import Counterexample
 
 SQUARE = ((0.0, 0.0), (1.0, 1.0))
 

@@ -10,9 +10,10 @@ import re
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.conclusions import Conclusion, attraction, proved_bounds
+from neuralgaits.certificate.levels.conclusions import attraction, proved_bounds
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.records.certified import Conclusion
 from neuralgaits.workflows.check_proof import check_proof
 from support.checker_case import bounds, holds
 from support.mutations.base import Base

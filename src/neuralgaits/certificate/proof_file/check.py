@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from neuralgaits.certificate.levels.conclusions import (
-    Conclusion,
     conclude,
     level_one_boxes,
     proved_bounds,

@@ -14,9 +14,9 @@ from typing import Literal
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.records.certified import Counterexample
 
 Confirm = Callable[[str, np.ndarray], Counterexample | None]
 """(condition, u) to the counterexample there, if the Python functions find the margin negative."""

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.errors import RunError
+from neuralgaits.records.certified import Counterexample
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 
