@@ -11,6 +11,7 @@ import numpy as np
 from neuralgaits._types import Float
 
 Corners = Float[np.ndarray, "n 2"]
+Halves = Float[np.ndarray, "halves 2"]
 
 
 def split_axes(low: np.ndarray, high: np.ndarray) -> tuple[int, ...]:
@@ -18,7 +19,7 @@ def split_axes(low: np.ndarray, high: np.ndarray) -> tuple[int, ...]:
     return tuple(axis for axis in (0, 1) if high[axis] > low[axis])
 
 
-def halves(low: Corners, high: Corners, axes: tuple[int, ...]) -> tuple[Corners, Corners]:
+def halves(low: Corners, high: Corners, axes: tuple[int, ...]) -> tuple[Halves, Halves]:
     """Children of boxes, those of one box together. Returns: corners. [n 2^axes, 2]."""
     middle = low + (high - low) * 0.5
     lows, highs = [], []
