@@ -1,5 +1,6 @@
 """Each case, and AMBER-3M alone."""
 
+import jaxtyping
 import numpy as np
 import pytest
 
@@ -24,3 +25,9 @@ def amber_policy():
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(0)
+
+
+@pytest.fixture
+def unchecked(monkeypatch):
+    """Without the tests' own look at shapes: what the package itself refuses."""
+    monkeypatch.setattr(jaxtyping.config, "jaxtyping_disable", True)

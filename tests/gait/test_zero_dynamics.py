@@ -64,12 +64,14 @@ def test_phi_inv_inverts_phi(name, data):
         ([np.inf, 20.0], "expected finite numbers"),
     ],
 )
+@pytest.mark.usefixtures("unchecked")
 def test_a_bad_state_is_refused(method, z, found):
     with pytest.raises(InputError, match=found) as refusal:
         getattr(CASES["amber3m"].zd, method)(z)
     assert "\n" not in str(refusal.value)
 
 
+@pytest.mark.usefixtures("unchecked")
 def test_a_bad_full_state_is_refused():
     zd = CASES["amber3m"].zd
     with pytest.raises(InputError, match=r"x: expected shape \(10,\), found \(5,\)"):

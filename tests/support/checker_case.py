@@ -8,7 +8,6 @@ from typing import Any
 
 import jax
 import numpy as np
-from neuralgaits.residual.network import Residual
 
 from neuralgaits.barriers import (
     AbstractCondition,
@@ -34,6 +33,7 @@ from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSe
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.residual.reset import ResetResidual
 from neuralgaits.robots import load_robot
@@ -268,9 +268,11 @@ class FullCase(SetCase):
             BarrierConstants(name, *draw.uniform(0.5, 2.0, size=7).tolist())
             for name in self.full_model.names
         )
-        numbers = draw.uniform(0.5, 2.0, size=6).tolist()
+        names = "inertia mismatch drift gain landing landing_slope".split()
+        numbers = dict(zip(names, draw.uniform(0.5, 2.0, size=6).tolist(), strict=True))
         radii = (self.radius, 0.5, self.radius)
-        return FullOrder(30.0, *radii, 0.003, 0.002, 0.001, 0.06, (0.9, 3.0), *numbers, rows)
+        strips = (0.003, 0.002, 0.001, 0.06)
+        return FullOrder(30.0, *radii, *strips, (0.9, 3.0), **numbers, barriers=rows)
 
     @cached_property
     def program(self):

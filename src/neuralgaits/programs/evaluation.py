@@ -7,7 +7,7 @@ and passes it to every call of `evaluate`.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from neuralgaits.programs.program import Operation, Program
 V = TypeVar("V")
 
 
+@runtime_checkable
 class Algebra(Protocol[V]):
     """Rules for the operations of `ops.KINDS` on vectors of type V.
 
