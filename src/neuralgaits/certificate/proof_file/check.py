@@ -9,11 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from neuralgaits.certificate.levels.conclusions import (
-    conclude,
-    level_one_boxes,
-    proved_bounds,
-)
+from neuralgaits.certificate.levels.conclusions import conclude, level_one_boxes, proved_bounds
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.proof_file.coverage import (
     Asked,
@@ -24,6 +20,7 @@ from neuralgaits.certificate.proof_file.coverage import (
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import series
+from neuralgaits.records.certified import Conclusion
 
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]
 Progress = Callable[[int, int], None]
