@@ -11,6 +11,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.theorems import Orbit
 from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.records.certified import Conclusion
 from neuralgaits.workflows import demo, proved
 from neuralgaits.workflows.certificate_reader import hashes, read_certificate
 from neuralgaits.workflows.certificate_words import how_sure
@@ -22,7 +23,7 @@ BARRIER = BarrierConstants("torso-lower", 1.0, 0.1, 1.0, 4.0, 0.1, 0.1, 16.0)
 FULL = FullOrder(
     30.0, 0.01, 3.0, 1e-3, 0.0, 0.0, 0.0, 0.1, (1.0, 2.0), 5.0, 0.0, 0.0, 2.0, 0.0, 0.0, (BARRIER,)
 )
-PROVED = {"verdict": "proved", "figures": {"multiplier_at_least": 0.6, "multiplier_at_most": 0.7}}
+PROVED = Conclusion(3, "proved", None, (), {"multiplier_at_least": 0.6, "multiplier_at_most": 0.7})
 
 
 @pytest.fixture
@@ -68,7 +69,7 @@ def test_the_thin_tube_is_read_at_the_hip_above_the_foot(certified):
 
 
 def test_the_set_of_level_4_keeps_its_constants():
-    full = proved._full({"verdict": "proved", "figures": {"r_bar": 0.005, "gamma": 45.0}}, FULL)
+    full = proved._full(Conclusion(4, "proved", None, (), {"r_bar": 0.005, "gamma": 45.0}), FULL)
     assert full is not None
     # t = l_P^2 / (4 sigma): what the barrier loses to what it reads on the robot.
     assert full.tightening["torso-lower"] == 16.0 / 64.0
