@@ -19,7 +19,7 @@ demo: .venv/run.stamp
 # Build the independent proof checker, which needs g++ and nothing else: build/proofcheck FILE.
 proofcheck: build/proofcheck
 
-build/proofcheck: tools/proofcheck/proofcheck.cpp
+build/proofcheck: tools/proofcheck/proofcheck.cpp $(wildcard tools/proofcheck/*.hpp)
 	@mkdir -p build
 	$(CXX) -std=c++17 -O2 -frounding-math -ffp-contract=off -Wall -Wextra -Werror $< -o $@
 

@@ -243,7 +243,8 @@ def small(words: Words, folder: Path, said: Path) -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
     from neuralgaits.cli import environment, main
-    from neuralgaits.workflows import episode_walks, episodes, export, fit
+    from neuralgaits.rounds import walks as episode_walks
+    from neuralgaits.workflows import episodes, export, fit
 
     environment.prepare()
     if words[0] in ("fit", "episodes"):

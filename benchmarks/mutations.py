@@ -25,11 +25,11 @@ from pathlib import Path
 
 from common import show, trained
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import PROOF, certify
 from neuralgaits.workflows.certify_full_order import FILE as FULL_ORDER_PROOF
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.run import open_run
 
 # What alters the files is that of the tests.
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))

@@ -73,8 +73,8 @@ def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Maker]
 @pytest.fixture(scope="session")
 def trained(made_once):
     """A finished run of the default training on amber3m, shared by all workers."""
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.robots import load_robot
-    from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.train import train
 
     def make(run: Path) -> None:
@@ -86,8 +86,8 @@ def trained(made_once):
 @pytest.fixture(scope="session")
 def certified(trained, made_once):
     """A copy of it, proved to level 3, shared by all workers: nobody changes it."""
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.workflows.certify import certify
-    from neuralgaits.workflows.run import open_run
 
     def make(run: Path) -> None:
         shutil.copytree(trained.path, run)

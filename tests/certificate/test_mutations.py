@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file import check as checker
 from neuralgaits.certificate.proof_file.coverage import contradictions
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.errors import InputError
-from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.run import open_run
 from support.forgeries.quick import programs_read_once
 from support.mutations.base import Base, Mutation, corners, least
 from support.mutations.generate import mutations

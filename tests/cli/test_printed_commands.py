@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.arguments import Train
 from neuralgaits.cli.main import main
 from neuralgaits.report.again import simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.certificate_words import how_sure
-from neuralgaits.workflows.run import open_run
 from support import small_spec
 from support.printed import check, on_page, on_screen
 from support.shipped_run import SHIPPED

@@ -6,7 +6,7 @@ import pytest
 
 import neuralgaits
 from neuralgaits.cli.main import main
-from neuralgaits.workflows.figures import MAKERS
+from neuralgaits.report.makers import MAKERS
 from support import pages
 
 

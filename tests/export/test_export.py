@@ -6,13 +6,13 @@ import subprocess
 
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.export_screen import show_export
 from neuralgaits.errors import InputError, MismatchError, RunError, SpecError
 from neuralgaits.export import build
 from neuralgaits.workflows import demo
 from neuralgaits.workflows import export as workflow
 from neuralgaits.workflows.export import export_controller
-from neuralgaits.workflows.run import open_run
 
 pytestmark = pytest.mark.slow
 

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from neuralgaits.analysis.orbit import poincare
 from neuralgaits.errors import InputError
-from neuralgaits.gait import ZeroDynamics, poincare
+from neuralgaits.gait import ZeroDynamics
 from support.gait_cases import CASES
 
 ZD = {}

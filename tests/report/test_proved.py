@@ -7,6 +7,7 @@ import shutil
 import pytest
 from numpy.polynomial.chebyshev import chebval
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.theorems import Orbit
 from neuralgaits.certificate.proof_file.reader import read_claims
@@ -14,7 +15,6 @@ from neuralgaits.workflows import demo, proved
 from neuralgaits.workflows.certificate_reader import hashes, read_certificate
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.proved import certificate_of
-from neuralgaits.workflows.run import open_run
 
 LOW, HIGH = 72.0, 84.5
 """Fences of a thin tube, zeta = z2^2 / 2: z2 from 12 to 13 kg m^2/s."""

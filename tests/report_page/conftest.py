@@ -41,7 +41,7 @@ def contents(shipped):
 
 @pytest.fixture
 def walk():
-    """A walk of four frames, as `workflows.shown_walk` records it; it falls."""
+    """A walk of four frames, as `report.shown_walk` records it; it falls."""
     tube = {"lower": [[-0.2, 8.0], [0.2, 9.0]], "upper": [[-0.2, 16.0], [0.2, 18.0]]}
     return plain(
         {

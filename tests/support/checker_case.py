@@ -24,12 +24,18 @@ from neuralgaits.barriers import (
     specs,
 )
 from neuralgaits.barriers import functions as f
+from neuralgaits.certificate.levels.chart import PLAIN
+from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
+from neuralgaits.certificate.levels.full_order.prove import trace_full_order
+from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
+from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.residual.reset import ResetResidual
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.workflows.provable import trace_spec
@@ -108,6 +114,8 @@ class Case:
 
     name: str
     activation: str = "tanh"
+    learned: bool = False
+    """Whether residuals are added to flow and reset."""
 
     @cached_property
     def robot(self):
@@ -129,6 +137,21 @@ class Case:
         )
         return Gait(policy, tube)
 
+    @property
+    def residuals(self) -> Residuals:
+        """Of sizes that matter, of flow and reset."""
+        if not self.learned:
+            return Residuals()
+        draw, m = np.random.default_rng(8), self.robot.n - 1
+        layers = [(5, 2), (4, 5), (2, 4)]
+        weights = tuple(draw.normal(size=shape) for shape in layers)
+        biases = tuple(draw.normal(size=rows) for rows, _ in layers)
+        scale, shift = np.array([0.2, 9.0]), np.array([0.1, 1.1])
+        bounds = np.array([0.05, 3.0]), draw.uniform(0.01, 0.05, size=1 + m)
+        flow = Residual(Network(weights, biases, "tanh"), scale, shift, bounds[0])
+        weight, offset = draw.normal(size=(1 + m, 2)), draw.normal(size=1 + m)
+        return Residuals(flow, ResetResidual(weight, offset, scale, shift, bounds[1]))
+
     @cached_property
     def spec(self):
         walking = specs.walking(self.robot)
@@ -141,7 +164,7 @@ class Case:
 
     @cached_property
     def program(self):
-        return trace_spec(self.spec, self.robot, self.gait)
+        return trace_spec(self.spec, self.robot, self.gait, self.residuals)
 
     def values(self, u: np.ndarray) -> dict[str, np.ndarray]:
         """Margins of the conditions' Python functions at points. [points, elements] each."""
@@ -158,20 +181,20 @@ class Case:
             "bounds": {"width": 0.0},
             "degree": 2,
             "root": {"low": ["0x0p0"] * 2, "high": ["0x1p0"] * 2},
-            "tree": "0",
+            "tree": "-",
         }
         return {
-            "format": 2,
+            "format": 3,
             "kind": "neuralgaits certificate",
             "robot": {"name": self.name, "sha256": "0"},
             "weights_sha256": "0",
             "spec": {"name": "all", "sha256": "0"},
             "program": json.loads(self.program.to_json()),
             "program_hash": self.program.hash,
-            "chart": "u = (phase, level)",
+            "chart": PLAIN.table(),
             "statements": [claim],
             "theorems": self.theorems,
-            "model": model_data(self.robot, self.gait, self.spec, self.program),
+            "model": model_data(self.robot, self.gait, self.spec, self.program, self.residuals),
         }
 
     @property
@@ -217,11 +240,67 @@ class SetCase(Case):
 
     @cached_property
     def program(self):
-        return trace_certificate(self.spec, self.robot, self.gait, self.sets)
+        return trace_certificate(self.spec, self.robot, self.gait, self.sets, self.residuals)
 
     @property
     def theorems(self) -> list[dict[str, Any]]:
         return list(Theorems(self.sets.walking, self.sets.orbit).tables())
+
+
+@dataclass(frozen=True)
+class FullCase(SetCase):
+    """The outputs of level 4, for a set and constants around nothing in particular.
+
+    Attributes:
+        radius: of the outputs, in the step and at the guard [rad].
+    """
+
+    radius: float = 1e-7
+
+    @cached_property
+    def full_model(self) -> FullOrderModel:
+        return FullOrderModel(self.robot, self.gait, self.spec)
+
+    @cached_property
+    def shape(self) -> FullOrder:
+        draw = np.random.default_rng(9)
+        rows = tuple(
+            BarrierConstants(name, *draw.uniform(0.5, 2.0, size=7).tolist())
+            for name in self.full_model.names
+        )
+        names = "inertia mismatch drift gain landing landing_slope".split()
+        numbers = dict(zip(names, draw.uniform(0.5, 2.0, size=6).tolist(), strict=True))
+        radii = (self.radius, 0.5, self.radius)
+        strips = (0.003, 0.002, 0.001, 0.06)
+        return FullOrder(30.0, *radii, *strips, (0.9, 3.0), **numbers, barriers=rows)
+
+    @cached_property
+    def program(self):
+        return trace_full_order(self.full_model, self.shape)
+
+    @property
+    def theorems(self) -> list[dict[str, Any]]:
+        return list(Theorems(full=self.shape).tables())
+
+    @cached_property
+    def table(self) -> dict[str, Any]:
+        found = super().table
+        (claim,) = found["statements"]
+        change = {"conditions": ["full/pace"], "region": "full order"}
+        change |= {"scales": {"full/pace": 1.0}, "bounds": {"full/pace": -9.0}}
+        return found | {"statements": [claim | change]}
+
+    def values(self, u: np.ndarray, xi: np.ndarray | None = None) -> dict[str, np.ndarray]:
+        """At points of the chart and of the unit ball, its centre if none are given."""
+        xi = np.zeros((len(u), self.full_model.size)) if xi is None else xi
+        values = evaluate(self.program, {"u": u, "xi": xi}, POINT)
+        return {name: value.reshape(len(value), -1) for name, value in values.items()}
+
+
+def chart_table(*more: tuple[str, float, float]) -> list[dict[str, str]]:
+    """The chart of a proof file: phase, level, and further axes (name, low, high)."""
+    axes = (("phase", -0.05, 1.05), ("level", 0.0, 1.0), *more)
+    return [{"name": name, "low": low.hex(), "high": high.hex()} for name, low, high in axes]
 
 
 def holds(answer) -> bool:
@@ -231,11 +310,13 @@ def holds(answer) -> bool:
     return part or (answer.returncode == 0 and last.startswith("proved "))
 
 
-def bounds(proofcheck, file: Path, low: np.ndarray, high: np.ndarray) -> list[dict[str, Any]]:
+def bounds(
+    proofcheck, file: Path, low: np.ndarray, high: np.ndarray, *options: str
+) -> list[dict[str, Any]]:
     """The checker's enclosures of all margins over boxes. Each: name to [elements, 2] or None."""
     boxes = np.concatenate([low, high], axis=1)
     lines = "\n".join(" ".join(float(x).hex() for x in box) for box in boxes)
-    answer = proofcheck("--bounds", file, text=lines)
+    answer = proofcheck(*options, "--bounds", file, text=lines)
     assert answer.returncode == 0, answer.stdout[-500:] + answer.stderr
     found = []
     for block in answer.stdout.strip().split("\n\n"):

@@ -5,9 +5,9 @@ import json
 import shutil
 from pathlib import Path
 
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.barriers import specs
 from neuralgaits.runs import plain
-from neuralgaits.workflows.run import Run, open_run
 
 SPEC = """
 from dataclasses import replace

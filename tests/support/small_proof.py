@@ -9,8 +9,9 @@ import numpy as np
 from flint import arb
 from safetensors.numpy import save
 
+from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.proof_file.check import Report, check
-from neuralgaits.certificate.proof_file.reader import Claims, children, read_claims
+from neuralgaits.certificate.proof_file.reader import Claims, halves, read_claims
 from neuralgaits.programs import POINT, Constant, Input, Operation, Output, Program, evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
 
@@ -39,14 +40,17 @@ def program(centre: np.ndarray = CENTRE, floor: float = 0.125) -> Program:
 
 
 def tree(about: Program, bounds: dict[str, float], degree: int, box, depth: int = 0) -> str:
-    """Split once, then until balls reach the bounds."""
+    """Halve once, then until balls reach the bounds, the first axis with a width at even depths."""
     corners = tuple(np.array([corner]) for corner in box)
     models = evaluate(about, {"u": corners}, BallAlgebra(degree))
     reached = all(ball >= arb(bounds[n]) for n in bounds for ball in models[n].range().flat)
     if depth and reached:
-        return "0"
-    assert depth < 20
-    return "1" + "".join(tree(about, bounds, degree, b, depth + 1) for b in children(*box))
+        return "-"
+    assert depth < 40
+    wide = [k for k, (a, b) in enumerate(zip(*box, strict=True)) if a < b]
+    axis = wide[depth % len(wide)]
+    parts = halves(box[0], box[1], axis)
+    return str(axis) + "".join(tree(about, bounds, degree, b, depth + 1) for b in parts)
 
 
 def statement(
@@ -78,14 +82,14 @@ def proof() -> dict[str, Any]:
     about = program()
     edge = ((0.0, 1.0), (1.0, 1.0))
     return {
-        "format": 2,
+        "format": 3,
         "kind": "neuralgaits certificate",
         "robot": {"name": "point", "sha256": sha256(FILES["robot.xml"])},
         "weights_sha256": sha256(weights()),
         "spec": {"name": "bowl", "sha256": sha256(FILES["spec.py"])},
         "program": json.loads(about.to_json()),
         "program_hash": about.hash,
-        "chart": "u = (phase, level)",
+        "chart": PLAIN.table(),
         "theorems": [],
         "model": None,
         "statements": [

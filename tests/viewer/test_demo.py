@@ -12,10 +12,10 @@ import pytest
 
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
+from neuralgaits.certificate.retrace import answer
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.check_proof import program_differences
-from neuralgaits.workflows.retrace import answer
 from neuralgaits.workflows.view import view
 
 PROOF = demo.FOLDER / "certificate" / "proof.json"

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
 from support import brief_spec, planted_walk
 

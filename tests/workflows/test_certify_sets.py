@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.orbit.return_map import slope, state
 from neuralgaits.certificate.levels.theorems import WalkingSet
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
@@ -16,7 +17,6 @@ from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.report import saved_of
-from neuralgaits.workflows.run import open_run
 
 PUSH = (0.01, 0.3)
 """Bound on what is added to dz: 10 mm/s and 0.3 N m."""

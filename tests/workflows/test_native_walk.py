@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import Controller, Pd
 from neuralgaits.errors import InputError, NonFiniteError
@@ -26,12 +27,11 @@ from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_layout import address
 from neuralgaits.simulation.native_scene import scene_of
+from neuralgaits.simulation.native_walk import _design, compiler, engine_of, engine_of_run, sources
 from neuralgaits.simulation.plant import build
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, plant_states, walk
-from neuralgaits.workflows.native_walk import _design, compiler, engine_of, engine_of_run, sources
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
 
 OWN = '''

@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from support.own_spec import HOLDS, SPEC, replace_spec, run_with

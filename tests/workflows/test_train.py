@@ -14,6 +14,7 @@ import pytest
 from safetensors.numpy import load_file
 
 import neuralgaits as ng
+from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
@@ -21,7 +22,6 @@ from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.runs.folder import NAN_STATE
 from neuralgaits.runs.names import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS
 from neuralgaits.workflows.report import write_report
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
 from support import small_spec
 

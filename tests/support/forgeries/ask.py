@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import NeuralGaitsError
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.proved import certificate_of
 from neuralgaits.workflows.report import saved_of
-from neuralgaits.workflows.run import open_run
 from support.forgeries.base import Forged, Forgery
 
 CODES = {0: "proved", 1: "rejected", 2: "unreadable", 3: "undecided"}

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from neuralgaits.certificate.levels.chart import Corner
 from neuralgaits.programs import Constant, Output, Program
 from support.forgeries.base import Table
 
@@ -53,7 +54,7 @@ def without(table: Table, names: Iterable[str]) -> None:
     table["statements"] = [s for s in table["statements"] if s["conditions"]]
 
 
-def root(low: tuple[float, float], high: tuple[float, float]) -> Table:
+def root(low: Corner, high: Corner) -> Table:
     """A box as the file has it."""
     return {"low": [x.hex() for x in low], "high": [x.hex() for x in high]}
 
@@ -67,7 +68,7 @@ def claim(name: str, box: Table, *, region: str = "tube", bound: float = 0.0) ->
         "bounds": {name: bound},
         "degree": 2,
         "root": box,
-        "tree": "0",
+        "tree": "-",
     }
 
 

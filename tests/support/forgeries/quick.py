@@ -11,13 +11,13 @@ from unittest import mock
 import jax
 import numpy as np
 
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels import sets
 from neuralgaits.certificate.levels.full_order import prove as full_order
 from neuralgaits.certificate.proof_file import reader as claims
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError
-from neuralgaits.workflows import retrace
 
 Traced = dict[Any, Any]
 
@@ -73,10 +73,10 @@ def _here(run: Path, theorems: Theorems) -> dict[str, Any]:
 def _read_once(read: Callable, known: Traced) -> Callable:
     """By a file's very text; what is refused is read and refused again."""
 
-    def program(given):
+    def program(*given):
         key = ("program", hashlib.sha256(repr(given).encode(errors="surrogatepass")).digest())
         if key not in known:
-            known[key] = read(given)
+            known[key] = read(*given)
         return known[key]
 
     return program

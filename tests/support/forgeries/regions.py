@@ -78,7 +78,7 @@ def _(case: Case) -> None:
     bounded=True,
 )
 def _(case: Case) -> None:
-    statement_of(case.table, "tall").update(root=root((0.0, 0.0), (0.0, 0.0)), tree="0")
+    statement_of(case.table, "tall").update(root=root((0.0, 0.0), (0.0, 0.0)), tree="-")
 
 
 @THEME.forgery(
@@ -194,7 +194,7 @@ def _along(case: Case, boxes: list[dict]) -> None:
         statement |= {"scales": {name: scale}, "bounds": {name: bound}}
     for low, box in roots.items():
         strip = json.loads(json.dumps(own[0])) if own else copy.deepcopy(whole)
-        strip |= {"conditions": [name], "region": "strips", "root": box, "tree": "0"}
+        strip |= {"conditions": [name], "region": "strips", "root": box, "tree": "-"}
         own.append(strip | {"scales": {name: scale}, "bounds": {name: bounds[low]}})
     table["statements"] = own + table["statements"]
     table["model"]["regions"]["chosen"] = boxes

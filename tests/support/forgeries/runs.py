@@ -5,6 +5,7 @@ import shutil
 import time
 from pathlib import Path
 
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.full_order import prove as full_order
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH
@@ -17,7 +18,6 @@ from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.certify_full_order import certify_full_order, model_of
 from neuralgaits.workflows.demo import FOLDER
 from neuralgaits.workflows.proof_of import proof_of
-from neuralgaits.workflows.run import Run, open_run
 from support.forgeries.base import Base, Table
 from support.forgeries.edits import claim, root, sha256, spec_file
 

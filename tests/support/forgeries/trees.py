@@ -21,10 +21,10 @@ MARK = "@@"
 """Stands for what the JSON writer would refuse, until the text is written."""
 
 
-def _children(statement: Table) -> int:
-    """How many a split of its root box has."""
+def _wide(statement: Table) -> int:
+    """The last axis along which its root box can be halved."""
     low, high = statement["root"]["low"], statement["root"]["high"]
-    return 2 ** sum(a != b for a, b in zip(low, high, strict=True))
+    return max(k for k, (a, b) in enumerate(zip(low, high, strict=True)) if a != b)
 
 
 @THEME.forgery(
@@ -38,14 +38,13 @@ def _(case: Case) -> None:
 @THEME.forgery("every tree is one leaf", cpp=true(), alone=LOOSE, run=LOOSE, bounded=True)
 def _(case: Case) -> None:
     for statement in case.table["statements"]:
-        statement["tree"] = "0"
+        statement["tree"] = "-"
 
 
 @THEME.forgery("every leaf split once more", cpp=true(), alone=LOOSE, run=LOOSE, bounded=True)
 def _(case: Case) -> None:
     for statement in case.table["statements"]:
-        split = "1" + "0" * _children(statement)
-        statement["tree"] = statement["tree"].replace("0", "2").replace("2", split)
+        statement["tree"] = statement["tree"].replace("-", f"{_wide(statement)}--")
 
 
 @THEME.forgery("a curve's tree for a box", cpp=true(), alone=LOOSE, run=NO, about="walk")
@@ -56,14 +55,14 @@ def _(case: Case) -> None:
 
 @THEME.forgery("a tree without end", cpp=REJECTED, alone=REJECTED, run=UNTRUE)
 def _(case: Case) -> None:
-    case.table["statements"][0]["tree"] = "1" * 1000
+    case.table["statements"][0]["tree"] = "0" * 1000
 
 
 @THEME.forgery("a tree of five million leaves where a curve has none", cpp=REJECTED, alone=REJECTED)
 def _(case: Case) -> None:
     statement = case.table["statements"][0]
     statement["root"]["high"] = statement["root"]["low"]
-    statement["tree"] = "1" + "0" * 5_000_000
+    statement["tree"] = "0" * 2_500_000 + "-" * 2_500_001
 
 
 @THEME.forgery("a bound raised beyond what holds", cpp=REJECTED, alone=REJECTED, bounded=True)

@@ -13,41 +13,40 @@ import numpy as np
 from matplotlib import pyplot
 
 from neuralgaits import logs
+from neuralgaits.analysis import gait_data, residual_data
+from neuralgaits.analysis import run as runs
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.run import asked_of, open_run, untrained
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
 from neuralgaits.errors import InputError
+from neuralgaits.report import makers, shown_walk
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.report.shapes import RECORDED
-from neuralgaits.residual import stored
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import from_json, plain, read_arrays, resolve, to_json
 from neuralgaits.runs.names import ROBOT, STATE
 from neuralgaits.runs.shape import complaint
 from neuralgaits.workflows import (
     certificate_reader,
-    figures,
     fit,
-    gait_data,
     report,
-    residual_data,
-    shown_walk,
     train,
 )
 from neuralgaits.workflows import episodes as rounds
-from neuralgaits.workflows import run as runs
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.episode_folder import EpisodeFolder
 from neuralgaits.workflows.export import _origin
 from neuralgaits.workflows.inspect import inspect
+from neuralgaits.workflows.proved import certificate_of
 from neuralgaits.workflows.report import saved_of
-from neuralgaits.workflows.run import asked_of, open_run, untrained
 from support.fuzzing.place import EPISODES, FILES, RUN, Place
 
 RARELY = 20
@@ -68,7 +67,7 @@ def check_file(place: Place, path: Path) -> None:
     if leaves <= LEAVES:
         to_json(check_proof(path)).encode()
         return
-    to_json([line for one in claims.statements for line in in_words(one, claims.program)]).encode()
+    to_json([line for one in claims.statements for line in in_words(one, claims)]).encode()
     check(replace(claims, program_hash="another"))
     differences(claims, place.root / RUN)
 
@@ -133,12 +132,13 @@ def _kept_walk(path: Path) -> tuple[Any, str | None]:
 
 def pictures(*names: str, rare: bool = False) -> Reader:
     """Figures of `report RUN`; if `rare`, drawn of some inputs, and their data read of all."""
-    chosen = [make for name, _, make in figures.MAKERS if name in names]
+    chosen = [make for name, _, make in makers.MAKERS if name in names]
 
     def draw(place: Place, path: Path) -> None:
-        source = figures.Source(open_run(place.root / RUN))
+        run = open_run(place.root / RUN)
+        source = makers.Source(run, certificate_of(run))
         if rare:
-            _ = source.certificate, source.walk
+            _ = source.walk
         if "residual-field" in names:
             with _instead(gait_data, compute=lambda run: _computed(place)):
                 residual_data.residual_data(source.run)
@@ -146,7 +146,7 @@ def pictures(*names: str, rare: bool = False) -> Reader:
             return
         with _instead(gait_data, compute=lambda run: _computed(place)):
             for make in chosen:
-                with contextlib.suppress(figures.Absent):
+                with contextlib.suppress(makers.Absent):
                     make(source)
         pyplot.close("all")
 
@@ -205,12 +205,12 @@ def resume_proof(place: Place, path: Path) -> None:
     number = int(path.stem.rpartition("-")[2])
     search = load(path, place.problems[number])
     open_boxes(path)
-    search.cells.is_leaf.sum()
+    search.tree.is_leaf.sum()
 
 
 def read_residual(place: Place, path: Path) -> None:
     """`refine RUN`, up to where it trains."""
-    stored.read(path, place.robot)
+    Learned.read(path, place.robot)
 
 
 def sure(place: Place, path: Path) -> None:

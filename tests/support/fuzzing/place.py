@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.sets import find_sets, premise_problems, trace_certificate
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.training import Trainer, TrainState
 from neuralgaits.workflows.certify import _problems
-from neuralgaits.workflows.run import Run, open_run
 from support import amber3m_files, brief_spec, small_proof
 from support.random_biped import catalogue
 

@@ -5,16 +5,16 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits import logs
+from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import specs
 from neuralgaits.cli.learning_verbs import disturbance_bounds
 from neuralgaits.cli.verbs import _widths
-from neuralgaits.residual import stored
 from neuralgaits.robots import load_robot
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import resolve, resolve_unfinished
 from neuralgaits.simulation.disturbance import parse
 from neuralgaits.simulation.link_config import parse_link
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.episode_folder import EpisodeFolder
 from support.fuzzing.alter import ODD, Draw, altered_bytes
 from support.fuzzing.doors import Reader
 from support.fuzzing.place import RUN, Place
@@ -64,7 +64,7 @@ READERS: tuple[Reader, ...] = (
     _reads(lambda place, text: resolve(text, place.root)),
     _reads(lambda place, text: resolve_unfinished(text, place.root)),
     _reads(lambda place, text: EpisodeFolder.find(text, place.root)),
-    _reads(lambda place, text: stored.read(Path(text), place.robot)),
+    _reads(lambda place, text: Learned.read(Path(text), place.robot)),
     _reads(lambda place, text: parse(text)),
     _reads(lambda place, text: parse_link(text)),
     _reads(lambda place, text: disturbance_bounds(text, str(place.root / RUN))),

@@ -57,13 +57,13 @@ def tree(base: Base, draw: Draw) -> Mutation:
     statement = table["statements"][int(draw.integers(len(table["statements"])))]
     bits = statement["tree"]
     place = int(draw.integers(len(bits)))
-    turned = bits[:place] + "10"[int(bits[place])] + bits[place + 1 :]
+    turned = bits[:place] + ("0" if bits[place] == "-" else "-") + bits[place + 1 :]
     changes = {
         f"bit {place} turned": turned,
-        f"cut at {place}": bits[:place] or "1",
-        "one leaf more": bits + "0",
+        f"cut at {place}": bits[:place] or "0",
+        "one leaf more": bits + "-",
         f"bit {place} twice": bits[:place] + bits[place:][:1] + bits[place:],
-        "a split without end": "1" * 200 + "0" * 601,
+        "a split without end": "0" * 200 + "-" * 201,
     }
     name = str(draw.choice(sorted(changes)))
     statement["tree"] = changes[name]

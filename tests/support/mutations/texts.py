@@ -84,8 +84,8 @@ def other_type(base: Base, draw: np.random.Generator) -> Mutation:
 
 def other_format(base: Base, draw: np.random.Generator) -> Mutation:
     """A file of another format, kind or chart."""
-    changes: list[Table] = [{"format": value} for value in (0, 1, 3, -2, "2", 2.5, None)]
-    changes += [{"kind": "neuralgaits level 1"}, {"kind": ""}, {"chart": "z = (z1, z2)"}]
+    changes: list[Table] = [{"format": value} for value in (0, 1, 2, -3, "3", 3.5, None)]
+    changes += [{"kind": "neuralgaits level 1"}, {"kind": ""}, {"chart": "u = (phase, level)"}]
     change = changes[int(draw.integers(len(changes)))]
     return altered(f"{change}", "unreadable", BOTH, base.copy() | change)
 

@@ -1,4 +1,4 @@
-"""Trees with bits flipped, and with subtrees cut, exchanged and grown.
+"""Trees with signs changed, and with subtrees cut, exchanged and grown.
 
 A tree says where boxes are halved. One that is none contradicts the file: what it reduces to,
 split by split, is not a leaf, or it is deeper than a double has digits. One that is a tree makes
@@ -18,27 +18,25 @@ DEEPEST = 48
 """Halvings after which a double has no digits left."""
 
 
-def children(statement: Table) -> int:
-    """How many a split of the root box has: two for each axis with a width."""
-    low, high = statement["root"]["low"], statement["root"]["high"]
-    return 2 ** sum(float.fromhex(a) != float.fromhex(b) for a, b in zip(low, high, strict=True))
+def wide(statement: Table) -> str:
+    """The axes along which the root box can be halved, as digits."""
+    ends = zip(statement["root"]["low"], statement["root"]["high"], strict=True)
+    return "".join(str(k) for k, (a, b) in enumerate(ends) if float.fromhex(a) != float.fromhex(b))
 
 
-def is_tree(bits: str, parts: int) -> bool:
-    """Whether splits into leaves can be taken back, one after the other, until a leaf is left."""
-    if parts == 1:
-        return bits == "0"
-    split = "1" + "0" * parts
-    while split in bits:
-        bits = bits.replace(split, "0")
-    return bits == "0"
+def is_tree(signs: str, axes: str) -> bool:
+    """Whether halvings into leaves can be taken back, one after the other, until a leaf is left."""
+    before = None
+    while axes and signs != before:
+        before, signs = signs, re.sub(f"[{axes}]--", "-", signs)
+    return signs == "-"
 
 
-def subtrees(bits: str, parts: int) -> list[tuple[int, int]]:
+def subtrees(signs: str) -> list[tuple[int, int]]:
     """Where each node's subtree begins and ends, the whole tree first."""
     spans, open_nodes = [], []
-    for place, bit in enumerate(bits):
-        open_nodes.append([place, parts if bit == "1" else 0])
+    for place, sign in enumerate(signs):
+        open_nodes.append([place, 0 if sign == "-" else 2])
         while open_nodes and open_nodes[-1][1] == 0:
             begin, _ = open_nodes.pop()
             spans.append((begin, place + 1))
@@ -49,14 +47,15 @@ def subtrees(bits: str, parts: int) -> list[tuple[int, int]]:
 
 
 def flipped(base: Base, draw: Draw) -> Mutation | None:
-    """One bit, or several."""
+    """One sign, or several."""
 
-    def change(bits: str, parts: int) -> tuple[str, str]:
+    def change(bits: str, axes: str) -> tuple[str, str]:
         count = int(draw.choice([1, 1, 1, 2, 3]))
         places = sorted({int(k) for k in draw.integers(len(bits), size=count)})
         for place in places:
-            bits = bits[:place] + "10"[int(bits[place])] + bits[place + 1 :]
-        return f"bits {places} flipped", bits
+            other = "-" if bits[place] != "-" else str(draw.choice([*(axes or "0"), "7"]))
+            bits = bits[:place] + other + bits[place + 1 :]
+        return f"signs {places} changed", bits
 
     return _broken(base, draw, change)
 
@@ -64,8 +63,8 @@ def flipped(base: Base, draw: Draw) -> Mutation | None:
 def cut_out(base: Base, draw: Draw) -> Mutation | None:
     """A subtree that is gone."""
 
-    def change(bits: str, parts: int) -> tuple[str, str]:
-        begin, end = _pick(subtrees(bits, parts), draw)
+    def change(bits: str, axes: str) -> tuple[str, str]:
+        begin, end = _pick(subtrees(bits), draw)
         return f"bits {begin} to {end} gone", bits[:begin] + bits[end:]
 
     return _broken(base, draw, change)
@@ -74,9 +73,9 @@ def cut_out(base: Base, draw: Draw) -> Mutation | None:
 def put_in(base: Base, draw: Draw) -> Mutation | None:
     """A subtree twice."""
 
-    def change(bits: str, parts: int) -> tuple[str, str]:
-        begin, end = _pick(subtrees(bits, parts), draw)
-        place, _ = _pick(subtrees(bits, parts), draw)
+    def change(bits: str, axes: str) -> tuple[str, str]:
+        begin, end = _pick(subtrees(bits), draw)
+        place, _ = _pick(subtrees(bits), draw)
         return f"bits {begin} to {end} again at {place}", bits[:place] + bits[begin:end] + bits[
             place:
         ]
@@ -89,8 +88,8 @@ def of_another_box(base: Base, draw: Draw) -> Mutation | None:
     table = base.copy()
     others = sorted({s["tree"] for s in table["statements"]})
 
-    def change(bits: str, parts: int) -> tuple[str, str]:
-        del bits, parts
+    def change(bits: str, axes: str) -> tuple[str, str]:
+        del bits, axes
         return "another statement's tree", str(draw.choice(others))
 
     return _broken(base, draw, change)
@@ -98,23 +97,23 @@ def of_another_box(base: Base, draw: Draw) -> Mutation | None:
 
 def too_deep(base: Base, draw: Draw) -> Mutation | None:
     """A leaf halved until its digits are exhausted, and once more."""
-    table, statement, bits, parts = _chosen(base, draw)
-    if parts == 1:
+    table, statement, bits, axes = _chosen(base, draw)
+    if not axes:
         return None
-    leaves = [k for k, bit in enumerate(bits) if bit == "0"]
+    leaves = [k for k, sign in enumerate(bits) if sign == "-"]
     place, count = _pick(leaves, draw), DEEPEST + 1
-    path = "1" * count + "0" * (count * (parts - 1) + 1)
+    path = str(draw.choice([*axes])) * count + "-" * (count + 1)
     statement["tree"] = bits[:place] + path + bits[place + 1 :]
-    assert is_tree(statement["tree"], parts)
+    assert is_tree(statement["tree"], axes)
     return _altered(table, statement, f"leaf at {place} halved {count} times")
 
 
 def pruned(base: Base, draw: Draw) -> Mutation | None:
     """A subtree cut down to a leaf, and a bound too high."""
 
-    def change(bits: str, parts: int) -> tuple[str, str]:
-        begin, end = _pick(subtrees(bits, parts), draw)
-        return f"bits {begin} to {end} a leaf", bits[:begin] + "0" + bits[end:]
+    def change(bits: str, axes: str) -> tuple[str, str]:
+        begin, end = _pick(subtrees(bits), draw)
+        return f"bits {begin} to {end} a leaf", bits[:begin] + "-" + bits[end:]
 
     return _hidden(base, draw, change)
 
@@ -122,8 +121,8 @@ def pruned(base: Base, draw: Draw) -> Mutation | None:
 def exchanged(base: Base, draw: Draw) -> Mutation | None:
     """Two subtrees exchanged, and a bound too high."""
 
-    def change(bits: str, parts: int) -> tuple[str, str]:
-        spans = subtrees(bits, parts)
+    def change(bits: str, axes: str) -> tuple[str, str]:
+        spans = subtrees(bits)
         one = _pick(spans, draw)
         apart = [s for s in spans if s[1] <= one[0] or s[0] >= one[1]]
         if not apart:
@@ -139,13 +138,13 @@ def exchanged(base: Base, draw: Draw) -> Mutation | None:
 def grown(base: Base, draw: Draw) -> Mutation | None:
     """Leaves split further, and a bound too high."""
 
-    def change(bits: str, parts: int) -> tuple[str, str]:
-        if parts == 1:
+    def change(bits: str, axes: str) -> tuple[str, str]:
+        if not axes:
             return "no width to split", bits
         chosen = draw.random(len(bits)) < 0.3
-        split = "1" + "0" * parts
+        split = str(draw.choice([*axes])) + "--"
         grown_bits = (
-            split if bit == "0" and more else bit for bit, more in zip(bits, chosen, strict=True)
+            split if sign == "-" and more else sign for sign, more in zip(bits, chosen, strict=True)
         )
         return "leaves split", "".join(grown_bits)
 
@@ -155,29 +154,30 @@ def grown(base: Base, draw: Draw) -> Mutation | None:
 def lopsided(base: Base, draw: Draw) -> Mutation | None:
     """One corner halved thirty times and the rest not at all, and a bound too high."""
 
-    def change(bits: str, parts: int) -> tuple[str, str]:
-        if parts == 1:
+    def change(bits: str, axes: str) -> tuple[str, str]:
+        if not axes:
             return "no width to split", bits
         count = int(draw.integers(5, 30))
-        return f"one corner halved {count} times", "1" * count + "0" * (count * (parts - 1) + 1)
+        path = "".join(axes[k % len(axes)] for k in range(count))
+        return f"one corner halved {count} times", path + "-" * (count + 1)
 
     return _hidden(base, draw, change)
 
 
-Change = Callable[[str, int], tuple[str, str]]
+Change = Callable[[str, str], tuple[str, str]]
 
 
-def _chosen(base: Base, draw: Draw) -> tuple[Table, Table, str, int]:
+def _chosen(base: Base, draw: Draw) -> tuple[Table, Table, str, str]:
     table = base.copy()
     statement = _pick(table["statements"], draw)
-    return table, statement, statement["tree"], children(statement)
+    return table, statement, statement["tree"], wide(statement)
 
 
 def _broken(base: Base, draw: Draw, change: Change) -> Mutation | None:
     """A statement with what is no tree of its root; None if it is one by chance."""
-    table, statement, bits, parts = _chosen(base, draw)
-    what, statement["tree"] = change(bits, parts)
-    if not statement["tree"] or is_tree(statement["tree"], parts):
+    table, statement, bits, axes = _chosen(base, draw)
+    what, statement["tree"] = change(bits, axes)
+    if not statement["tree"] or is_tree(statement["tree"], axes):
         return None
     return _altered(table, statement, what)
 
@@ -190,9 +190,9 @@ def _altered(table: Table, statement: Table, what: str) -> Mutation:
 def _hidden(base: Base, draw: Draw, change: Change) -> Mutation:
     """A statement that is false by a twentieth of its scale or more, with another true tree."""
     table, statement, name, seen = one_alone(base, draw)
-    parts = children(statement)
-    what, statement["tree"] = change(statement["tree"], parts)
-    assert is_tree(statement["tree"], parts) and not re.search("[^01]", statement["tree"])
+    axes = wide(statement)
+    what, statement["tree"] = change(statement["tree"], axes)
+    assert is_tree(statement["tree"], axes)
     more = float(draw.uniform(0.05, 1.0))
     statement["bounds"][name] = seen + more
     return altered(f"{name} {more:.2g} too high, {what}", "false", BOTH, table)

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits.analysis.data import MeasuredWalk
+from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.errors import InputError
 from neuralgaits.logs import Log
-from neuralgaits.report.data import MeasuredWalk
-from neuralgaits.report.skeleton import skeleton
 from neuralgaits.runs import from_json
 from neuralgaits.runs.shape import TEXT, complaint, list_of
-from neuralgaits.workflows.run import Run
 
 SIMULATED, WALKED = "simulation", "walks/logs"
 """Folders of a run that logs lie in: of `simulate`, and of a round of episodes."""

@@ -2,18 +2,19 @@
 
 import numpy as np
 
-from neuralgaits.analysis import flow as gait_flow
+from neuralgaits.analysis.flow import MOTION, Mesh
+from neuralgaits.analysis.orbit import cycle, sampled_map
+from neuralgaits.analysis.phase_plane import plane
 from neuralgaits.analysis.quantities import Chart, Look
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays
+from neuralgaits.runs.names import MAP
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
-from neuralgaits.workflows.run import Run
 
-MAP = "certificate/map.safetensors"
 COLUMNS, ROWS, FENCE_POINTS = 41, 31, 61
 PHASES, LEVELS = 41, 21
 """Cells whose least margin is shown where there is no certificate."""
-MAP_POINTS = 13
 ASIDE, ABOVE = 0.14, 0.22
 """How far the picture reaches beyond the tube, in its length and its height."""
 
@@ -26,17 +27,10 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
         look: everything about states.
         certified: whether the map of the run's certificate is about this very gait.
     """
-    chart, motion = Chart(run.gait, run.spec), look.only("dz", "foot", "z_after")
-    span = (chart.start, chart.guard)
+    chart, motion = Chart(run.gait, run.spec), look.only(*MOTION)
     with np.errstate(all="ignore"):
-        phases = np.linspace(0.0, 1.0, FENCE_POINTS)
-        fences = chart.fences(phases)
-        fence_z1 = span[0] + phases * (span[1] - span[0])
-        aside, above = ASIDE * (span[1] - span[0]), ABOVE * float(np.ptp(fences))
-        z1 = np.linspace(span[0] - aside, span[1] + aside, COLUMNS)
-        low = max(float(fences.min()) - above, 0.05 * float(fences.min()))
-        z2 = np.linspace(low, float(fences.max()) + above, ROWS)
-        dz = motion(np.stack(np.meshgrid(z1, z2), axis=-1).reshape(-1, 2))["dz"]
+        around = plane(chart, phases=FENCE_POINTS, lines=(COLUMNS, ROWS), beyond=(ASIDE, ABOVE))
+        dz = around.laid_out(motion(around.states)["dz"])
         boxes = _proved(run) if certified else None
         if boxes is None:
             boxes, known = _sampled(chart, look), "sampled margins (no proof)"
@@ -44,15 +38,13 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
             known = "proved margins"
         else:
             known = "bounded margins (only green is proved)"
-        orbit = _orbit(chart, motion, span)
+        orbit = sampled_map(motion, chart).orbit
+        path = cycle(motion, orbit, Mesh.of_gait(chart.start, chart.guard)).z[:, 0]
     corners, answer, margin = boxes
     return Portrait(
-        z1=z1,
-        z2=z2,
-        dz=dz.reshape(ROWS, COLUMNS, 2),
-        fence_z1=fence_z1,
-        fence_z2=fences,
-        orbit=orbit,
+        **around._asdict(),
+        dz=dz,
+        orbit=path[np.isfinite(path).all(axis=1)],
         corners=corners,
         answer=answer,
         margin=margin,
@@ -83,11 +75,3 @@ def _sampled(chart: Chart, look: Look) -> tuple[np.ndarray, np.ndarray, np.ndarr
     answer = np.where(least >= 0.0, PROVED, REFUTED)
     margin = np.where(np.isfinite(least), least, 0.0)
     return corners.reshape(-1, 4, 2), answer, margin
-
-
-def _orbit(chart: Chart, motion: Look, span: tuple[float, float]) -> np.ndarray:
-    """From landing to landing; no rows if no periodic orbit was found between the fences."""
-    z2 = chart.section(MAP_POINTS)
-    orbit = gait_flow.fixed_point(motion, z2, gait_flow.returns(motion, z2, span).z2, span)
-    path = gait_flow.cycle(motion, orbit, span).z[:, 0]
-    return path[np.isfinite(path).all(axis=1)]

@@ -29,7 +29,7 @@ def ask(run: Path, theorems: Theorems) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "answer.json"
         done = subprocess.run(
-            command_of("neuralgaits.workflows.retrace", str(run), str(file)),
+            command_of("neuralgaits.certificate.retrace", str(run), str(file)),
             input=json.dumps(theorems.tables()),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
@@ -61,17 +61,17 @@ def _read(file: Path) -> dict[str, Any] | None:
 def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
     """What a proof with these theorems must be about, in this process.
 
-    Returns: "program_hash"; for levels 1 to 3 "model" (or None), "regions" and "conditions" as a
+    Returns: "program_hash" and "model" (or None); for levels 1 to 3 "regions" and "conditions" as a
         model has them, "barriers" and "carried", names of conditions; for level 4 "barriers".
     Raises: InputError if the run cannot be opened or traced.
     """
     # These import JAX, and the run's spec.
+    from neuralgaits.analysis.run import open_run
+    from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
     from neuralgaits.certificate.levels.full_order.prove import trace_full_order
     from neuralgaits.certificate.levels.sets import Sets, trace_certificate
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
-    from neuralgaits.workflows.certify_full_order import model_of
-    from neuralgaits.workflows.run import open_run
 
     opened = open_run(run)
     if theorems.full is not None:
@@ -80,10 +80,12 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
                 "expected a run of the rigid model for a proof of level 4, found one whose "
                 f"dynamics carry a learned residual, {run}: level 4 is not about it"
             )
-        model = model_of(opened, theorems.full.bandwidth)
+        model = FullOrderModel(opened.robot, opened.gait, opened.spec, theorems.full.bandwidth)
         found: dict[str, Any] = {"barriers": model.names, "program_hash": None}
         if [barrier.name for barrier in theorems.full.barriers] == model.names:
-            found["program_hash"] = trace_full_order(model, theorems.full).hash
+            program = trace_full_order(model, theorems.full)
+            data = model_data(opened.robot, opened.gait, opened.spec, program)
+            found |= {"program_hash": program.hash, "model": plain(data)}
         return found
     spec, gait, residuals = opened.spec, opened.gait, opened.residuals
     sets = Sets(theorems.walking, theorems.orbit)

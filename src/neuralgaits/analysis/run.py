@@ -9,18 +9,17 @@ from typing import Any
 import jax
 from jaxtyping import PRNGKeyArray
 
+from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.report.page.saved import trained
-from neuralgaits.residual import stored
-from neuralgaits.residual.stored import Learned
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.folder import CONFIG, refuse_misshapen
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.shape import NUMBER, TEXT, Shape, list_of, may, one_of, table_of, whole
+from neuralgaits.runs.trained import trained
 
 WIDEST, DEEPEST = 2**14, 16
 """Hidden layers that a config may ask for: what is more is damage, and would fill the memory."""
@@ -72,13 +71,18 @@ class Run:
 
     @cached_property
     def learned(self) -> Learned | None:
-        """What the run was told of its robot beyond the model; None if nothing."""
-        return learned_of(self.folder, self.robot)
+        """What the run was told of its robot beyond the model; None if nothing.
+
+        Raises: RunError if the file is not as it was.
+        """
+        if RESIDUAL not in self.folder.config["copies"]:
+            return None
+        return Learned.read(self.folder.copied(RESIDUAL), self.robot)
 
     @property
     def residuals(self) -> Residuals:
         """Residuals of flow and reset that the run was trained with."""
-        return residuals_of(self.learned)
+        return Residuals() if self.learned is None else self.learned.residuals
 
     @property
     def zero_dynamics(self) -> ZeroDynamics:
@@ -151,18 +155,6 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
             "spec to FILE.py and train with --spec FILE.py:NAME"
         )
     return robot, spec
-
-
-def learned_of(folder: RunFolder, robot: PlanarBiped) -> Learned | None:
-    """The residual file that a run carries. Raises: RunError if it is not as it was."""
-    if RESIDUAL not in folder.config["copies"]:
-        return None
-    return stored.read(folder.copied(RESIDUAL), robot)
-
-
-def residuals_of(learned: Learned | None) -> Residuals:
-    """Residuals for zero dynamics; none if nothing was learned."""
-    return Residuals() if learned is None else learned.residuals
 
 
 def untrained(folder: RunFolder, spec: GaitSpec) -> Gait:

@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._settings import MOST_ROUNDS
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
@@ -31,8 +33,6 @@ from neuralgaits.runs.shape import (
     whole,
 )
 from neuralgaits.simulation.walk import LAWS
-from neuralgaits.workflows.run import Run
-from neuralgaits.workflows.settings import MOST_ROUNDS
 
 ASKED, SUMMARY = "episodes.json", "summary.json"
 ROBOT, PLANT = "robot.xml", "plant.xml"

@@ -9,9 +9,8 @@ import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Array, Float, ZeroState
-from neuralgaits.gait import Network
 from neuralgaits.gait.activations import tanh
-from neuralgaits.gait.network import scaled_inputs
+from neuralgaits.gait.network import Network, scaled_inputs
 
 BOUND_QUANTILE, BOUND_FACTOR = 0.99, 2.0
 """A residual is bounded by this quantile of the defects it is learned from, times this factor."""

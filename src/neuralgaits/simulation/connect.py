@@ -1,25 +1,24 @@
-"""The exported controller of a run as a process that a simulation talks to."""
+"""The exported controller of a gait as a process that a simulation talks to."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
+from neuralgaits.export.facts import Design
 from neuralgaits.export.source import gait_files
 from neuralgaits.simulation.link_config import LinkConfig
 from neuralgaits.simulation.remote import Remote
-from neuralgaits.workflows.export import design_of
-from neuralgaits.workflows.run import Run
 
 SOURCES = (*build.CORE, "amber_log.c", "link.c")
 
 
 @contextmanager
-def connected(trained: Run, config: LinkConfig, episodes: int, seed: int) -> Iterator[Remote]:
-    """Write, compile and start the controller of a run.
+def connected(design: Design, config: LinkConfig, episodes: int, seed: int) -> Iterator[Remote]:
+    """Write, compile and start the controller of a gait.
 
     Args:
-        trained: the run.
+        design: what the controller is made of.
         config: of the link.
         episodes: how many controllers.
         seed: of what the network does.
@@ -29,7 +28,6 @@ def connected(trained: Run, config: LinkConfig, episodes: int, seed: int) -> Ite
     compilers = build.compilers()
     if not compilers:
         raise InputError("expected a C compiler for --controller c, found none: install gcc")
-    design = design_of(trained)
     files = writing.shipped() | gait_files(design)
     with writing.scratch(files) as folder:
         program = build.build(compilers[0], folder, "controller", SOURCES, build.PLAIN)

@@ -19,6 +19,7 @@ from typing import Literal
 import mujoco
 
 from neuralgaits._cache import cache_folder
+from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, SpecError
@@ -29,7 +30,6 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native_library import Library, NativeError
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
-from neuralgaits.workflows.run import Run
 
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")

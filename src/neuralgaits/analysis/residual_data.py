@@ -6,17 +6,16 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits.analysis.data import ResidualData
+from neuralgaits.analysis.gait_data import fingerprint, gait_data
+from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.quantities import Look
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.report.residual_field import ResidualData
-from neuralgaits.residual import stored
 from neuralgaits.runs import from_json, read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
-from neuralgaits.runs.names import RESIDUAL
+from neuralgaits.runs.names import FIT, FITTED, RESIDUAL
 from neuralgaits.runs.shape import TEXT, complaint, list_of
-from neuralgaits.workflows import fit
-from neuralgaits.workflows.gait_data import fingerprint, gait_data
-from neuralgaits.workflows.run import Run
 
 FILE = "figures/residual.safetensors"
 LOGS, STATES = 4, 2500
@@ -26,7 +25,7 @@ LOGS, STATES = 4, 2500
 def residual_data(run: Run) -> ResidualData | None:
     """What the run was trained with, else what was learned from its logs; None if neither."""
     trained = run.learned is not None
-    path = run.path / (RESIDUAL if trained else fit.FILE)
+    path = run.path / (RESIDUAL if trained else FITTED)
     if not path.is_file():
         return None
     gait = gait_data(run)
@@ -39,7 +38,7 @@ def residual_data(run: Run) -> ResidualData | None:
             arrays, words = {}, {}
         if SHA256 in words and words.get("of") == of:
             return ResidualData(gait, arrays["epsilon"], arrays["visited"], trained)
-    flow = stored.read(path, run.robot).flow
+    flow = Learned.read(path, run.robot).flow
     look = Look(lambda z: {"epsilon": flow(z)})
     z1, z2 = gait["plane/z1"], gait["plane/z2"]
     grid = np.stack(np.meshgrid(z1, z2), axis=-1)
@@ -54,7 +53,7 @@ def _visited(run: Run, trained: bool) -> np.ndarray:
     parent = run.folder.config.get("parent")
     places = [run.path.parent / Path(parent).name, Path(parent)] if trained and parent else []
     for place in places or [run.path]:
-        summary = place / fit.SUMMARY
+        summary = place / FIT
         try:
             found = from_json(summary.read_bytes())
             if complaint(found, {"logs": list_of(TEXT)}) is None:

@@ -16,6 +16,7 @@ import numpy as np
 from neuralgaits import logs
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
+from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
@@ -26,11 +27,10 @@ from neuralgaits.runs import plain
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.native_walk import Engine, engine_of_run
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import walk
-from neuralgaits.workflows.native_walk import Engine, engine_of_run
-from neuralgaits.workflows.run import Run
 
 STARTS, STEPS = 10, 200
 """Walks from anywhere in the tube, and the steps asked of each."""

@@ -1,27 +1,28 @@
-"""What the figures of a gait are drawn from: computed once, kept in the run. See `report.data`."""
+"""What figures of a gait are drawn from: computed once, kept in the run. See `analysis.data`."""
 
 import hashlib
 import json
 
 import numpy as np
 
-from neuralgaits.analysis import flow as gait_flow
+from neuralgaits.analysis.data import GaitData
+from neuralgaits.analysis.flow import MOTION, Mesh, swing
+from neuralgaits.analysis.orbit import cycle, sampled_map
+from neuralgaits.analysis.phase_plane import plane
 from neuralgaits.analysis.quantities import Chart, Look, quantities
+from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.barriers import Barrier
 from neuralgaits.errors import RunError
-from neuralgaits.report.data import GaitData
-from neuralgaits.report.skeleton import skeleton
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, WEIGHTS
-from neuralgaits.workflows.run import Run
 
 FILE = "figures/data.safetensors"
 VERSION = 1
 """Of the arrays and their meaning: data of another version are computed again."""
 PHASES, LEVELS = 81, 41
 COLUMNS, ROWS = 61, 41
-MAP_POINTS = 25
 WALK_STEPS, WALK_NODES = 4, 30
 AROUND = 0.12
 """How far the plane's grid reaches beyond the tube, in lengths of a step and heights."""
@@ -66,16 +67,12 @@ def _with_names(run: Run, arrays: dict[str, np.ndarray]) -> GaitData:
 
 
 def compute(run: Run) -> dict[str, np.ndarray]:
-    """All arrays of `report.data`. Raises: SpecError if the gait cannot be evaluated."""
+    """All arrays of `analysis.data`. Raises: SpecError if the gait cannot be evaluated."""
     look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
-    motion = look.only("dz", "foot", "z_after")
-    span = (float(run.gait.span[0]), float(run.gait.span[1]))
-    tube = Chart(run.gait, run.spec)
+    motion, tube = look.only(*MOTION), Chart(run.gait, run.spec)
     with np.errstate(all="ignore"):
-        mapped, orbit = _map(motion, tube, span)
-        found = _chart(look, tube) | _plane(look, tube, span) | mapped
-        found |= _orbit(run, look, motion, orbit, span)
-        found |= _walks(motion, tube, span)
+        found = _chart(look, tube) | _plane(look, tube) | _orbit(run, look, motion, tube)
+        found |= _walks(motion, tube)
     robot = run.robot
     found |= {
         "robot/torque_limit": np.asarray(robot.torque_limit),
@@ -105,45 +102,32 @@ def _chart(look: Look, tube: Chart) -> dict[str, np.ndarray]:
     }
 
 
-def _plane(look: Look, tube: Chart, span: tuple[float, float]) -> dict[str, np.ndarray]:
-    low, high = tube.fences(np.linspace(0.0, 1.0, PHASES))
-    aside, above = AROUND * (span[1] - span[0]), AROUND * (high.max() - low.min())
-    z1 = np.linspace(span[0] - aside, span[1] + aside, COLUMNS)
-    z2 = np.linspace(max(low.min() - above, 0.02 * low.min()), high.max() + above, ROWS)
-    found = look(np.stack(np.meshgrid(z1, z2), axis=-1).reshape(-1, 2))
-    shape = (ROWS, COLUMNS)
+def _plane(look: Look, tube: Chart) -> dict[str, np.ndarray]:
+    around = plane(tube, phases=PHASES, lines=(COLUMNS, ROWS), beyond=(AROUND, AROUND))
+    found = look(around.states)
     return {
-        "plane/z1": z1,
-        "plane/z2": z2,
-        "plane/dz": found["dz"].reshape(*shape, 2),
-        "plane/nominal_dz": found["nominal_dz"].reshape(*shape, 2),
-        "plane/foot": found["foot"][:, 1].reshape(shape),
-        "plane/barriers": tube.barriers(found, shape),
+        "plane/z1": around.z1,
+        "plane/z2": around.z2,
+        "plane/dz": around.laid_out(found["dz"]),
+        "plane/nominal_dz": around.laid_out(found["nominal_dz"]),
+        "plane/foot": around.laid_out(found["foot"][:, 1]),
+        "plane/barriers": tube.barriers(found, (ROWS, COLUMNS)),
     }
 
 
-def _map(
-    motion: Look, tube: Chart, span: tuple[float, float]
-) -> tuple[dict[str, np.ndarray], gait_flow.Orbit]:
-    """The sampled Poincare map, and its fixed point."""
-    z2 = tube.section(MAP_POINTS)
-    mapped = gait_flow.returns(motion, z2, span).z2
-    orbit = gait_flow.fixed_point(motion, z2, mapped, span)
-    return {"map/z2": z2, "map/z2_after": mapped}, orbit
-
-
-def _orbit(
-    run: Run, look: Look, motion: Look, orbit: gait_flow.Orbit, span: tuple[float, float]
-) -> dict[str, np.ndarray]:
-    """One step from landing to landing; without a fixed point, arrays of no nodes."""
-    path = gait_flow.cycle(motion, orbit, span)
+def _orbit(run: Run, look: Look, motion: Look, tube: Chart) -> dict[str, np.ndarray]:
+    """The sampled map, and one step from landing to landing; without an orbit, of no nodes."""
+    mapped, robot = sampled_map(motion, tube), run.robot
+    orbit = mapped.orbit
+    path = cycle(motion, orbit, Mesh.of_gait(tube.start, tube.guard))
     z, t = path.z[:, 0], path.t[:, 0]
-    tube, robot = Chart(run.gait, run.spec), run.robot
     found = look(z) if len(z) else look(np.array([[0.0, 1.0]]))
     found = {name: array[: len(z)] for name, array in found.items()}
     phase, level = tube.chart(z)
     kept = ("q", "dq", "torque", "force", "foot", "foot_velocity")
     return {
+        "map/z2": mapped.z2,
+        "map/z2_after": mapped.after,
         "orbit/t": t,
         "orbit/z": z,
         **{f"orbit/{name}": found[name] for name in kept},
@@ -151,17 +135,17 @@ def _orbit(
         "orbit/margins": tube.margins(found, phase, level),
         "orbit/barriers": tube.barriers(found, phase.shape),
         "orbit/numbers": np.array(
-            [orbit.z2, orbit.multiplier, orbit.period_s, orbit.step_length_m]
+            [orbit.fixed_point[1], orbit.multiplier, orbit.period_s, orbit.step_length_m]
         ),
     }
 
 
-def _walks(motion: Look, tube: Chart, span: tuple[float, float]) -> dict[str, np.ndarray]:
+def _walks(motion: Look, tube: Chart) -> dict[str, np.ndarray]:
     """Walks that start after an impact near either fence."""
-    phase = np.zeros(2)
+    phase, mesh = np.zeros(2), Mesh.of_gait(tube.start, tube.guard, WALK_NODES)
     state, pieces = tube.z(phase, np.array([0.05, 0.95])), []
     for _ in range(WALK_STEPS):
-        path = gait_flow.swing(motion, state, span, WALK_NODES)
+        path = swing(motion, state, mesh)
         if not path.landed.all():
             break
         pieces.append(path.z)

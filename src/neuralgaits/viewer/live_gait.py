@@ -6,14 +6,14 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.analysis.quantities import ENDS, Chart, Look
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
+from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.viewer.walker import Limits, Margins, Shown
-from neuralgaits.workflows.native_walk import engine_of_run
-from neuralgaits.workflows.run import Run
 
 CONTROLLER = "pd"
 """Law that drives the robot: the one `simulate` takes if none is named."""

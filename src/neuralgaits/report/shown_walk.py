@@ -13,21 +13,21 @@ import jax
 import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
+from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word
 from neuralgaits.report.shapes import RECORDED
 from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import from_json, plain
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.runs.shape import complaint
 from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, Walk, walk
-from neuralgaits.workflows.episode_folder import EpisodeFolder
-from neuralgaits.workflows.native_walk import engine_of_run
-from neuralgaits.workflows.run import Run
 
 FILE = "report/walk.json"
 STEPS = 12

@@ -110,3 +110,20 @@ class MeasuredWalk:
     def last_step(self) -> np.ndarray:
         """Rows of the last step that was finished."""
         return np.flatnonzero(self.step == max(int(self.step[-1]) - 1, 0))
+
+
+@dataclass(frozen=True)
+class ResidualData:
+    """A learned residual over the plane.
+
+    Attributes:
+        gait: of the policy that walked or was trained with it.
+        epsilon: residual of dz on the gait's plane (m/s, N m). [B, A, 2]
+        visited: logged states it was learned from; none if the logs are gone. [K, 2]
+        trained: whether the policy was trained with it.
+    """
+
+    gait: GaitData
+    epsilon: Float[np.ndarray, "B A 2"]
+    visited: Float[np.ndarray, "K 2"]
+    trained: bool
