@@ -1,5 +1,6 @@
 # Needs python3 (3.11 or newer) and make; everything else goes into .venv.
 PYTHON ?= python3
+PYTEST = .venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 PIP_INSTALL = .venv/bin/python -m pip install --quiet --constraint constraints.txt
 
 .PHONY: walk demo proofcheck test quick bench docs lint clean
@@ -23,9 +24,12 @@ build/proofcheck: tools/proofcheck/proofcheck.cpp $(wildcard tools/proofcheck/*.
 	@mkdir -p build
 	$(CXX) -std=c++17 -O2 -frounding-math -ffp-contract=off -Wall -Wextra -Werror $< -o $@
 
-# `quick` leaves out the tests marked as slow.
-test quick: .venv/dev.stamp
-	.venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder $(if $(filter quick,$@),-m "not slow")
+test: .venv/dev.stamp
+	$(PYTEST)
+
+# All but the tests marked as slow.
+quick: .venv/dev.stamp
+	$(PYTEST) -m "not slow"
 
 # Print the figures the tests do not assert: times, rates, long walks. Altered inputs and kills are
 # few here; INPUTS=100000 KILLS=200 make bench takes an hour more.

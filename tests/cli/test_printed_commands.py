@@ -20,6 +20,8 @@ from support import small_spec
 from support.printed import check, on_page, on_screen
 from support.shipped_run import SHIPPED
 
+pytestmark = pytest.mark.slow
+
 
 class Place:
     """A folder to work in, with what was printed there."""

@@ -21,6 +21,8 @@ from support.compiled import folder_with
 from support.designs import design_for
 from support.random_biped import random_biped
 
+pytestmark = pytest.mark.slow
+
 STATES = 2000
 
 

@@ -15,6 +15,8 @@ from neuralgaits.workflows import demo
 from neuralgaits.workflows import export as workflow
 from neuralgaits.workflows.export import export_controller
 
+pytestmark = pytest.mark.slow
+
 FIELDS = {"files", "max_abs_error", "latency_us", "flash_bytes", "ram_bytes"}
 STATES = 500
 

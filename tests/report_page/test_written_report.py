@@ -13,6 +13,8 @@ from neuralgaits.report.shown_walk import FILE
 from neuralgaits.workflows.report import write_report
 from support.shipped_run import SHIPPED
 
+pytestmark = pytest.mark.slow
+
 WIDTHS = (390, 1440)
 """Pixels: a telephone, and a desk."""
 
