@@ -58,7 +58,7 @@ SERVER.set_forkserver_preload(
     ["neuralgaits.cli.verbs", "neuralgaits.cli.progress"]
     + [f"neuralgaits.workflows.{name}" for name in ("certify", "episodes", "export", "report")]
 )
-SPEC = f"{Path(__file__).parents[1] / 'tests' / 'workflows' / 'brief_spec.py'}:brief"
+SPEC = f"{Path(__file__).parents[1] / 'tests' / 'support' / 'brief_spec.py'}:brief"
 """Few conditions: less to trace."""
 RUN, LOG = "run", "run/simulation/walk.csv"
 Words = tuple[str, ...]

@@ -6,15 +6,18 @@ are forward duals over the box's polynomials.
 
 import numpy as np
 import pytest
-from checker_case import Case, SetCase, bounds
+
+from support.checker_case import Case, SetCase, bounds
 
 CASES = {
     "amber3m": Case("amber3m"),
     "torso": Case("torso-2", "softplus"),
     "legs": Case("legs-3"),
+    "learned": Case("amber3m", learned=True),
+    "learned sets": SetCase("torso-2", learned=True, disturbance=(0.02, 0.3)),
     "sets": SetCase("legs-2", disturbance=(0.02, 0.3), attraction="nested tubes"),
 }
-TIGHT = {"legs": 1e-6}
+TIGHT = {"legs": 1e-6, "learned": 1e-8}
 """Width of an enclosure at a point; 1e-9 elsewhere. Elimination in six unknowns costs digits."""
 POINTS, BOXES, SAMPLES = 12, 12, 40
 

@@ -5,10 +5,10 @@ import json
 
 import numpy as np
 import pytest
-from checker_case import holds
 
 from neuralgaits.programs import Program
 from neuralgaits.workflows.check_proof import check_proof
+from support.checker_case import holds
 
 
 def claims(table):
@@ -58,7 +58,7 @@ def test_both_checkers_agree(asked, spoilt, tmp_path):
 
 
 def test_leaves_are_split_further(asked, spoilt):
-    claims(spoilt)["foot-clears"]["tree"] = "0"
+    claims(spoilt)["foot-clears"]["tree"] = "-"
     assert holds(asked(spoilt))
 
 
@@ -96,7 +96,7 @@ def test_false_statements_are_refuted_with_a_point(asked, spoilt, change):
 
 
 def no_width(table):
-    table["statements"][0]["tree"] = "1" * 60 + "0" * 181
+    table["statements"][0]["tree"] = "1" * 60 + "-" * 61
 
 
 INCONSISTENT = {
@@ -105,8 +105,9 @@ INCONSISTENT = {
     "operation": lambda t: t["program"]["operations"][3].__setitem__(0, "neg"),
     "tree cut": lambda t: t["statements"][0].__setitem__("tree", t["statements"][0]["tree"][:-1]),
     "tree grown": lambda t: t["statements"][1].__setitem__(
-        "tree", t["statements"][1]["tree"] + "0"
+        "tree", t["statements"][1]["tree"] + "-"
     ),
+    "no such axis": lambda t: t["statements"][0].__setitem__("tree", "2--"),
     "tree too deep": no_width,
     "scale": lambda t: claims(t)["foot-ceiling"]["scales"].__setitem__("foot-ceiling", 1.0),
     "region": lambda t: claims(t)["foot-rises"].__setitem__("region", "tube"),
@@ -192,13 +193,24 @@ UNREADABLE = {
     "deep": lambda t: "[" * 100_000,
     "cut": lambda t: json.dumps(t)[:-2],
     "more": lambda t: json.dumps(t) + "{}",
-    "twice": lambda t: '{"format": 2, ' + json.dumps(t)[1:],
+    "twice": lambda t: '{"format": 3, ' + json.dumps(t)[1:],
     "NaN": lambda t: json.dumps(t).replace('"degree": 2', '"degree": NaN', 1),
     "infinity": lambda t: json.dumps(t).replace('"degree": 2', '"degree": 1e999', 1),
-    "format": lambda t: t | {"format": 1},
-    "fraction": lambda t: t | {"format": 2.0},
+    "format": lambda t: t | {"format": 2},
+    "fraction": lambda t: t | {"format": 3.0},
     "kind": lambda t: t | {"kind": "other"},
-    "chart": lambda t: t | {"chart": "z"},
+    "chart": lambda t: t | {"chart": "u = (phase, level)"},
+    "no chart": lambda t: t | {"chart": []},
+    "one axis": lambda t: t | {"chart": t["chart"][:1]},
+    "axes exchanged": lambda t: t | {"chart": t["chart"][::-1]},
+    "axis without a width": lambda t: (
+        t | {"chart": [*t["chart"], {"name": "speed", "low": "0x1p0", "high": "0x1p0"}]}
+    ),
+    "axis twice": lambda t: t | {"chart": [*t["chart"], t["chart"][1]]},
+    "wider phase": lambda t: t | {"chart": [t["chart"][0] | {"high": "0x1.8p0"}, t["chart"][1]]},
+    "tree of bits": lambda t: (
+        t | {"statements": [t["statements"][0] | {"tree": "8--"}, *t["statements"][1:]]}
+    ),
     "field": lambda t: t | {"note": "trust me"},
     "no spec": lambda t: {name: value for name, value in t.items() if name != "spec"},
     "no statements": lambda t: t | {"statements": []},
@@ -225,7 +237,7 @@ def test_other_files_are_refused_in_one_line(asked, spoilt, name):
     answer = asked(UNREADABLE[name](spoilt))
     assert answer.returncode == 2, answer.stdout
     assert answer.stdout == "" and answer.stderr.count("\n") == 1
-    assert "expected a proof file of format 2, found in" in answer.stderr
+    assert "expected a proof file of format 3, found in" in answer.stderr
 
 
 def test_no_file_at_all(proofcheck, tmp_path):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from random_biped import random_biped
 
 from neuralgaits.analysis.skeleton import TORSO_SHARE, hip_index, skeleton
 from neuralgaits.report.skeleton import draw
 from neuralgaits.robots import load_robot
+from support.random_biped import random_biped
 
 
 @pytest.mark.parametrize(("links", "torso"), [(1, False), (2, True), (2, False), (3, True)])

@@ -6,12 +6,14 @@ import shutil
 from pathlib import Path
 
 import pytest
-from shipped_run import SHIPPED
 
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.page.document import MOST_BYTES
 from neuralgaits.report.shown_walk import FILE
 from neuralgaits.workflows.report import write_report
+from support.shipped_run import SHIPPED
+
+pytestmark = pytest.mark.slow
 
 WIDTHS = (390, 1440)
 """Pixels: a telephone, and a desk."""

@@ -17,8 +17,10 @@ from neuralgaits.runs import read_arrays
 from neuralgaits.workflows import certify as certify_module
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.train import train
+from support import small_spec
 
-SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+SMALL = small_spec.__file__
+
 FIELDS = {"verdict", "level", "conditions", "wall_s", "proof"}
 ENTRY = {"verdict", "proved_fraction", "boxes", "margin", "counterexample"}
 

@@ -24,6 +24,8 @@ from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.workflows import episodes as workflow
 from neuralgaits.workflows.episodes import episodes
 
+pytestmark = pytest.mark.slow
+
 FIELDS = {"steps_walked", "speed_range_m_s", "heldout_error", "nominal_heldout_error", "loss"}
 LEARNED = {"heldout_error": 0.1, "nominal_heldout_error": 0.4, "wall_s": 1.0}
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import jax
 import numpy as np
-import planted_walk
 import pytest
 
 from neuralgaits import logs
@@ -15,6 +14,9 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.residual.fit import FitConfig
 from neuralgaits.runs.names import FIT, FITTED
 from neuralgaits.workflows.fit import fit
+from support import planted_walk
+
+pytestmark = pytest.mark.slow
 
 FIELDS = {"residual", "train_error", "heldout_error", "nominal_heldout_error", "windows", "wall_s"}
 

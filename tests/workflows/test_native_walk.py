@@ -15,7 +15,6 @@ import mujoco
 import numpy as np
 import pytest
 
-import neuralgaits
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import Controller, Pd
@@ -34,8 +33,8 @@ from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, plant_states, walk
 from neuralgaits.workflows.simulate import simulate
+from support.shipped_run import SHIPPED
 
-SHIPPED = Path(neuralgaits.__file__).parent / "demo_run"
 RELATIVE = 1e-9
 """How far the two may be apart over three steps, in units of the largest value of a signal."""
 PLANTS = {
@@ -108,6 +107,7 @@ def test_every_tick_is_that_of_the_reference(run, library, law, plant):
     assert apart(a.gauge, b.gauge) <= RELATIVE
 
 
+@pytest.mark.slow
 def test_every_kind_of_end_is_that_of_the_reference(run, library):
     """Pushed so hard that some fall, each at its own time."""
     settings = {"episodes": 6, "steps": 9, "disturbance": parse("friction=0.5,delay_ms=2")}

@@ -23,8 +23,10 @@ from neuralgaits.runs.folder import NAN_STATE
 from neuralgaits.runs.names import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS
 from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.train import train
+from support import small_spec
 
-SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+SMALL = small_spec.__file__
+
 STEPS = 300
 
 

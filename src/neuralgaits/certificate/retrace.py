@@ -61,7 +61,7 @@ def _read(file: Path) -> dict[str, Any] | None:
 def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
     """What a proof with these theorems must be about, in this process.
 
-    Returns: "program_hash"; for levels 1 to 3 "model" (or None), "regions" and "conditions" as a
+    Returns: "program_hash" and "model" (or None); for levels 1 to 3 "regions" and "conditions" as a
         model has them, "barriers" and "carried", names of conditions; for level 4 "barriers".
     Raises: InputError if the run cannot be opened or traced.
     """
@@ -83,7 +83,9 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
         model = FullOrderModel(opened.robot, opened.gait, opened.spec, theorems.full.bandwidth)
         found: dict[str, Any] = {"barriers": model.names, "program_hash": None}
         if [barrier.name for barrier in theorems.full.barriers] == model.names:
-            found["program_hash"] = trace_full_order(model, theorems.full).hash
+            program = trace_full_order(model, theorems.full)
+            data = model_data(opened.robot, opened.gait, opened.spec, program)
+            found |= {"program_hash": program.hash, "model": plain(data)}
         return found
     spec, gait, residuals = opened.spec, opened.gait, opened.residuals
     sets = Sets(theorems.walking, theorems.orbit)

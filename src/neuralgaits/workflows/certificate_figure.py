@@ -23,12 +23,12 @@ def write_map(
     chart = trace(lambda u: {"z": run.gait.z(u)}, {"u": (2,)})
     parts = []
     for state in states:
-        cells, leaf = state.cells, state.cells.is_leaf
-        low, high = cells.low[leaf], cells.high[leaf]
+        tree, leaf = state.tree, state.tree.is_leaf
+        low, high = tree.low[leaf], tree.high[leaf]
         corners = [low, np.stack([high[:, 0], low[:, 1]], 1), high]
         corners.append(np.stack([low[:, 0], high[:, 1]], 1))
         z = evaluate(chart, {"u": np.concatenate(corners)}, POINT)["z"]
-        lower, upper = cells.lower[leaf], cells.upper[leaf]
+        lower, upper = tree.lower[leaf], tree.upper[leaf]
         answer = np.where(np.all(lower >= 0.0, axis=1), PROVED, UNDECIDED)
         answer = np.where(np.any(upper < 0.0, axis=1), REFUTED, answer)
         parts.append((z.reshape(4, -1, 2).swapaxes(0, 1), answer, lower.min(axis=1)))

@@ -112,7 +112,8 @@ def _claims(run: Path, file: str, asked: Asked) -> Claims | None:
     if claims.program.hash != claims.program_hash:
         wrong.append("its Program has another hash than it says")
     full = claims.theorems.full is not None
-    if (run / RESIDUAL).is_file() and (full or claims.model is not None):
+    rigid = claims.model is not None and "residuals" not in claims.model
+    if (run / RESIDUAL).is_file() and (full or rigid):
         wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
     wrong += contradictions(claims.statements, claims.theorems, None if full else asked)
     if wrong:

@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.levels.conclusions import Conclusion, conclude, proved_bounds
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.levels.conditions.verdicts import (
@@ -180,7 +181,9 @@ def _problems(run: Run, program: Program) -> list[Problem]:
         names = tuple(condition.name for condition in conditions)
         scales = tuple(float(condition.scale) for condition in conditions)
         part = prune(program, names)
-        problems += [Problem(region, box.low, box.high, names, scales, part) for box in boxes]
+        problems += [
+            Problem(region, *PLAIN.whole(box.low, box.high), names, scales, part) for box in boxes
+        ]
     return problems
 
 

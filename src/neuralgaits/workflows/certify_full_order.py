@@ -9,6 +9,7 @@ from neuralgaits.certificate.levels.conclusions import Conclusion
 from neuralgaits.certificate.levels.full_order.conclude import LEVEL
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH, FullOrderModel
 from neuralgaits.certificate.levels.full_order.prove import BUDGET_S, FullOrderResult, full_order
+from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Proof
 from neuralgaits.certificate.search.schedule import Progress
@@ -63,4 +64,5 @@ def proof(run: Run, result: FullOrderResult) -> Proof:
     assert result.program is not None  # There are statements about it.
     claimed = (LEVEL,) if result.conclusion.verdict == "proved" else ()
     theorems = Theorems(full=result.shape, claimed=claimed)
-    return proof_of(run, result.program, result.statements, theorems, None)
+    model = model_data(run.robot, run.gait, run.spec, result.program)
+    return proof_of(run, result.program, result.statements, theorems, model)

@@ -118,5 +118,5 @@ def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
 
 def _rejected(claims: Claims, wrong: list[str]) -> Report:
     """A file that is not about the run."""
-    statements = tuple(line for one in claims.statements for line in in_words(one, claims.program))
+    statements = tuple(line for one in claims.statements for line in in_words(one, claims))
     return Report("rejected", "; ".join(wrong), statements, (), (), 0)

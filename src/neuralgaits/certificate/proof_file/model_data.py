@@ -25,6 +25,14 @@ _ARRAYS = {
     MLPPolicy: (*_NETWORK_POLICY, "start_and_guard"),
 }
 """Fields that desired outputs depend on, beside the network."""
+_LEARNED = {
+    "flow": "neuralgaits.residual.network.Residual",
+    "reset": "neuralgaits.residual.reset.ResetResidual",
+}
+_LEARNED_ARRAYS = {
+    "flow": ("scale", "shift", "bound"),
+    "reset": ("weight", "offset", "scale", "shift", "bound"),
+}
 NO_RESIDUALS = Residuals()
 
 
@@ -42,14 +50,12 @@ def model_data(
     to the upper joint (a torso's: from the hip upwards) and "across" it, counter-clockwise; SI.
     "policy", "tube": arrays, each {"shape", "values"} or {"constant": name in the Program}.
     "regions": boxes of the chart. "conditions": by name, as in `GaitSpec.describe`.
+    "residuals": of flow and reset, arrays or null; only if something was learned.
 
-    Returns: plain data; None for a policy that is not one of this package's, and for dynamics with
-        residuals, which do not follow from robot and policy.
+    Returns: plain data; None for a policy or a residual that is not one of this package's.
     """
-    if residuals.flow is not None or residuals.reset is not None:
-        return None
-    policy = _policy(gait.policy, program)
-    if policy is None:
+    policy, learned = _policy(gait.policy, program), _residuals(residuals)
+    if policy is None or learned is None:
         return None
     described = plain(spec.describe())
     leg, torso = links_from_text(robot.layout.xml, robot.name)
@@ -64,6 +70,7 @@ def model_data(
             for name, boxes in described["regions"].items()
         },
         "conditions": {row.pop("name"): row for row in described["conditions"]},
+        **({"residuals": learned} if any(learned.values()) else {}),
     }
 
 
@@ -96,15 +103,41 @@ def _policy(policy: AbstractPolicy, program: Program) -> dict[str, Any] | None:
     if kind not in _ARRAYS or not isinstance(policy, HybridInvariantPolicy | MLPPolicy):
         return None
     arrays = {name: getattr(policy, name) for name in _ARRAYS[kind]}
-    for what in ("weights", "biases"):
-        for layer, array in enumerate(getattr(policy.network, what)):
-            arrays[f"network.{what}[{layer}]"] = array
+    arrays |= _layers(policy.network)
     return {
         "kind": kind.__name__,
         "activation": policy.network.activation,
         "layers": len(policy.network.weights),
         "z2_dependence": bool(getattr(policy, "z2_dependence", True)),
         "arrays": _arrays("policy", arrays, program.parameters),
+    }
+
+
+def _residuals(residuals: Residuals) -> dict[str, Any] | None:
+    """What was learned; None if it is not of the kinds that `fit` learns."""
+    found: dict[str, Any] = {"flow": None, "reset": None}
+    for part, learned in residuals._asdict().items():
+        if learned is None:
+            continue
+        kind: Any = type(learned)
+        # By name: rooms of stages know nothing of each other.
+        if f"{kind.__module__}.{kind.__qualname__}" != _LEARNED[part]:
+            return None
+        arrays = {name: getattr(learned, name) for name in _LEARNED_ARRAYS[part]}
+        found[part] = {"arrays": arrays}
+        if part == "flow":
+            arrays |= _layers(learned.network)
+            found[part]["layers"] = len(learned.network.weights)
+        found[part]["arrays"] = _arrays("residuals", arrays, {})
+    return found
+
+
+def _layers(network: Any) -> dict[str, Any]:
+    """Arrays of a network by name."""
+    return {
+        f"network.{what}[{layer}]": array
+        for what in ("weights", "biases")
+        for layer, array in enumerate(getattr(network, what))
     }
 
 

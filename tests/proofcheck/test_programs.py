@@ -1,0 +1,274 @@
+"""The C++ checker by the Program in a file: random Programs in 2 to 8 axes, and forged proofs."""
+
+import hashlib
+import json
+
+import numpy as np
+import pytest
+
+from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs.program import Constant, Input, Operation, Output
+from support.checker_case import bounds, chart_table
+
+MORE = tuple((f"parameter {k}", -1.0 - k, 2.0 + k) for k in range(6))
+"""Axes beyond phase and level, with their ends."""
+UNARY = "neg square sqrt exp log1p sin cos tanh logistic".split()
+BINARY = "add sub mul div".split()
+
+
+def random_program(axes: int, seed: int) -> Program:
+    """Every kind of operation on values of four elements; arguments stay where it is smooth."""
+    draw = np.random.default_rng([axes, seed])
+    arrays = [
+        draw.normal(size=(4, axes)) / axes,
+        draw.normal(size=4),
+        0.3 * draw.normal(size=(4, 4)),
+    ]
+    arrays += [np.array([0.1]), np.array([1.5])]
+    u, matrix, offset, square, tenth, above = range(6)
+    operations, known = [Operation("affine", (matrix, u, offset), 4)], [6]
+
+    def add(kind: str, operands, size: int = 4, **more) -> int:
+        operations.append(Operation(kind, tuple(operands), size, **more))
+        return 5 + len(operations)
+
+    for kind in [*draw.permutation(UNARY + BINARY), "affine", "move", "inner", "sum"]:
+        a, b = (int(draw.choice(known)) for _ in range(2))
+        if kind in ("sqrt", "log1p", "div"):
+            # tanh/10 + 1.5: from 1.4 to 1.6, where these have bounds.
+            inside = add("add", [above, add("mul", [tenth, add("tanh", [b])])])
+            value = add(kind, [a, inside] if kind == "div" else [inside])
+        elif kind == "exp":
+            value = add("exp", [add("tanh", [a])])
+        elif kind == "affine":
+            value = add("affine", [square, a, offset])
+        elif kind == "move":
+            value = add("move", [a, b], index=tuple(draw.integers(8, size=4).tolist()))
+        elif kind in ("inner", "sum"):
+            row = add(kind, [a, b] if kind == "inner" else [a], size=1)
+            value = add("mul", [row, b])
+        else:
+            value = add(kind, [a, b] if kind in BINARY else [a])
+        # Squares of squares would leave every scale.
+        known.append(add("sin", [value]) if kind in ("square", "mul") else value)
+    outputs = tuple(Output(f"margin {k}", (4,), value) for k, value in enumerate(known[-9:]))
+    return Program(
+        (Input("u", (axes,)),),
+        tuple(Constant(None, array) for array in arrays),
+        tuple(operations),
+        outputs,
+    )
+
+
+def file_of(program: Program, bounds: dict[str, float], tree: str = "-") -> dict:
+    """A proof file about a Program, one statement for all of its outputs on all of the chart."""
+    axes = program.inputs[0].shape[0]
+    ends = np.array([(0.0, 1.0), (0.0, 1.0), *((a, b) for _, a, b in MORE)])[:axes]
+    claim = {
+        "conditions": sorted(bounds),
+        "region": "tube",
+        "scales": dict.fromkeys(bounds, 1.0),
+        "bounds": bounds,
+        "degree": 2,
+        "root": {"low": [x.hex() for x in ends[:, 0]], "high": [x.hex() for x in ends[:, 1]]},
+        "tree": tree,
+    }
+    return {
+        "format": 3,
+        "kind": "neuralgaits certificate",
+        "robot": {"name": "none", "sha256": "0"},
+        "weights_sha256": "0",
+        "spec": {"name": "none", "sha256": "0"},
+        "program": json.loads(program.to_json()),
+        "program_hash": program.hash,
+        "chart": chart_table(*MORE[: axes - 2]),
+        "statements": [claim],
+        "theorems": [],
+        "model": None,
+    }
+
+
+def bowl(axes: int, least: float, depth: float = 0.0) -> Program:
+    """A squared distance, plus `least`, less a dent of width 1/30 around a point of its own."""
+    draw = np.random.default_rng(axes)
+    ends = np.array([(0.0, 1.0), (0.0, 1.0), *((a, b) for _, a, b in MORE)])[:axes]
+    at = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * draw.uniform(0.2, 0.8, size=(2, axes))
+    constants = [at[0], at[1], np.array([least]), np.array([900.0]), np.array([depth])]
+    u, centre, dent, floor, sharp, deep = range(6)
+    rows = [("sub", (u, centre), axes), ("square", (6,), axes), ("sum", (7,), 1)]
+    rows += [("add", (8, floor), 1), ("sub", (u, dent), axes), ("square", (10,), axes)]
+    rows += [("sum", (11,), 1), ("mul", (12, sharp), 1), ("neg", (13,), 1), ("exp", (14,), 1)]
+    rows += [("mul", (15, deep), 1), ("sub", (9, 16), 1)]
+    return Program(
+        (Input("u", (axes,)),),
+        tuple(Constant(None, np.asarray(c)) for c in constants),
+        tuple(Operation(*row) for row in rows),
+        (Output("margin", (), 17),),
+    )
+
+
+@pytest.fixture
+def by_program(proofcheck, tmp_path):
+    """Asks the checker about a table, by its Program."""
+
+    def ask(table, *options):
+        path = tmp_path / "proof.json"
+        path.write_text(json.dumps(table))
+        return proofcheck(*(options or ("--program",)), path)
+
+    return ask
+
+
+@pytest.mark.parametrize("axes", [2, 3, 4, 6, 8])
+def test_values_of_random_programs_lie_within_bounds(proofcheck, tmp_path, axes):
+    draw = np.random.default_rng(axes)
+    bounded = total = 0
+    for seed in range(3):
+        program, path = random_program(axes, seed), tmp_path / f"{seed}.json"
+        path.write_text(json.dumps(file_of(program, {"margin 0": 0.0})))
+        size = 0.5 ** draw.uniform(0.0, 6.0, size=(8, 1)) * np.ones(axes)
+        low = draw.uniform(-1.0, 1.0, size=(8, axes))
+        found = bounds(proofcheck, path, low, low + size, "--program")
+        for box, enclosed in enumerate(found):
+            u = low[box] + size[box] * draw.uniform(size=(60, axes))
+            values = evaluate(program, {"u": u}, POINT)
+            for name, ranges in enclosed.items():
+                total += 1
+                if ranges is None:
+                    continue
+                bounded += 1
+                value = values[name].reshape(60, -1)
+                slack = 1e-12 * np.maximum(1.0, np.max(np.abs(value)))
+                assert np.all(ranges[:, 0] - slack <= value.min(axis=0)), (seed, box, name)
+                assert np.all(value.max(axis=0) <= ranges[:, 1] + slack), (seed, box, name)
+    assert bounded > 0.7 * total
+
+
+@pytest.mark.parametrize("axes", [2, 4, 6])
+def test_bounds_are_of_third_order(proofcheck, tmp_path, axes):
+    """Boxes half as wide have bounds that are wrong by an eighth, or nearly so."""
+    program, path = random_program(axes, 7), tmp_path / "proof.json"
+    path.write_text(json.dumps(file_of(program, {"margin 0": 0.0})))
+    centre, draw = np.full((1, axes), 0.3), np.random.default_rng(1)
+    excess = []
+    for size in (0.02, 0.01):
+        (found,) = bounds(proofcheck, path, centre - size / 2, centre + size / 2, "--program")
+        u = centre + size * draw.uniform(-0.5, 0.5, size=(4000, axes))
+        corners = centre + size * draw.choice([-0.5, 0.5], size=(4000, axes))
+        values = evaluate(program, {"u": np.concatenate([u, corners])}, POINT)
+        excess.append(
+            [
+                np.max(values[n].reshape(8000, -1).min(axis=0) - found[n][:, 0])
+                for n in sorted(found)
+            ]
+        )
+    assert np.all(np.array(excess[1]) <= 0.5 * np.array(excess[0]) + 1e-12)
+
+
+@pytest.mark.parametrize("axes", [2, 4, 6])
+def test_what_follows_is_consistent_and_says_no_more(by_program, axes):
+    answer = by_program(file_of(bowl(axes, 0.1), {"margin": 0.09}))
+    assert answer.returncode == 0, answer.stdout
+    last = answer.stdout.splitlines()[-1]
+    assert last.startswith("consistent: every statement follows from the Program in the file; ")
+    assert "nothing was derived from the robot's numbers" in last
+    assert "proved" not in answer.stdout
+
+
+def test_without_being_asked_nothing_is_taken_from_the_program(by_program, proofcheck, tmp_path):
+    table = file_of(bowl(3, 0.1), {"margin": 0.05})
+    assert by_program(table).returncode == 0
+    answer = proofcheck(tmp_path / "proof.json")
+    assert answer.returncode == 3 and "--program" in answer.stdout
+
+
+@pytest.mark.parametrize("axes", [4, 6])
+def test_planted_violations_are_never_accepted(by_program, axes):
+    """The dent is a thousandth of the box or less; without it the statement holds."""
+    dented = by_program(file_of(bowl(axes, 0.1, depth=1e3), {"margin": 0.05}))
+    assert dented.returncode in (1, 3), dented.stdout
+    tree = halved(axes, 4)
+    cut = by_program(file_of(bowl(axes, 0.1, depth=1e3), {"margin": 0.05}, tree))
+    assert cut.returncode in (1, 3), cut.stdout
+    false = by_program(file_of(bowl(axes, 0.1), {"margin": 0.11}))
+    assert false.returncode == 1 and " at phase " in false.stdout, false.stdout
+    assert MORE[axes - 3][0] in false.stdout
+
+
+def halved(axes: int, depth: int) -> str:
+    """The tree that splits every axis in turn, so many times in all."""
+
+    def node(left: int) -> str:
+        return "-" if not left else str(left % axes) + 2 * node(left - 1)
+
+    return node(depth)
+
+
+def hashed(table):
+    table["program_hash"] = Program.from_json(json.dumps(table["program"])).hash
+    return table
+
+
+def root(table, end: str, axis: int, value: float) -> None:
+    table["statements"][0]["root"][end][axis] = value.hex()
+
+
+FORGED = {
+    "leaf gone": (1, lambda t: t["statements"][0].__setitem__("tree", halved(2, 3)[:-1])),
+    "leaf more": (1, lambda t: t["statements"][0].__setitem__("tree", halved(2, 3) + "-")),
+    "axis that is none": (1, lambda t: t["statements"][0].__setitem__("tree", "7--")),
+    "too deep": (1, lambda t: t["statements"][0].__setitem__("tree", "0" * 49 + "-" * 50)),
+    "sign": (2, lambda t: t["statements"][0].__setitem__("tree", "8--")),
+    "bound": (1, lambda t: t["statements"][0]["bounds"].__setitem__("margin", 0.2)),
+    "scale": (1, lambda t: t["statements"][0]["scales"].__setitem__("margin", 9.0)),
+    "no scale": (2, lambda t: t["statements"][0]["scales"].__setitem__("margin", 0.0)),
+    "root beyond the chart": (2, lambda t: root(t, "high", -1, 40.0)),
+    "root upside down": (2, lambda t: root(t, "low", -1, 40.0)),
+    "root of another size": (2, lambda t: t["statements"][0]["root"]["low"].append("0x0p+0")),
+    "chart cut": (2, lambda t: t["chart"].pop()),
+    "chart grown": (2, lambda t: t["chart"].append(chart_table(("more", 0.0, 1.0))[2])),
+    "axis upside down": (2, lambda t: t["chart"][-1].update(low="0x1p+9")),
+    "axis with more": (2, lambda t: t["chart"][-1].update(unit="m")),
+    "hash": (1, lambda t: t.__setitem__("program_hash", t["program_hash"][::-1])),
+    "operation": (1, lambda t: t["program"]["operations"][0].__setitem__(0, "mul")),
+    "operation and hash": (
+        1,
+        lambda t: (t["program"]["operations"][11].__setitem__(0, "mul"), hashed(t)),
+    ),
+    "condition": (2, lambda t: t["statements"][0]["conditions"].append("other")),
+    "theorem": (2, lambda t: t["theorems"].append({"level": 2, "claimed": True, "parameters": {}})),
+}
+
+
+@pytest.mark.parametrize("axes", [2, 4, 6])
+@pytest.mark.parametrize("name", FORGED)
+def test_forged_files_are_rejected(by_program, axes, name):
+    expected, change = FORGED[name]
+    table = file_of(bowl(axes, 0.1), {"margin": 0.09})
+    change(table)
+    answer = by_program(table)
+    assert answer.returncode == expected, answer.stdout + answer.stderr
+
+
+MALFORMED = {
+    "kind": lambda rows: rows[0].__setitem__(0, "log"),
+    "later operand": lambda rows: rows[0].__setitem__(1, [0, 17]),
+    "no operand": lambda rows: rows[0].__setitem__(1, []),
+    "size": lambda rows: rows[0].__setitem__(2, 1),
+    "no size": lambda rows: rows[0].__setitem__(2, 0),
+    "field": lambda rows: rows[0].append([1]),
+    "move": lambda rows: rows.__setitem__(0, ["move", [0], 4, [0, 1, 2, 9]]),
+    "affine of a value": lambda rows: rows.__setitem__(3, ["affine", [8, 8], 1, 1]),
+    "affine without columns": lambda rows: rows.__setitem__(3, ["affine", [3, 8], 1, 0]),
+}
+
+
+@pytest.mark.parametrize("name", MALFORMED)
+def test_malformed_programs_are_refused(by_program, name):
+    """With a hash of their own: it does not help."""
+    table = file_of(bowl(4, 0.1), {"margin": 0.09})
+    MALFORMED[name](table["program"]["operations"])
+    text = json.dumps(table["program"], sort_keys=True, separators=(",", ":"))
+    table["program_hash"] = hashlib.sha256(text.encode()).hexdigest()
+    answer = by_program(table)
+    assert answer.returncode == 2 and answer.stderr.count("\n") == 1, answer.stdout

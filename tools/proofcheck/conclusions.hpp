@@ -1,0 +1,405 @@
+#pragma once
+
+#include "program.hpp"
+
+namespace {
+
+// --------------------------------------------------------------------------- 14 what follows
+//
+// The statements are inequalities on boxes. Levels 2 and 3 put them together: each method draws one
+// conclusion, or says which premise is missing. docs/guarantees.md has the same in prose.
+
+using Regions = std::map<string, vector<Box>>;
+
+struct ProofFile {
+  string robot, spec, weights_sha256;
+  Chart chart;
+  Model model;
+  string underivable;              // Why nothing follows from `model` here; empty if it does.
+  std::optional<Program> program;  // If statements are to be bounded by it.
+  bool states_conditions = true;   // Whether the Program has any: a file may be of level 4 alone.
+  Regions regions;
+  std::map<string, Condition> conditions;
+  Theorems theorems;
+  std::map<string, Output> outputs;  // Of the Program.
+  vector<Statement> statements;
+};
+
+struct DoesNotFollow { string why; };
+
+string listed(const vector<string>& names) {
+  string all;
+  for (const string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+I exp(I x) { return {exp_at(x.low()).n, exp_at(x.high()).h}; }
+
+// Integral of a series over the step: that of T_k over [-1, 1] is 2 / (1 - k^2) for even k, or 0.
+I over_step(const vector<double>& series) {
+  I total(0.0);
+  for (size_t k = 0; k < series.size(); k += 2) {
+    const double square = static_cast<double>(k) * static_cast<double>(k);
+    total = total + I(series[k]) / (I(1.0) - I(square));
+  }
+  return total;
+}
+
+// What |series| is at most wherever |2 phase - 1| is not larger than at this phase beyond the step:
+// there no Chebyshev polynomial is larger.
+I largest(const vector<double>& series, I phase) {
+  vector<double> sizes;
+  for (const double c : series) sizes.push_back(std::abs(c));
+  return sum(sizes, chebyshev(phase, series.size()));
+}
+
+// Whether boxes together are all of the chart: each cell between their edges lies in one of them.
+bool covers(const vector<Box>& boxes) {
+  std::set<double> cuts[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    cuts[axis] = {0.0, 1.0};
+    for (const Box& box : boxes) cuts[axis].insert({box.low[axis], box.high[axis]});
+  }
+  for (auto x = cuts[0].begin(), x2 = std::next(x); x2 != cuts[0].end(); ++x, ++x2)
+    for (auto y = cuts[1].begin(), y2 = std::next(y); y2 != cuts[1].end(); ++y, ++y2)
+      if (std::none_of(boxes.begin(), boxes.end(), [&](const Box& box) {
+            return box.low[0] <= *x && *x2 <= box.high[0] && box.low[1] <= *y && *y2 <= box.high[1];
+          }))
+        return false;
+  return true;
+}
+
+class Conclusions {
+ public:
+  explicit Conclusions(const ProofFile& file) : file_(file) {}
+
+  // Level 2. A trajectory that starts in T before the ground moves forward at `pace` or more,
+  // crosses no fence, and can meet the ground only falling: not while the foot rises, not while it
+  // is above the ground, and it falls from then on, being above the ground at phase `before` and
+  // below at `last`. From the strip in between, the reset lands between the fences, less than
+  // start_strip from phase 0: in T again.
+  vector<string> walking() const {
+    const WalkingSet& t = *file_.theorems.walking;
+    if (!(0.0 < t.start_strip && t.start_strip < 0.1 && 0.0 < t.guard_strip &&
+          t.guard_strip < 0.1))
+      throw DoesNotFollow{"strips that are not between 0 and 0.1"};
+    if (!(0.0 < t.risen && t.risen <= t.falling && t.falling < t.before))
+      throw DoesNotFollow{"phases of rise and fall that are not in order"};
+    const double pace = positive("set/forward", t.whole());
+    positive("set/inertia", t.whole());
+    const double width = positive("set/width", t.lower());
+    positive("set/fence-lower", t.lower());
+    positive("set/fence-upper", t.upper());
+    positive("set/foot-rises", {{t.first, 0.0}, {t.risen, 1.0}});
+    positive("set/foot-above", {{t.risen, 0.0}, {t.falling, 1.0}});
+    positive("set/foot-falls", {{t.falling, 0.0}, {t.last, 1.0}});
+    positive("set/foot-above", {{t.before, 0.0}, {t.before, 1.0}});
+    positive("set/foot-below", {{t.last, 0.0}, {t.last, 1.0}});
+    positive("set/reset-level", t.strip());
+    if (!(bound("set/reset-phase", t.strip()) > -t.start_strip))
+      throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
+    string start = "T is every state with z2 > 0 and phase in " + interval_words(t.first, t.last) +
+                   " between the fences";
+    const vector<string> safe = barriers(t, start);
+    carried(t);
+
+    const I longest = (I(t.last) - I(t.first)) / I(pace);
+    string push;
+    if (t.disturbed())
+      push = ", whatever d(t) with |d| <= (" + brief(t.push[0]) + " m/s, " + brief(t.push[1]) +
+             " N m) is added to dz,";
+    vector<string> words = {
+        start + ", up to where the swing foot meets the ground; its width in z2 is everywhere " +
+            at_least(width) + " of its middle or more",
+        "every trajectory of the projected hybrid zero dynamics that starts in T" + push +
+            " stays between the fences, meets the ground once and transversally within " +
+            at_most(longest.high()) + " s, and is reset into T: it walks for ever"};
+    const string meant =
+        t.disturbed() ? ", with rates and forces of the undisturbed flow at each state" : "";
+    vector<string> whole, part;
+    for (const string& name : t.carried)
+      (covers(boxes(name)) ? whole : part).push_back(name);
+    if (!whole.empty()) words.push_back("along it hold" + meant + ": " + listed(whole));
+    if (!part.empty())
+      words.push_back("and, while it is in their regions, which are not all of T: " + listed(part));
+    if (t.barriers.empty())
+      words.push_back("no barrier function is part of this level: nothing is said of one that stays "
+                      "non-negative");
+    if (!safe.empty()) words.push_back("and h >= 0 along it, from the start, for: " + listed(safe));
+    return words;
+  }
+
+  // Level 3, which rests on level 2. With zeta = z2^2 / 2 the flow on T is d zeta / d phase = F.
+  // The return map P of the section at mid-step has the slope rho exp(integral of dF/dzeta), from
+  // the phase after the reset to that of the guard: the step, less or more what is in the strips.
+  vector<string> attraction() const {
+    const WalkingSet& t = *file_.theorems.walking;
+    const Orbit& o = *file_.theorems.orbit;
+    if (!(t.falling < o.guard_from && o.guard_from < o.guard_to && o.guard_to <= t.last))
+      throw DoesNotFollow{"the thin tube's guard is not where the foot falls"};
+    const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
+    const I ends = I(t.start_strip) + I(larger(behind, before));
+    const I edge = I(1.0) + I(larger(t.start_strip, larger(behind, before)));
+    not_negative("orbit/expansion", t.whole());
+    const I gain = I(-bound("orbit/gain", t.strip()));
+    const I steepest = largest(o.expansion, edge);
+    const I slope = gain * exp(over_step(o.expansion) + ends * steepest);
+
+    const I multiplier = thin_tube(t, o, ends, edge);
+    if (!(multiplier.low() > 0.0 && multiplier.high() < 1.0))
+      throw DoesNotFollow{"the multiplier is known to be in " +
+                          interval_words(multiplier.low(), multiplier.high()) + " only"};
+    string why;
+    if (o.nested) {
+      why = nested(t, o, gain * exp(I(2.0) * ends * steepest), multiplier);
+    } else if (slope.high() < 1.0) {
+      why = "the return map of the section at mid-step contracts to " + at_most(slope.high()) +
+            " or less on all of T";
+    } else {
+      throw DoesNotFollow{"the return map is not shown to contract: |P'| <= " +
+                          at_most(slope.high())};
+    }
+    const I low = root(I(2.0) * sum(o.thin.lower, chebyshev(I(0.5), o.thin.lower.size())));
+    const I high = root(I(2.0) * sum(o.thin.upper, chebyshev(I(0.5), o.thin.upper.size())));
+    // The widths have one sign all along, for margins that are shares of them are bounded.
+    if (!(low.high() < high.low())) throw DoesNotFollow{"a thin tube that is upside down"};
+    return {why + ": there is one periodic orbit, and every trajectory of the undisturbed system "
+                  "in T converges to it",
+            "at mid-step the orbit has z2 in [" + at_least(low.low(), 9) + ", " +
+                at_most(high.high(), 9) + "] kg m^2/s, and is known to " +
+                at_most(-bound("orbit/width", t.lower())) + " everywhere",
+            "its multiplier is in [" + at_least(multiplier.low()) + ", " +
+                at_most(multiplier.high()) + "]"};
+  }
+
+  // Level 4: the premises of docs/full_order.md, and inequalities (1) to (7) there. V falls at the
+  // rate gamma = 3 w / 2 at least: with the matrices of one joint, -(A' P + P A + gamma P) has the
+  // entries 2 w, 3 and 9 / (2 w), whose determinant is 0, for every w > 0.
+  vector<string> full_order() const {
+    const FullOrder& f = *file_.theorems.full;
+    full_order_premises(f);
+    const I w(f.bandwidth), gamma = I(1.5) * w, radius(f.radius), shrink(f.shrink),
+        guard_radius(f.guard_radius), start(f.start_strip), zero(0.0);
+    const auto falls_to = [&](I phase) { return radius * exp(-(shrink * square(phase))); };
+    const I mismatch = size(f.mismatch) +
+                       size(f.drift) * I(larger((I(1.0) - I(f.near)).high(),
+                                                (I(f.far) - I(1.0)).high()));
+    const I after = mismatch + size(f.gain) * guard_radius;  // r_bar
+    need("0 < bandwidth", zero, w);
+    need("0 < least pace", zero, I(f.slowest));
+    need("0 < inertia", zero, I(f.inertia));
+    need("0 < radius", zero, radius);
+    need("0 < start_strip", zero, start);
+    need("start_strip < 0.05", start, I(0.05));
+    need("guard_strip < 0.05", I(f.guard_strip), I(0.05));
+    need("0 < crossing", zero, I(f.crossing));
+    need("1 - guard_strip < 1 - crossing", I(f.before), I(f.near));
+    need("1 + crossing < 1 + guard_strip", I(f.far), I(f.last));
+    need("0 < risen", zero, I(f.risen));
+    need("risen < 1 - guard_strip", I(f.risen), I(f.before));
+    need("0 < shrink", zero, shrink);
+    need("4 shrink (1 + guard_strip) most pace < gamma",
+         I(4.0) * shrink * I(f.last) * I(f.fastest), gamma);
+    need("the radius at the guard < guard_radius", falls_to(I(f.before)), guard_radius);
+    need("|phase+| < start_strip", I(f.landing) + size(f.landing_slope) * guard_radius, start);
+    need("sqrt(V+) < the radius at the start", after, falls_to(start));
+    string steps, names;
+    for (const BarrierConstants& b : f.barriers) {
+      need(b.name + ": 0 < alpha", zero, I(b.alpha));
+      need(b.name + ": alpha < gamma", I(b.alpha), gamma);
+      need(b.name + ": 0 < sigma", zero, I(b.sigma));
+      const bool fence = names.empty() || &b == &f.barriers[1];
+      const I four = I(4.0) * I(b.sigma);
+      const I tightening = fence ? zero : square(I(b.reading)) / four;
+      if (fence && b.reading != 0.0) throw DoesNotFollow{b.name + " reads outputs"};
+      need(b.name + ": c^2/(4 sigma (gamma - alpha)) + alpha t < epsilon",
+           square(I(b.coupling)) / (four * (gamma - I(b.alpha))) + I(b.alpha) * tightening,
+           I(b.epsilon));
+      need(b.name + ": sigma r_bar^2 < h+ - L_h R_g - t", I(b.sigma) * square(after),
+           I(b.reset) - size(b.reset_slope) * guard_radius - tightening);
+      steps += (names.empty() ? "" : "; ") + b.name;
+      if (!fence) steps += " - " + brief(b.reading) + "^2/(4 * " + brief(b.sigma) + ")";
+      steps += " >= " + brief(b.sigma) + " V";
+      names += (names.empty() ? "" : ", ") + b.name;
+    }
+    const I time = (I(f.before) - start) / I(f.fastest);
+    return {"D is every full state with z2 > 0, phase from " + brief(f.first) + " to " +
+                brief(f.last) + ", swing foot on or above the ground, sqrt(V) <= " +
+                brief(f.radius) + " exp(-" + brief(f.shrink) + " phase^2), and " + steps +
+                "; V is the sum of (dy/w)^2 + 4 (y + dy/w)^2 over the outputs, w = " +
+                brief(f.bandwidth) + " rad/s",
+            "under exact input-output linearisation, ddy = -w^2 y - 2 w dy, in continuous time, "
+            "every trajectory that starts in D stays in D between impacts, meets the ground once "
+            "and transversally in each step, and is in D after the impact: it walks for ever, "
+            "every step takes " + at_least(time.low()) + " s or more, and sqrt(V) after an impact is " +
+                at_most(after.high()) + " rad or less",
+            "all along, " + names + " are not negative on the robot itself, outputs included; the "
+            "contact force stays in the friction cone, so does every impulse, and torques stay "
+            "within the robot's limits"};
+  }
+
+ private:
+  const ProofFile& file_;
+
+  // A constant of which the premises speak by its square: its sign is free there.
+  static I size(double bound) { return I(std::abs(bound)); }
+
+  static void need(const string& claim, I left, I right) {
+    if (!(left.high() < right.low()))
+      throw DoesNotFollow{claim + ": " + at_least(left.low()) + " against " +
+                          at_most(right.high())};
+  }
+
+  void full_order_premises(const FullOrder& f) const {
+    const Box tube = f.tube(), strip = f.strip(), around = f.around();
+    for (const char* name : {"full/pace", "full/inertia", "full/contact", "full/torque"})
+      positive(name, tube);
+    positive("full/foot-rises", {{f.first, 0.0}, {f.risen, 1.0}});
+    positive("full/foot-above", {{f.risen, 0.0}, {f.before, 1.0}});
+    positive("full/foot-below", {{f.last, 0.0}, {f.last, 1.0}});
+    positive("full/crossing-before", {{f.near, 0.0}, {f.near, 1.0}});
+    positive("full/crossing-behind", {{f.far, 0.0}, {f.far, 1.0}});
+    for (const char* name :
+         {"full/guard-slope", "full/foot-falls", "full/impulse", "full/momentum-after"})
+      positive(name, strip);
+    not_negative("full/gain", strip);
+    not_negative("full/landing-slope", strip);
+    not_negative("full/mismatch", {{1.0, 0.0}, {1.0, 1.0}});
+    not_negative("full/drift", around);
+    not_negative("full/landing", around);
+    for (size_t i = 0; i < f.barriers.size(); ++i) {
+      const string& name = f.barriers[i].name;
+      not_negative("full/rate " + name, tube);
+      not_negative("full/coupling " + name, tube);
+      not_negative("full/reset " + name, around);
+      not_negative("full/reset-slope " + name, strip);
+      if (i > 1) not_negative("full/reading " + name, tube);
+    }
+  }
+
+  // The bound that a statement has for an output on a box, rounded down.
+  double bound(const string& output, const Box& box) const {
+    for (const Statement& s : file_.statements)
+      for (const Claim& claim : s.claims)
+        if (claim.name == output && is_whole(s.root_box, box, file_.chart)) return claim.least().low();
+    throw DoesNotFollow{"no statement about " + output + words_for(box, file_.chart)};
+  }
+  double positive(const string& output, const Box& box) const {
+    const double least = bound(output, box);
+    if (!(least > 0.0)) throw DoesNotFollow{output + words_for(box, file_.chart) + " is not above 0"};
+    return least;
+  }
+  void not_negative(const string& output, const Box& box) const {
+    if (!(bound(output, box) >= 0.0))
+      throw DoesNotFollow{output + words_for(box, file_.chart) + " may be negative"};
+  }
+  // Of a condition's region.
+  const vector<Box>& boxes(const string& name) const {
+    const auto found = file_.regions.find(file_.conditions.at(name).region);
+    if (found == file_.regions.end()) throw DoesNotFollow{"no statement about " + name};
+    return found->second;
+  }
+  bool stated(const string& output, const Box& box) const {
+    try {
+      not_negative(output, box);
+      return true;
+    } catch (const DoesNotFollow&) {
+      return false;
+    }
+  }
+
+  // Barriers whose h stays >= 0 along every trajectory: T lies in h >= 0; or h >= 0 at the start and
+  // dh/dt >= -alpha(h) on all of T, which carried() proves. `start` is told what is asked then.
+  vector<string> barriers(const WalkingSet& t, string& start) const {
+    vector<string> safe;
+    string asked;
+    for (const string& name : t.barriers) {
+      const auto condition = file_.conditions.find(name);
+      if (condition == file_.conditions.end() ||
+          (condition->second.unknown.empty() && condition->second.kind != "Barrier"))
+        throw DoesNotFollow{name + " is no barrier condition of the spec"};
+      not_negative("set/after " + name, t.strip());
+      if (t.disturbed()) not_negative("set/rate " + name, t.whole());
+      const bool inside = stated("set/value " + name, t.whole());
+      const bool everywhere = std::count(t.carried.begin(), t.carried.end(), name) > 0 &&
+                              covers(boxes(name));
+      if (inside || everywhere || t.disturbed()) safe.push_back(name);
+      if (!inside) asked += (asked.empty() ? "" : ", ") + name;
+    }
+    if (!asked.empty()) start += " and h >= 0 for: " + asked;
+    return safe;
+  }
+
+  // The conditions that hold along a trajectory have statements on the strips as well.
+  void carried(const WalkingSet& t) const {
+    for (const string& name : t.carried) {
+      const auto condition = file_.conditions.find(name);
+      if (condition == file_.conditions.end())
+        throw DoesNotFollow{name + " is no condition of the spec"};
+      for (const Box& box : boxes(name)) {
+        not_negative(name, box);
+        Box around = box;
+        if (box.low[0] == 1.0) {  // The guard.
+          around.low[0] = t.before;
+          around.high[0] = t.last;
+          not_negative(name, around);
+          continue;
+        }
+        if (box.low[0] == 0.0) {
+          around.low[0] = t.first;
+          around.high[0] = box.high[0] == 0.0 ? t.start_strip : 0.0;
+          not_negative(name, around);
+        }
+        if (box.high[0] == 1.0) {
+          around.low[0] = 1.0;
+          around.high[0] = t.last;
+          not_negative(name, around);
+        }
+      }
+    }
+  }
+
+  // The thin tube is invariant like T: the return map takes its section into itself, so that a
+  // periodic orbit runs in it. Returns what encloses the slope of P there.
+  I thin_tube(const WalkingSet& t, const Orbit& o, I ends, I edge) const {
+    const Box guard = {{o.guard_from, 0.0}, {o.guard_to, 1.0}};
+    positive("orbit/fence-lower", t.lower());
+    positive("orbit/fence-upper", t.upper());
+    positive("orbit/inside", t.lower());
+    positive("orbit/inside", t.upper());
+    positive("orbit/foot-above", {{o.guard_from, 0.0}, {o.guard_from, 1.0}});
+    positive("orbit/foot-below", {{o.guard_to, 0.0}, {o.guard_to, 1.0}});
+    positive("orbit/reset-level", guard);
+    not_negative("orbit/slowest", t.whole());
+    not_negative("orbit/fastest", t.whole());
+    const I least = I(positive("orbit/reset-gain-low", guard));
+    const I most = I(-bound("orbit/reset-gain-high", guard));
+    const I low = least * exp(over_step(o.slowest) - ends * largest(o.slowest, edge));
+    const I high = most * exp(over_step(o.fastest) + ends * largest(o.fastest, edge));
+    return {low.n, high.h};
+  }
+
+  // Nested tubes. r is the distance from the thin tube's middle in its half widths. Outside it |r|
+  // falls along the flow from phase start_strip to `before`. Across ground and reset, a trajectory
+  // and the thin tube's fence next to it part by at most `growth`, and the fence's lands in the
+  // thin tube: |r| - 1 grows by at most growth times the ratio of the half widths.
+  string nested(const WalkingSet& t, const Orbit& o, I growth, I multiplier) const {
+    const Box step = {{t.start_strip, 0.0}, {t.before, 1.0}};
+    positive("orbit/nested-above", step);
+    positive("orbit/nested-below", step);
+    const auto width = [&o](double phase) {
+      const Fences<I> f = fences(o.thin, I(phase));
+      return f.upper - f.lower;
+    };
+    const I factor = growth * (width(t.before) / width(t.start_strip));
+    if (!(factor.high() < 1.0))
+      throw DoesNotFollow{"tubes around the orbit may widen by " + at_most(factor.high()) +
+                          " at the impact"};
+    return "outside a thin tube around the orbit every trajectory gets nearer to it along the "
+           "step, and across the impact to " + at_most(factor.high()) +
+           " of its distance or less; inside it the return map contracts to " +
+           at_most(multiplier.high()) + " or less";
+  }
+};
+
+}  // namespace

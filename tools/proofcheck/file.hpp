@@ -1,0 +1,583 @@
+#pragma once
+
+#include "conclusions.hpp"
+
+namespace {
+
+// ------------------------------------------------------------------------------- 15 the file
+
+struct Named { string name, sha256; };
+
+Named named(const Json& table, const string& what) {
+  only(table, what, {"name", "sha256"});
+  const string& name = text_of(field(table, what, "name"), "a name");
+  if (name.size() > 200 || name.find("  ") != string::npos)
+    refuse("the " + what + " name, too long or with blanks in a row");
+  return {text_of(field(table, what, "name"), "a name"),
+          text_of(field(table, what, "sha256"), "a sha256")};
+}
+
+struct ProgramFacts {
+  Constants constants;               // Those that have a name.
+  vector<vector<double>> values;     // All of them.
+  std::map<string, size_t> outputs;  // Name to number of elements.
+  vector<vector<int>> inputs;        // Shapes of u, and of xi if there is one.
+  bool ball = false;                 // Whether there is.
+
+  // Whether conditions of the spec are among the outputs.
+  bool has_conditions() const {
+    return std::any_of(outputs.begin(), outputs.end(),
+                       [](const auto& output) { return !of_theorem(output.first); });
+  }
+};
+
+ProgramFacts program_facts(const Json& table, const Chart& chart) {
+  only(table, "the Program", {"format", "version", "inputs", "constants", "operations", "outputs"});
+  if (text_of(field(table, "the Program", "format"), "a format") != "neuralgaits-program" ||
+      integer_of(field(table, "the Program", "version"), "a version") != 1)
+    refuse("a Program of another version");
+  ProgramFacts facts;
+  vector<string> names;
+  for (const Json& input : list_of(field(table, "the Program", "inputs"), "inputs")) {
+    if (list_of(input, "an input").size() != 2) refuse("an input that is not name and shape");
+    names.push_back(text_of(input.items[0], "an input's name"));
+    facts.inputs.push_back(shape_of(input.items[1], names.back()));
+  }
+  facts.ball = names == vector<string>{"u", "xi"};
+  if ((!facts.ball && names != vector<string>{"u"}) ||
+      facts.inputs[0] != vector<int>{static_cast<int>(chart.size())} ||
+      facts.inputs.back().size() != 1)
+    refuse("a Program that is no function of the chart's u, or of u and xi");
+  if (facts.ball && facts.inputs[1][0] > 256) refuse("a Program of more than 256 elements of xi");
+  for (const Json& row : list_of(field(table, "the Program", "constants"), "constants")) {
+    const vector<Json>& parts = list_of(row, "a constant");
+    if (parts.size() != 3) refuse("a constant that is not name, shape and data");
+    const bool named = parts[0].type != Json::null;
+    const string name = named ? text_of(parts[0], "a constant's name") : "a formula";
+    Array array;
+    array.shape = shape_of(parts[1], name);
+    const auto bytes = base64(text_of(parts[2], name), name);
+    if (bytes.size() != 8 * elements(array.shape)) refuse(name + " of another size");
+    for (size_t i = 0; i < bytes.size(); i += 8) {
+      std::uint64_t bits = 0;
+      for (size_t b = 8; b-- > 0;) bits = bits << 8 | bytes[i + b];
+      double number;
+      memcpy(&number, &bits, 8);
+      if (!(std::abs(number) < HUGE_VAL)) refuse("a constant of " + name + " that is not finite");
+      array.values.push_back(number);
+    }
+    facts.values.push_back(array.values);
+    if (named && !facts.constants.emplace(name, array).second)
+      refuse("two constants named " + name);
+  }
+  for (const Json& row : list_of(field(table, "the Program", "outputs"), "outputs")) {
+    const vector<Json>& parts = list_of(row, "an output");
+    if (parts.size() != 3) refuse("an output that is not name, shape and value");
+    const string name = text_of(parts[0], "an output's name");
+    if (!facts.outputs.emplace(name, elements(shape_of(parts[1], name))).second)
+      refuse("two outputs named " + name);
+  }
+  return facts;
+}
+
+Chart chart_of(const Json& table) {
+  Chart chart;
+  for (const Json& row : list_of(table, "the chart")) {
+    only(row, "an axis of the chart", {"name", "low", "high"});
+    const string& name = text_of(*row.find("name"), "an axis's name");
+    if (name.empty() || name.size() > 200 || name.find("  ") != string::npos)
+      refuse("the axis '" + name.substr(0, 60) + "', without a name, too long or with blanks in a row");
+    const auto number = [&](const char* end) { return hexadecimal(*row.find(end), name); };
+    chart.push_back({name, number("low"), number("high")});
+    if (!(chart.back().low < chart.back().high)) refuse("the axis " + name + " without a width");
+    if (std::count_if(chart.begin(), chart.end(), [&](const Axis& a) { return a.name == name; }) > 1)
+      refuse("two axes named " + name);
+  }
+  if (chart.size() < 2 || chart.size() > kMostAxes)
+    refuse("a chart of " + std::to_string(chart.size()) + " axes");
+  const auto is = [](const Axis& axis, const char* name, double low, double high) {
+    return axis.name == name && axis.low == low && axis.high == high;
+  };
+  if (!is(chart[0], "phase", -0.05, 1.05) || !is(chart[1], "level", 0.0, 1.0))
+    refuse("a chart that does not begin with phase from -0.05 to 1.05 and level from 0 to 1");
+  return chart;
+}
+
+// A box of the first axes of a chart.
+Box box_of(const Json& table, const string& what, const Chart& chart, size_t axes) {
+  only(table, what, {"low", "high"});
+  Box box;
+  for (const char* end : {"low", "high"})
+    for (const Json& number : list_of(field(table, what, end), "a corner"))
+      (end[0] == 'l' ? box.low : box.high).push_back(hexadecimal(number, "a corner"));
+  if (box.low.size() != axes || box.high.size() != axes)
+    refuse("a corner that is not " + std::to_string(axes) + " numbers");
+  for (size_t axis = 0; axis < axes; ++axis)
+    if (!(chart[axis].low <= box.low[axis] && box.low[axis] <= box.high[axis] &&
+          box.high[axis] <= chart[axis].high))
+      refuse(what + " that is no box of the chart");
+  return box;
+}
+
+Statement statement_of(const Json& table, const Chart& chart,
+                       const std::map<string, Output>& outputs) {
+  only(table, "a statement",
+       {"conditions", "region", "scales", "bounds", "degree", "root", "tree"});
+  Statement s;
+  s.region = text_of(field(table, "a statement", "region"), "a region's name");
+  s.tree = text_of(field(table, "a statement", "tree"), "a tree");
+  if (s.tree.empty() || s.tree.find_first_not_of("01234567-") != string::npos)
+    refuse("a tree that is no string of axes from 0 to 7 and -");
+  s.root_box = box_of(field(table, "a statement", "root"), "a root box", chart, chart.size());
+  const int degree = integer_of(field(table, "a statement", "degree"), "a degree");
+  if (degree != 1 && degree != 2) refuse("a degree other than 1 and 2");
+  const vector<string> names = names_of(field(table, "a statement", "conditions"), "conditions");
+  if (names.empty()) refuse("a statement about nothing");
+  const Json& scales = field(table, "a statement", "scales");
+  const Json& bounds = field(table, "a statement", "bounds");
+  only(scales, "the scales", names);
+  only(bounds, "the bounds", names);
+  for (const string& name : names) {
+    const auto output = outputs.find(name);
+    if (output == outputs.end()) refuse(name + ", which is no output of the Program");
+    Claim claim;
+    claim.name = name;
+    claim.scale = number_of(field(scales, "the scales", name), "a scale");
+    claim.bound = number_of(field(bounds, "the bounds", name), "a bound");
+    claim.output = &output->second;
+    if (!(claim.scale > 0.0)) refuse("a scale that is not positive, for " + name);
+    if (!of_theorem(name) && !(claim.bound >= 0.0)) refuse("a negative bound, for " + name);
+    s.claims.push_back(claim);
+  }
+  return s;
+}
+
+// What a statement about a premise stands under, where one about a condition has its region.
+string label_of(const string& premise) {
+  if (premise.rfind("set/", 0) == 0) return "walking set";
+  if (premise.rfind("full/", 0) == 0) return "full order";
+  return premise == "orbit/expansion" || premise == "orbit/gain" ? "return map" : "orbit";
+}
+
+// A statement about a condition is one about its region, in its scale; beyond the ends of a step a
+// theorem needs it on the strips. Outputs of theorems have no scale.
+void match(const Statement& s, const ProofFile& file) {
+  for (const Claim& claim : s.claims) {
+    const auto found = of_theorem(claim.name) ? file.conditions.end()
+                                              : file.conditions.find(claim.name);
+    const double scale = found == file.conditions.end() ? 1.0 : found->second.scale;
+    if (scale != claim.scale)
+      throw Inconsistent{claim.name + " has the scale " + brief(scale) + ", " +
+                         brief(claim.scale) + " in a statement"};
+    const bool beyond = s.root_box.low[0] < 0.0 || s.root_box.high[0] > 1.0;
+    const bool premise = found == file.conditions.end();
+    const string region = premise ? label_of(claim.name) : beyond ? "strips" : found->second.region;
+    if (region != s.region)
+      throw Inconsistent{claim.name + " has the region " + region + ", " + s.region +
+                         " in a statement"};
+    if (premise || beyond) continue;
+    const vector<Box>& boxes = file.regions.at(found->second.region);
+    if (std::none_of(boxes.begin(), boxes.end(),
+                     [&](const Box& box) { return is_whole(s.root_box, box, file.chart); }))
+      throw Inconsistent{"a statement about " + claim.name +
+                         " whose root is no box of the region " + region};
+  }
+}
+
+vector<double> series_of(const Json& value, const string& what) {
+  vector<double> series;
+  for (const Json& item : list_of(value, what)) series.push_back(hexadecimal(item, what));
+  if (series.empty() || series.size() > 1000) refuse(what + " without numbers, or with too many");
+  return series;
+}
+
+// 1 + x to the nearest double, as whoever wrote the boxes of T has it.
+double one_and(double x) {
+  std::fesetround(FE_TONEAREST);
+  volatile double one = 1.0, other = x, sum = one + other;
+  std::fesetround(FE_UPWARD);
+  return sum;
+}
+
+WalkingSet walking_set_of(const Json& table) {
+  const string what = "level 2";
+  only(table, what, {"start_strip", "guard_strip", "risen", "falling", "disturbance", "barriers",
+                     "carried"});
+  const auto number = [&](const char* name) { return hexadecimal(field(table, what, name), name); };
+  WalkingSet t;
+  t.start_strip = number("start_strip");
+  t.guard_strip = number("guard_strip");
+  t.risen = number("risen");
+  t.falling = number("falling");
+  t.first = -t.start_strip;
+  t.before = one_and(-t.guard_strip);
+  t.last = one_and(t.guard_strip);
+  const vector<double> push = series_of(field(table, what, "disturbance"), "a disturbance");
+  if (push.size() != 2 || !(push[0] >= 0.0 && push[1] >= 0.0))
+    refuse("a disturbance that is not two numbers from 0 up");
+  std::copy(push.begin(), push.end(), t.push);
+  t.barriers = names_of(field(table, what, "barriers"), "barriers");
+  t.carried = names_of(field(table, what, "carried"), "carried conditions");
+  return t;
+}
+
+Orbit orbit_of(const Json& table, const Tube& tube) {
+  const string what = "level 3";
+  only(table, what, {"attraction", "guard_from", "guard_to", "lower", "upper", "expansion",
+                     "slowest", "fastest"});
+  const auto series = [&](const char* name) { return series_of(field(table, what, name), name); };
+  const string attraction = text_of(field(table, what, "attraction"), "attraction");
+  if (attraction != "contraction" && attraction != "nested tubes")
+    refuse("attraction by " + attraction);
+  Orbit o;
+  o.nested = attraction == "nested tubes";
+  o.thin.lower = series("lower");
+  o.thin.upper = series("upper");
+  o.thin.start = tube.start;
+  o.thin.guard = tube.guard;
+  o.expansion = series("expansion");
+  o.slowest = series("slowest");
+  o.fastest = series("fastest");
+  o.guard_from = hexadecimal(field(table, what, "guard_from"), "guard_from");
+  o.guard_to = hexadecimal(field(table, what, "guard_to"), "guard_to");
+  return o;
+}
+
+FullOrder full_order_of(const Json& table) {
+  const string what = "level 4";
+  only(table, what, {"bandwidth", "radius", "shrink", "guard_radius", "start_strip", "guard_strip",
+                     "crossing", "risen", "pace", "inertia", "mismatch", "drift", "gain", "landing",
+                     "landing_slope", "barriers"});
+  const auto number = [](const Json& from, const char* name) {
+    return hexadecimal(field(from, "level 4", name), name);
+  };
+  FullOrder f;
+  f.bandwidth = number(table, "bandwidth");
+  f.radius = number(table, "radius");
+  f.shrink = number(table, "shrink");
+  f.guard_radius = number(table, "guard_radius");
+  f.start_strip = number(table, "start_strip");
+  f.guard_strip = number(table, "guard_strip");
+  f.crossing = number(table, "crossing");
+  f.risen = number(table, "risen");
+  f.inertia = number(table, "inertia");
+  f.mismatch = number(table, "mismatch");
+  f.drift = number(table, "drift");
+  f.gain = number(table, "gain");
+  f.landing = number(table, "landing");
+  f.landing_slope = number(table, "landing_slope");
+  const vector<double> pace = series_of(*table.find("pace"), "a pace");
+  if (pace.size() != 2) refuse("a pace that is not two numbers");
+  f.slowest = pace[0];
+  f.fastest = pace[1];
+  f.first = -f.start_strip;
+  f.last = one_and(f.guard_strip);
+  f.before = one_and(-f.guard_strip);
+  f.near = one_and(-f.crossing);
+  f.far = one_and(f.crossing);
+  for (const Json& row : list_of(*table.find("barriers"), "barriers")) {
+    only(row, "a barrier", {"name", "alpha", "epsilon", "coupling", "reading", "reset",
+                            "reset_slope", "sigma"});
+    BarrierConstants b;
+    b.name = text_of(*row.find("name"), "a barrier's name");
+    b.alpha = number(row, "alpha");
+    b.epsilon = number(row, "epsilon");
+    b.coupling = number(row, "coupling");
+    b.reading = number(row, "reading");
+    b.reset = number(row, "reset");
+    b.reset_slope = number(row, "reset_slope");
+    b.sigma = number(row, "sigma");
+    f.barriers.push_back(b);
+  }
+  // The first two are the fences; no two have one name.
+  std::set<string> names;
+  for (const BarrierConstants& b : f.barriers) names.insert(b.name);
+  if (names.size() != f.barriers.size() || names.size() < 2 ||
+      f.barriers[0].name != "level-lower" || f.barriers[1].name != "level-upper")
+    throw Inconsistent{"barriers of level 4 that are not two fences, then others of other names"};
+  return f;
+}
+
+// Which condition each barrier is of: NAME, or NAME[k] for an element of several.
+void find_conditions(FullOrder& f, const std::map<string, Condition>& conditions) {
+  for (size_t i = 2; i < f.barriers.size(); ++i) {
+    BarrierConstants& b = f.barriers[i];
+    string name = b.name;
+    const size_t open = name.rfind('[');
+    if (!conditions.count(name) && open != string::npos && name.back() == ']') {
+      const string digits = name.substr(open + 1, name.size() - open - 2);
+      if (digits.empty() || digits.size() > 3 ||
+          digits.find_first_not_of("0123456789") != string::npos)
+        throw Inconsistent{"level 4 has the barrier " + name + ", which is none"};
+      b.element = static_cast<size_t>(std::stoi(digits));
+      name = name.substr(0, open);
+    }
+    const auto found = conditions.find(name);
+    if (found == conditions.end() ||
+        (found->second.unknown.empty() && found->second.kind != "Barrier"))
+      throw Inconsistent{"level 4 has the barrier " + name + ", no barrier condition of the spec"};
+    b.condition = &found->second;
+  }
+}
+
+// Levels 2, 3 and 4, in this order, and whether anything is claimed of them.
+Theorems theorems_of(const Json& list, const Tube& tube) {
+  Theorems found;
+  for (const Json& table : list_of(list, "the theorems")) {
+    only(table, "a theorem", {"level", "claimed", "parameters"});
+    const int level = integer_of(field(table, "a theorem", "level"), "a level");
+    const Json& claimed = field(table, "a theorem", "claimed");
+    const Json& parameters = field(table, "a theorem", "parameters");
+    if (claimed.type != Json::boolean) refuse("a theorem that is neither claimed nor not");
+    if (level == 2 && !found.walking && !found.full) {
+      found.walking = walking_set_of(parameters);
+      found.walking->claimed = claimed.number_value != 0.0;
+    } else if (level == 3 && found.walking && !found.orbit && !found.full) {
+      found.orbit = orbit_of(parameters, tube);
+      found.orbit->claimed = claimed.number_value != 0.0;
+    } else if (level == 4 && !found.full) {
+      found.full = full_order_of(parameters);
+      found.full->claimed = claimed.number_value != 0.0;
+    } else {
+      refuse("theorems that are not of level 2, then 3, then 4");
+    }
+  }
+  return found;
+}
+
+// Parameters of the theorems that are lists of numbers, by their names in the Program.
+std::map<string, vector<double>> lists_of(const Theorems& theorems) {
+  std::map<string, vector<double>> lists;
+  if (const auto& t = theorems.walking; t) lists["walking.disturbance"] = {t->push, t->push + 2};
+  if (const auto& o = theorems.orbit; o) {
+    lists["orbit.lower"] = o->thin.lower;
+    lists["orbit.upper"] = o->thin.upper;
+    lists["orbit.expansion"] = o->expansion;
+    lists["orbit.slowest"] = o->slowest;
+    lists["orbit.fastest"] = o->fastest;
+  }
+  if (const auto& f = theorems.full; f) {
+    lists["full.set"] = {f->bandwidth, f->radius,  f->shrink,  f->guard_radius,
+                         f->inertia,   f->mismatch, f->drift,  f->gain,
+                         f->landing,   f->landing_slope, f->slowest, f->fastest};
+    vector<double>& rows = lists["full.barriers"];
+    for (const BarrierConstants& b : f->barriers)
+      rows.insert(rows.end(), {b.alpha, b.epsilon, b.coupling, b.reading, b.reset, b.reset_slope});
+  }
+  return lists;
+}
+
+// Parameters of theorems that the Program has by name are those of the file. If it is the Program
+// that is bounded, it has to have them: its margins are about whatever it computes with.
+void match_theorems(const Constants& constants, const Theorems& theorems, bool all) {
+  for (const auto& [name, numbers] : lists_of(theorems)) {
+    const auto constant = constants.find(name);
+    const bool none = name == "walking.disturbance" && !theorems.walking->disturbed();
+    if (constant == constants.end() ? all && !none : constant->second.values != numbers)
+      throw Inconsistent{"the theorem's " + name + " is not that of the Program"};
+  }
+}
+
+// And so are those of policy and tube, which were compared when they were read.
+void match_model(const Constants& constants, const Json& model, const Theorems& theorems) {
+  const auto lists = lists_of(theorems);
+  for (const auto& [name, constant] : constants) {
+    if (lists.count(name)) continue;
+    const size_t dot = name.find('.');
+    const string owner = name.substr(0, dot);
+    const Json& arrays =
+        owner == "tube" ? *model.find("tube") : *model.find("policy")->find("arrays");
+    if ((owner != "tube" && owner != "policy") || !arrays.find(name.substr(dot + 1)))
+      throw Inconsistent{"the Program has the parameter " + name + ", which the file has not"};
+  }
+}
+
+// full/WHAT BARRIER.
+Output barrier_output(const string& what, const string& barrier, const FullOrder& full) {
+  const auto known = barrier_outputs().find(what);
+  size_t number = 0;
+  while (number < full.barriers.size() && full.barriers[number].name != barrier) ++number;
+  if (known == barrier_outputs().end() || number == full.barriers.size())
+    throw Inconsistent{"the Program's output " + what + " " + barrier + " is no theorem's"};
+  Output output = output_of_barrier(what, number, known->second);
+  if (const Condition* condition = full.barriers[number].condition)
+    output.unknown = condition->unknown;
+  return output;
+}
+
+// Every output of the Program with its meaning.
+std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile& file) {
+  const Theorems& theorems = file.theorems;
+  std::map<string, Output> found;
+  for (const auto& [name, elements] : program.outputs) {
+    Output& output = found[name];
+    // Premises have a slash in their names and conditions have none, so neither hides the other.
+    if (!of_theorem(name)) {
+      const auto condition = file.conditions.find(name);
+      if (condition == file.conditions.end())
+        throw Inconsistent{"the Program's output " + name + " is no condition of the spec"};
+      output = output_of(condition->second);
+      output.elements = elements;
+      continue;
+    }
+    const auto known = theorem_outputs().find(name);
+    const bool of_set = name.rfind("set/", 0) == 0 && theorems.walking;
+    const bool of_orbit = name.rfind("orbit/", 0) == 0 && theorems.orbit;
+    const bool of_full = name.rfind("full/", 0) == 0 && theorems.full;
+    const size_t space = name.find(' ');
+    if (known != theorem_outputs().end() && (of_set || of_orbit)) {
+      output = output_of(name, known->second);
+    } else if (of_full && full_outputs().count(name)) {
+      output = output_of_full_order(name, full_outputs().at(name));
+    } else if (of_full && space != string::npos) {
+      output = barrier_output(name.substr(0, space), name.substr(space + 1), *theorems.full);
+    } else if (of_set && space != string::npos) {
+      const string what = name.substr(0, space), barrier = name.substr(space + 1);
+      if (what != "set/after" && what != "set/value" && what != "set/rate")
+        throw Inconsistent{"the Program's output " + name + " is no theorem's"};
+      const auto about = file.conditions.find(barrier);
+      if (about == file.conditions.end())
+        throw Inconsistent{"the Program's output " + name + " is about no condition of the spec"};
+      output = output_of(what, about->second);
+    } else {
+      throw Inconsistent{"the Program's output " + name + " is no premise of the file's theorems"};
+    }
+    output.elements = elements;
+  }
+  return found;
+}
+
+void read_regions(const Json& table, const Chart& chart, Regions& regions) {
+  if (table.type != Json::object) refuse("regions that are no JSON object");
+  for (size_t i = 0; i < table.names.size(); ++i) {
+    only_a_name(table.names[i], "a region");
+    for (const Json& row : list_of(table.items[i], "a region")) {
+      const Box box = box_of(row, "a box of a region", chart, 2);
+      if (box.low[0] < 0.0 || box.high[0] > 1.0) refuse("a region beyond the ends of a step");
+      regions[table.names[i]].push_back(box);
+    }
+    if (regions[table.names[i]].empty()) refuse("the region " + table.names[i] + " without boxes");
+  }
+}
+
+void read_conditions(const Json& table, const ProgramFacts& program, int joints, ProofFile& file) {
+  if (table.type != Json::object) refuse("conditions that are no JSON object");
+  for (size_t i = 0; i < table.names.size(); ++i) {
+    const string& name = table.names[i];
+    only_a_name(name, "a condition");
+    const Condition condition = condition_of(table.items[i], joints);
+    if (!program.outputs.count(name) && (program.has_conditions() || !program.ball))
+      throw Inconsistent{"the spec's condition " + name + " is no output of the Program"};
+    if (!file.regions.count(condition.region))
+      throw Inconsistent{name + " is about the region " + condition.region + ", which is none"};
+    file.conditions[name] = condition;
+  }
+}
+
+// Without a model, a spec is what the statements about its outputs say it is.
+void conditions_of_statements(const Json& list, const ProgramFacts& program, ProofFile& file) {
+  for (const auto& output : program.outputs)
+    if (!of_theorem(output.first)) file.conditions[output.first].unknown = "it is not described";
+  for (const Json& row : list_of(list, "the statements")) {
+    const Json& root = field(row, "a statement", "root");
+    const Box box = box_of(root, "a root box", file.chart, file.chart.size());
+    if (box.low[0] < 0.0 || box.high[0] > 1.0) continue;  // Strips.
+    for (const string& name : names_of(field(row, "a statement", "conditions"), "conditions")) {
+      const auto condition = file.conditions.find(name);
+      if (condition == file.conditions.end()) continue;
+      Condition& c = condition->second;
+      c.scale = number_of(field(field(row, "a statement", "scales"), "the scales", name), "a scale");
+      if (c.region.empty()) c.region = text_of(field(row, "a statement", "region"), "a region");
+      file.regions[c.region].push_back({{box.low[0], box.low[1]}, {box.high[0], box.high[1]}});
+    }
+  }
+}
+
+// What the file says of robot, policy, tube and spec, as far as it is needed.
+void read_model(const Json& table, const ProgramFacts& program, bool by_program, ProofFile& file) {
+  constexpr int kAnyJoint = 1'000'000;  // Where no robot is read, no joint is looked at.
+  const Json& model = *table.find("model");
+  if (model.type == Json::null) {
+    file.underivable = "the file describes no policy and robot that are known here";
+    conditions_of_statements(*table.find("statements"), program, file);
+    return;
+  }
+  vector<string> parts = {"robot", "policy", "tube", "regions", "conditions"};
+  const Json* residuals = model.find("residuals");
+  if (residuals) parts.push_back("residuals");  // Of a run that has learned some.
+  only(model, "the model", parts);
+  read_regions(*model.find("regions"), file.chart, file.regions);
+  if (by_program || file.chart.size() > 2) {
+    file.underivable = "a chart with the axis " + file.chart.back().name;
+    read_conditions(*model.find("conditions"), program, kAnyJoint, file);
+    return;
+  }
+  file.model.robot = robot_of(*model.find("robot"));
+  if (file.model.robot.name != file.robot)
+    throw Inconsistent{"the file is about " + file.robot + ", its model is that of " +
+                       file.model.robot.name};
+  const int joints = file.model.robot.joints();
+  file.model.policy = policy_of(*model.find("policy"), joints, program.constants);
+  file.model.tube = tube_of(*model.find("tube"), file.model.policy, program.constants);
+  if (residuals) {
+    only(*residuals, "the residuals", {"flow", "reset"});
+    const Json &flow = *residuals->find("flow"), &reset = *residuals->find("reset");
+    if (flow.type != Json::null) file.model.flow = flow_residual_of(flow, program.constants);
+    if (reset.type != Json::null)
+      file.model.reset = reset_residual_of(reset, joints, program.constants);
+  }
+  read_conditions(*model.find("conditions"), program, joints, file);
+}
+
+// The file, filled in place: its outputs refer to its conditions.
+void read_proof(const Json& table, bool by_program, ProofFile& file) {
+  if (table.type == Json::object && table.find("format") &&
+      integer_of(*table.find("format"), "a format") != 3)
+    refuse("the format " + table.find("format")->string_value);
+  only(table, "the file", {"format", "kind", "robot", "weights_sha256", "spec", "program",
+                           "program_hash", "chart", "statements", "theorems", "model"});
+  const auto text = [&](const char* name) { return text_of(*table.find(name), name); };
+  if (text("kind") != "neuralgaits certificate") refuse("the kind '" + text("kind") + "'");
+  file.chart = chart_of(*table.find("chart"));
+  file.robot = named(*table.find("robot"), "robot").name;
+  file.spec = named(*table.find("spec"), "spec").name;
+  file.weights_sha256 = text("weights_sha256");
+  const ProgramFacts program = program_facts(*table.find("program"), file.chart);
+  string written;
+  canonical(*table.find("program"), written);
+  const string hash = sha256(written);
+  if (hash != text("program_hash"))
+    throw Inconsistent{"the Program's hash is " + hash + ", not " + text("program_hash")};
+  if (by_program) file.program = program_of(*table.find("program"), program.values);
+
+  read_model(table, program, by_program, file);
+  file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
+  file.states_conditions = program.has_conditions();
+  if (auto& full = file.theorems.full; full && file.underivable.empty()) {
+    find_conditions(*full, file.conditions);
+    if (file.model.flow || file.model.reset)
+      throw Inconsistent{"level 4 of a robot with residuals: it is about the links alone"};
+    if (program.ball && program.inputs[1][0] != 2 * file.model.robot.joints())
+      throw Inconsistent{"xi has another size than two for each joint"};
+  }
+  if (program.ball != file.theorems.full.has_value())
+    refuse("a Program of xi without level 4, or level 4 without xi");
+  match_theorems(program.constants, file.theorems, by_program);
+  if (file.underivable.empty())
+    match_model(program.constants, *table.find("model"), file.theorems);
+  file.outputs = outputs_of(program, file);
+  for (auto& [name, output] : file.outputs) {
+    if (by_program) {
+      output.unknown.clear();
+      output.words = [](double least) { return "margin >= " + at_least(least); };
+    } else if (!file.underivable.empty()) {
+      output.unknown = file.underivable + "; --program checks the Program in the file instead";
+    }
+  }
+  for (const Json& row : list_of(*table.find("statements"), "the statements"))
+    file.statements.push_back(statement_of(row, file.chart, file.outputs));
+  if (file.statements.empty()) refuse("no statements");
+  for (const Statement& statement : file.statements) match(statement, file);
+}
+
+}  // namespace

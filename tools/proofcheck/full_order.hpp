@@ -1,0 +1,344 @@
+#pragma once
+
+#include "premises.hpp"
+
+namespace {
+
+// --------------------------------------------------------------------------- 11 full order
+//
+// Level 4 is about states whose outputs are off zero: with w the double pole of the outputs y,
+//
+//     xi = (dy / w, 2 (y + dy / w)),  V = |xi|^2,
+//
+// and |xi| is at most radius exp(-shrink phase^2), or guard_radius in the guard's strip. Models have
+// a slope in xi over that radius, of the unit ball. docs/full_order.md has the premises and why the
+// conclusion follows from them.
+
+constexpr double kStiff = 2.0;  // The 2 in xi.
+
+class FullState {
+ public:
+  using Moved = Motion<DualOf<BM>>;
+  const FullOrder& shape;
+  const Model& model;
+  const size_t joints;
+
+  FullState(const Model& m, const FullOrder& f, const Box& box)
+      : shape(f), model(m), joints(static_cast<size_t>(m.robot.joints())),
+        phase_(coordinate<BM>(box.low[0], box.high[0], 0)),
+        level_(coordinate<BM>(box.low[1], box.high[1], 1)) {}
+
+  // On the zero dynamics; for any xi of the set in the step; and in the guard's strip.
+  Motion<BM>& centre() { return kept(centre_, [] { return std::optional<Off<BM>>(); }); }
+  Motion<BM>& step() {
+    return kept(step_, [this] {
+      return off(I(shape.radius) * exp(I(-shape.shrink) * (phase_ * phase_)));
+    });
+  }
+  Motion<BM>& guard() {
+    return kept(guard_, [this] { return off(BM(shape.guard_radius)); });
+  }
+
+  // The same with derivatives along each xi, not over the radius.
+  vector<Moved>& step_moved() { return moved(step_moved_, step()); }
+  vector<Moved>& guard_moved() { return moved(guard_moved_, guard()); }
+
+  // And along the phase, where level and xi stay.
+  Moved& centre_ahead() { return ahead(centre_ahead_, centre()); }
+  Moved& guard_ahead() { return ahead(guard_ahead_, guard()); }
+
+  I bandwidth() const { return I(shape.bandwidth); }
+
+ private:
+  const BM phase_, level_;
+  std::optional<Motion<BM>> centre_, step_, guard_;
+  vector<Moved> step_moved_, guard_moved_;
+  std::optional<Moved> centre_ahead_, guard_ahead_;
+
+  template <class Chosen>
+  Motion<BM>& kept(std::optional<Motion<BM>>& motion, Chosen outputs_off) {
+    if (!motion) {
+      const auto [z1, z2] = z_at(model.tube, phase_, level_);
+      motion.emplace(model, z1, z2, outputs_off());
+    }
+    return *motion;
+  }
+
+  std::optional<Off<BM>> off(const BM& radius) const {
+    Off<BM> found = {{}, {}, bandwidth()};
+    for (size_t j = 0; j < joints; ++j) {
+      const BM rate = radius * ball_coordinate<BM>(j, 2 * joints);
+      const BM mixed = radius * ball_coordinate<BM>(joints + j, 2 * joints);
+      found.y.push_back(I(1.0 / kStiff) * mixed - rate);
+      found.dy.push_back(bandwidth() * rate);
+    }
+    return found;
+  }
+
+  vector<Moved>& moved(vector<Moved>& found, Motion<BM>& from) {
+    if (!found.empty()) return found;
+    vector<Moved> all;
+    for (size_t k = 0; k < 2 * joints; ++k) {
+      vector<BM> y(joints), dy(joints);
+      y[k % joints] = k < joints ? BM(-1.0) : BM(1.0 / kStiff);
+      if (k < joints) dy[k] = BM(bandwidth());
+      all.push_back(from.moving(BM(0.0), BM(0.0), y, dy));
+    }
+    return found = std::move(all);
+  }
+
+  Moved& ahead(std::optional<Moved>& found, Motion<BM>& from) {
+    if (found) return *found;
+    const auto [z1, z2] =
+        z_at(model.tube, DualOf<BM>(phase_, BM(1.0)), DualOf<BM>(level_, BM(0.0)));
+    std::optional<Off<DualOf<BM>>> still;
+    if (from.off) {
+      still = Off<DualOf<BM>>{{}, {}, bandwidth()};
+      for (const BM& y : from.off->y) still->y.push_back(DualOf<BM>(y));
+      for (const BM& dy : from.off->dy) still->dy.push_back(DualOf<BM>(dy));
+    }
+    found.emplace(model, z1, z2, still);
+    return *found;
+  }
+};
+
+FullState& full_state(Place& at) {
+  if (!at.full) at.full = std::make_shared<FullState>(at.model, *at.theorems.full, at.box);
+  return *at.full;
+}
+
+// h of a barrier: a fence's distance in levels, or what its condition's quantity is in a state.
+template <class S>
+S height(const BarrierConstants& barrier, bool upper, Motion<S>& p) {
+  if (!barrier.condition) {
+    const S level = level_of(p.model.tube, p.z1, p.z2);
+    return upper ? S(I(1.0)) - level : level;
+  }
+  const vector<S> all = value(barrier.condition->quantity, p);
+  if (barrier.element ? *barrier.element >= all.size() : all.size() != 1)
+    throw Inconsistent{"the barrier " + barrier.name + " is no one element of its condition"};
+  return all[barrier.element.value_or(0)];
+}
+
+// The outputs after an impact, as xi.
+template <class S>
+vector<S> xi_after(Motion<S>& p, I bandwidth) {
+  const vector<S> y = output_mismatch(p), dy = rate_mismatch(p);
+  vector<S> rates, mixed;
+  for (size_t j = 0; j < y.size(); ++j) {
+    rates.push_back(inverse(bandwidth) * dy[j]);
+    mixed.push_back(I(kStiff) * (y[j] + rates[j]));
+  }
+  rates.insert(rates.end(), mixed.begin(), mixed.end());
+  return rates;
+}
+
+template <class S>
+S landing_phase(Motion<S>& p) { return phase_of(p.model.tube, p.hip_after()); }
+
+// bound^2 - the sum of squares.
+BM room(double bound, const vector<BM>& slopes) {
+  BM left(square(I(bound)));
+  for (const BM& slope : slopes) left = left - slope * slope;
+  return left;
+}
+
+// Slopes in xi along the guard of functions of an impact: the phase gives way so that the foot
+// stays where it is. All functions, one xi after the other.
+template <class Function>
+vector<BM> along_guard(FullState& f, Function function) {
+  const BM fall = f.guard_ahead().foot().z.d;
+  const vector<DualOf<BM>> ahead = function(f.guard_ahead());
+  vector<BM> slopes;
+  for (FullState::Moved& moved : f.guard_moved()) {
+    const BM gives = moved.foot().z.d / fall;
+    const vector<DualOf<BM>> found = function(moved);
+    for (size_t i = 0; i < found.size(); ++i)
+      slopes.push_back(found[i].d - gives * ahead[i].d);
+  }
+  return slopes;
+}
+
+// Normal force (or impulse), and what is left on both sides of the friction cone.
+vector<BM> cone(I friction, const Vec<BM>& force) {
+  return {force.z, friction * force.z - force.x, friction * force.z + force.x};
+}
+
+// Premises without a barrier.
+vector<BM> full_margins(const string& n, FullState& f) {
+  using Moved = FullState::Moved;
+  const FullOrder& its = f.shape;
+  const Tube& tube = f.model.tube;
+  const Robot& robot = f.model.robot;
+  if (n == "full/pace") {
+    const BM pace = inverse(I(tube.guard) - I(tube.start)) * f.step().dz1();
+    return {pace - BM(its.slowest), BM(its.fastest) - pace};
+  }
+  if (n == "full/inertia") return {-f.step().transversal() - BM(its.inertia)};
+  if (n == "full/contact") {
+    const I weight = robot.weight_mass * robot.gravity;
+    const Vec<BM>& ground = f.step().forces().ground;
+    return cone(robot.friction, {inverse(weight) * ground.x, inverse(weight) * ground.z});
+  }
+  if (n == "full/torque") {
+    vector<BM> left;
+    for (const double sign : {-1.0, 1.0})
+      for (size_t j = 0; j < f.joints; ++j)
+        left.push_back(BM(1.0) +
+                       I(sign) / robot.torque_limit[j] * f.step().forces().torque[j]);
+    return left;
+  }
+  if (n == "full/foot-rises") return {f.step().foot_velocity().z};
+  if (n == "full/foot-above") return {f.step().foot().z};
+  if (n == "full/foot-below") return {-f.guard().foot().z};
+  if (n == "full/foot-falls") return {-f.guard().foot_velocity().z};
+  if (n == "full/crossing-before") return {f.centre().foot().z};
+  if (n == "full/crossing-behind") return {-f.centre().foot().z};
+  if (n == "full/guard-slope") return {-f.guard_ahead().foot().z.d};
+  if (n == "full/impulse") return cone(robot.friction, f.guard().impact().impulse);
+  if (n == "full/momentum-after") return {f.guard().z2_after()};
+  if (n == "full/mismatch") return {room(its.mismatch, xi_after(f.centre(), f.bandwidth()))};
+  if (n == "full/drift") {
+    vector<BM> slopes;
+    for (const DualOf<BM>& xi : xi_after(f.centre_ahead(), f.bandwidth())) slopes.push_back(xi.d);
+    return {room(its.drift, slopes)};
+  }
+  if (n == "full/landing") {
+    const BM phase = landing_phase(f.centre());
+    return {BM(its.landing) - phase, BM(its.landing) + phase};
+  }
+  if (n == "full/gain") {
+    const auto after = [&f](Moved& p) { return xi_after(p, f.bandwidth()); };
+    return {room(its.gain, along_guard(f, after))};
+  }
+  if (n == "full/landing-slope") {
+    const auto landing = [](Moved& p) { return vector<DualOf<BM>>{landing_phase(p)}; };
+    return {room(its.landing_slope, along_guard(f, landing))};
+  }
+  throw Unknown{"the output " + n};
+}
+
+// And those of one: `upper` says which fence it is, if it is one.
+vector<BM> barrier_margins(const string& n, const BarrierConstants& its, bool upper,
+                           FullState& f) {
+  using Moved = FullState::Moved;
+  if (n == "full/rate") {
+    const DualOf<BM> h = height(its, upper, f.centre().flow());
+    return {h.d + I(its.alpha) * h.v - BM(its.epsilon)};
+  }
+  if (n == "full/coupling") {
+    // h is a function of z: its rate depends on xi through dz alone.
+    Moved first = f.centre().moving(BM(1.0), BM(0.0)), second = f.centre().moving(BM(0.0), BM(1.0));
+    const BM h1 = height(its, upper, first).d, h2 = height(its, upper, second).d;
+    vector<BM> slopes;
+    for (Moved& p : f.step_moved()) slopes.push_back(h1 * p.dz1().d + h2 * p.dz2().d);
+    return {room(its.coupling, slopes)};
+  }
+  if (n == "full/reading") {
+    vector<BM> slopes;
+    for (Moved& p : f.step_moved()) slopes.push_back(height(its, upper, p).d);
+    return {room(its.reading, slopes)};
+  }
+  if (n == "full/reset") return {height(its, upper, f.centre().after()) - BM(its.reset)};
+  if (n == "full/reset-slope") {
+    const auto after = [&](Moved& p) {
+      return vector<DualOf<BM>>{height(its, upper, p.after())};
+    };
+    return {room(its.reset_slope, along_guard(f, after))};
+  }
+  throw Unknown{"the output " + n};
+}
+
+const std::map<string, Meaning>& full_outputs() {
+  static const std::map<string, Meaning> table = {
+      {"full/pace", {"rate of the phase, from its least and to its most", "1/s"}},
+      {"full/inertia", {"transversal inertia -J s, beyond its least", "kg m"}},
+      {"full/contact", {"normal force, and both slacks of the friction cone", "weights"}},
+      {"full/torque", {"joint torques, to both limits", "limits"}},
+      {"full/foot-rises", {"rise of the swing foot", "m/s"}},
+      {"full/foot-above", {"height of the swing foot", "m"}},
+      {"full/foot-below", {"depth of the swing foot", "m"}},
+      {"full/foot-falls", {"fall of the swing foot", "m/s"}},
+      {"full/crossing-before", {"height of the swing foot, outputs at zero", "m"}},
+      {"full/crossing-behind", {"depth of the swing foot, outputs at zero", "m"}},
+      {"full/guard-slope", {"fall of the swing foot per phase", "m"}},
+      {"full/impulse", {"normal impulse, and both slacks of the friction cone", "N s"}},
+      {"full/momentum-after", {"z2 after the impact", "kg m^2/s"}},
+      {"full/mismatch", {"v^2 - V after an impact from outputs at zero", "rad^2"}},
+      {"full/drift", {"v'^2 - the square of its slope in the phase", "rad^2"}},
+      {"full/landing", {"size of the phase after it, to its bound", ""}},
+      {"full/gain", {"L_D^2 - the squared slope of xi after an impact in xi", ""}},
+      {"full/landing-slope", {"L_z^2 - the squared slope of the phase after it", "1/rad^2"}}};
+  return table;
+}
+
+const std::map<string, Meaning>& barrier_outputs() {
+  static const std::map<string, Meaning> table = {
+      {"full/rate", {"dh/dt + alpha h - epsilon, outputs at zero", "/s"}},
+      {"full/coupling", {"c^2 - the squared slope of dh/dt in xi", "/(s rad)^2"}},
+      {"full/reading", {"l^2 - the squared slope of h on the robot in xi", "/rad^2"}},
+      {"full/reset", {"h after an impact from outputs at zero, beyond its bound", ""}},
+      {"full/reset-slope", {"L_h^2 - the squared slope of h after an impact in xi", "/rad^2"}}};
+  return table;
+}
+
+// ---- outputs of the Program, of all levels.
+
+// An output of the Program: a condition of the spec, or a premise of a theorem.
+struct Output {
+  size_t elements = 0;  // In the Program.
+  string unknown;       // Why it cannot be checked here; empty if it can.
+  std::function<vector<Estimate>(Place&)> margins;
+  std::function<string(double)> words;  // That the margin is at least this.
+};
+
+Output output_of(const Condition& c) {
+  return {0, c.unknown, [&c](Place& at) { return estimates(margins(c, at.wide(), at.phase)); },
+          [&c](double least) { return words_for(c, least); }};
+}
+
+string with_unit(const char* words, double least, const char* unit) {
+  return string(words) + " >= " + at_least(least) + (*unit ? " " : "") + unit;
+}
+
+Output output_of(const string& name, const Meaning& meaning) {
+  const bool set = name.rfind("set/", 0) == 0;
+  return {0, "",
+          [name, set](Place& at) {
+            return estimates(set ? set_margins(name, at) : orbit_margins(name, at));
+          },
+          [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+}
+
+// set/after NAME, set/value NAME, set/rate NAME, of a barrier condition.
+Output output_of(const string& what, const Condition& c) {
+  if (!c.unknown.empty()) return {0, c.unknown, {}, {}};
+  const string h = words_for(c.quantity) + " >= ", unit = " " + unit_of(c.quantity);
+  if (what == "set/value")
+    return {0, "", [&c](Place& at) { return estimates(value(c.quantity, at.wide())); },
+            [h, unit](double least) { return h + at_least(least) + unit; }};
+  if (what == "set/after")
+    return {0, "", [&c](Place& at) { return estimates(value(c.quantity, at.wide().after())); },
+            [h, unit](double least) { return "after the reset, " + h + at_least(least) + unit; }};
+  return {0, "", [&c](Place& at) { return estimates(pushed_rates(c, at)); },
+          [&c](double least) { return "disturbed, " + words_for(c, least); }};
+}
+
+
+// full/NAME.
+Output output_of_full_order(const string& name, const Meaning& meaning) {
+  return {0, "", [name](Place& at) { return estimates(full_margins(name, full_state(at))); },
+          [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+}
+
+// full/WHAT BARRIER, the barrier of that number: the first two are the fences.
+Output output_of_barrier(const string& what, size_t number, const Meaning& meaning) {
+  return {0, "",
+          [what, number](Place& at) {
+            const BarrierConstants& barrier = at.theorems.full->barriers[number];
+            return estimates(barrier_margins(what, barrier, number == 1, full_state(at)));
+          },
+          [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+}
+
+}  // namespace

@@ -1,0 +1,597 @@
+#pragma once
+
+#include "policy.hpp"
+
+namespace {
+
+// ------------------------------------------------------------------------------ 8 mechanics
+//
+// A state of the zero dynamics: the robot follows its outputs exactly, so z gives all angles, and
+// z with the flow gives all rates. S is TM, or Dual for derivatives along a direction in z.
+
+template <class S>
+struct Vec {
+  S x, z;
+};
+template <class S>
+Vec<S> operator+(const Vec<S>& a, const Vec<S>& b) { return {a.x + b.x, a.z + b.z}; }
+template <class S>
+Vec<S> operator-(const Vec<S>& a, const Vec<S>& b) { return {a.x - b.x, a.z - b.z}; }
+template <class S>
+Vec<S> scaled(const S& k, const Vec<S>& a) { return {k * a.x, k * a.z}; }
+template <class S>
+Vec<S> quarter(const Vec<S>& a) { return {-a.z, a.x}; }  // Turned counter-clockwise.
+template <class S>
+S dot(const Vec<S>& a, const Vec<S>& b) { return a.x * b.x + a.z * b.z; }
+template <class S>
+S cross(const Vec<S>& a, const Vec<S>& b) { return a.x * b.z - a.z * b.x; }
+
+template <class S>
+Vec<S> times(const Complex& k, const Vec<S>& a) {
+  Vec<S> r{k.along * a.x, k.along * a.z};
+  if (magnitude(k.across) == 0.0) return r;
+  return r + Vec<S>{-(k.across * a.z), k.across * a.x};
+}
+
+// Sum over links of row[k] times directions[k].
+template <class S>
+Vec<S> point(const Row& row, const vector<Vec<S>>& directions) {
+  Vec<S> sum{S(0.0), S(0.0)};
+  for (size_t k = 0; k < row.size(); ++k)
+    if (!row[k].zero()) sum = sum + times(row[k], directions[k]);
+  return sum;
+}
+
+// T q: absolute link angles, or their rates, from coordinates.
+template <class S>
+vector<S> turned(const Robot& robot, const vector<S>& q) {
+  vector<S> theta(q.size(), S(0.0));
+  theta[0] = q[0];
+  for (size_t k = 1; k < q.size(); ++k)
+    theta[k] = robot.turn(int(k), int(k)) > 0 ? theta[k - 1] + q[k] : theta[k - 1] - q[k];
+  return theta;
+}
+
+// The inverse: coordinates from absolute angles.
+template <class S>
+vector<S> unturned(const Robot& robot, const vector<S>& theta) {
+  vector<S> q(theta.size(), S(0.0));
+  q[0] = theta[0];
+  for (size_t k = 1; k < q.size(); ++k)
+    q[k] = robot.turn(int(k), int(k)) > 0 ? theta[k] - theta[k - 1] : theta[k - 1] - theta[k];
+  return q;
+}
+
+// Generalised forces in q from moments about the links: T' times them.
+template <class S>
+vector<S> gathered(const Robot& robot, const vector<S>& moments) {
+  vector<S> forces(moments.size(), S(0.0));
+  for (int j = 0; j < robot.links; ++j)
+    for (int k = j; k < robot.links; ++k)
+      forces[j] = robot.turn(k, j) > 0 ? forces[j] + moments[k] : forces[j] - moments[k];
+  return forces;
+}
+
+// Solve a x = b for a positive definite matrix: elimination without pivoting.
+template <class S>
+vector<S> solved(vector<vector<S>> a, vector<S> b) {
+  const size_t n = b.size();
+  for (size_t k = 0; k < n; ++k) {
+    const S share = S(I(1.0)) / a[k][k];
+    for (size_t i = k + 1; i < n; ++i) {
+      const S factor = a[i][k] * share;
+      for (size_t j = k + 1; j < n; ++j) a[i][j] = a[i][j] - factor * a[k][j];
+      b[i] = b[i] - factor * b[k];
+    }
+  }
+  for (size_t k = n; k-- > 0;) {
+    for (size_t j = k + 1; j < n; ++j) b[k] = b[k] - a[k][j] * b[j];
+    b[k] = b[k] / a[k][k];
+  }
+  return b;
+}
+
+// Angles of all links and what follows from them alone.
+template <class S>
+struct Pose {
+  const Robot& robot;
+  vector<S> q, theta;
+  vector<Vec<S>> e;       // Directions of the links, (-sin, cos).
+  vector<Vec<S>> centre;  // Of mass, of each link.
+
+  Pose(const Robot& r, vector<S> coordinates)
+      : robot(r), q(std::move(coordinates)), theta(turned(r, q)) {
+    for (const S& angle : theta) {
+      S sine, cosine;
+      sincos(angle, sine, cosine);
+      e.push_back({-sine, cosine});
+    }
+    for (const Row& row : robot.centre) centre.push_back(point(row, e));
+  }
+
+  // Rates of the directions, for link rates w.
+  vector<Vec<S>> spin(const vector<S>& w) const {
+    vector<Vec<S>> out;
+    for (size_t k = 0; k < e.size(); ++k) out.push_back(scaled(w[k], quarter(e[k])));
+    return out;
+  }
+
+  // Angular momentum about `pivot`, counter-clockwise, of links that turn at w while the stance
+  // foot stands still.
+  S momentum(const vector<S>& w, const Vec<S>* pivot = nullptr) const {
+    const auto moving = spin(w);
+    S sum(0.0);
+    for (size_t i = 0; i < w.size(); ++i) {
+      const Vec<S> arm = pivot ? centre[i] - *pivot : centre[i];
+      sum = sum + robot.mass[i] * cross(arm, point(robot.centre[i], moving)) +
+            robot.inertia[i] * w[i];
+    }
+    return sum;
+  }
+
+  // Moments about each link (per unit of its angle) of forces at the centres of mass, plus couples.
+  vector<S> moments(const vector<Vec<S>>& forces, const vector<S>& couples) const {
+    vector<S> out = couples;
+    for (size_t k = 0; k < e.size(); ++k) {
+      Vec<S> sum{S(0.0), S(0.0)};
+      for (size_t i = 0; i < e.size(); ++i) {
+        const Complex& arm = robot.centre[i][k];
+        // (arm e)' . f = quarter(e) . conjugate(arm) f
+        if (!arm.zero()) sum = sum + times(Complex{arm.along, -arm.across}, forces[i]);
+      }
+      out[k] = out[k] + dot(quarter(e[k]), sum);
+    }
+    return out;
+  }
+
+  // Momenta conjugate to q of links whose centres move at `velocity` and that turn at w.
+  vector<S> momenta(const vector<Vec<S>>& velocity, const vector<S>& w) const {
+    vector<Vec<S>> linear;
+    vector<S> angular;
+    for (size_t i = 0; i < w.size(); ++i) {
+      linear.push_back({robot.mass[i] * velocity[i].x, robot.mass[i] * velocity[i].z});
+      angular.push_back(robot.inertia[i] * w[i]);
+    }
+    vector<S> found = gathered(robot, moments(linear, angular));
+    const vector<S> rates = unturned(robot, w);
+    for (size_t j = 0; j < found.size(); ++j) found[j] = found[j] + robot.armature[j] * rates[j];
+    return found;
+  }
+
+  vector<Vec<S>> velocities(const vector<S>& w) const {
+    const auto moving = spin(w);
+    vector<Vec<S>> out;
+    for (const Row& row : robot.centre) out.push_back(point(row, moving));
+    return out;
+  }
+};
+
+// y_d and its first derivatives.
+template <class S>
+struct Outputs {
+  vector<S> y, d1, d2;
+};
+
+template <class T>
+Outputs<T> first_order(const vector<Jet<T>>& jets) {
+  Outputs<T> out;
+  for (const Jet<T>& jet : jets) {
+    out.y.push_back(jet.c[0]);
+    out.d1.push_back(jet.c[1]);
+    out.d2.push_back(jet.c[2]);
+  }
+  return out;
+}
+
+template <class T>
+Outputs<DualOf<T>> along(const vector<Jet<T>>& jets, const T& dz1, const T& dz2) {
+  Outputs<DualOf<T>> out;
+  for (const Jet<T>& jet : jets) {
+    out.y.push_back({jet.c[0], jet.c[1] * dz1 + jet.c[2] * dz2});
+    out.d1.push_back({jet.c[1], jet.c[3] * dz1 + jet.c[4] * dz2});
+    out.d2.push_back({jet.c[2], jet.c[4] * dz1 + jet.c[5] * dz2});
+  }
+  return out;
+}
+
+// Values and first derivatives of jets at z; `jets` takes z and an order.
+template <class S, class Jets>
+Outputs<S> outputs_of_jets(Jets jets, const S& z1, const S& z2) {
+  if constexpr (Under<S>::moves) return along(jets(z1.v, z2.v, 2), z1.d, z2.d);
+  else return first_order(jets(z1, z2, 1));
+}
+
+// Values alone.
+template <class S, class Jets>
+vector<S> values_of_jets(Jets jets, const S& z1, const S& z2) {
+  vector<S> out;
+  if constexpr (Under<S>::moves) {
+    for (const auto& jet : jets(z1.v, z2.v, 1))
+      out.push_back({jet.c[0], jet.c[1] * z1.d + jet.c[2] * z2.d});
+  } else {
+    for (const auto& jet : jets(z1, z2, 0)) out.push_back(jet.c[0]);
+  }
+  return out;
+}
+
+// Outputs that are off zero, and their rates; they obey ddy = -w^2 y - 2 w dy.
+template <class S>
+struct Off {
+  vector<S> y, dy;
+  I bandwidth;  // w
+
+  vector<S> ddy() const {
+    vector<S> out;
+    for (size_t j = 0; j < y.size(); ++j)
+      out.push_back(-(square(bandwidth) * y[j]) - I(2.0) * bandwidth * dy[j]);
+    return out;
+  }
+};
+
+// Everything is computed when first asked for, and kept only once it is complete: an operation
+// without a bound leaves nothing behind.
+template <class S>
+class Motion {
+ public:
+  const Model& model;
+  const Robot& robot;
+  using T = typename Under<S>::type;
+  const S z1, z2;
+  const std::optional<Off<S>> off;  // Nothing: outputs are zero.
+
+  Motion(const Model& m, S first, S second, std::optional<Off<S>> outputs_off = {},
+         std::optional<Outputs<S>> known = {})
+      : model(m), robot(m.robot), z1(std::move(first)), z2(std::move(second)),
+        off(std::move(outputs_off)), outputs_(std::move(known)) {}
+
+  const Outputs<S>& outputs() {
+    const auto jets = [this](const T& first, const T& second, int order) {
+      return desired_outputs(model.policy, first, second, order);
+    };
+    if (!outputs_) outputs_ = outputs_of_jets(jets, z1, z2);
+    return *outputs_;
+  }
+
+  // What the flow's residual adds to dz, and the reset's to z2 and rates, per z2.
+  const vector<S>& flow_correction() {
+    const auto jets = [this](const T& first, const T& second, int order) {
+      return flow_residual(*model.flow, first, second, order);
+    };
+    if (!flow_correction_) flow_correction_ = values_of_jets(jets, z1, z2);
+    return *flow_correction_;
+  }
+  const vector<S>& reset_correction() {
+    const auto jets = [this](const T& first, const T& second, int order) {
+      return reset_residual(*model.reset, first, second, order);
+    };
+    if (!reset_correction_) reset_correction_ = values_of_jets(jets, z1, z2);
+    return *reset_correction_;
+  }
+
+  // q with c q = z1 and the joints at `joints`; linear, so it lifts rates as well.
+  vector<S> lifted(const S& hip, const vector<S>& joints) const {
+    S first = hip;
+    for (size_t j = 0; j < joints.size(); ++j)
+      if (magnitude(robot.hip_gradient[j + 1]) != 0.0)
+        first = first - robot.hip_gradient[j + 1] * joints[j];
+    vector<S> q = {inverse(robot.hip_gradient[0]) * first};
+    q.insert(q.end(), joints.begin(), joints.end());
+    return q;
+  }
+
+  const Pose<S>& pose() {
+    if (pose_) return *pose_;
+    vector<S> joints = outputs().y;
+    if (off)
+      for (size_t j = 0; j < joints.size(); ++j) joints[j] = joints[j] + off->y[j];
+    pose_.emplace(robot, lifted(z1, joints));
+    return *pose_;
+  }
+
+  // Link rates per unit of dz1 and of dz2.
+  const vector<S>& per_dz1() {
+    if (!along1_) along1_ = turned(robot, lifted(S(I(1.0)), outputs().d1));
+    return *along1_;
+  }
+  const vector<S>& per_dz2() {
+    if (!along2_) along2_ = turned(robot, lifted(S(I(0.0)), outputs().d2));
+    return *along2_;
+  }
+
+  // Moment of the weight about the stance foot: dz2 but for the residual.
+  const S& weight_moment() {
+    if (!weight_moment_) weight_moment_ = robot.gravity * point(robot.moment, pose().e).x;
+    return *weight_moment_;
+  }
+  const S& dz2() {
+    if (!dz2_) dz2_ = model.flow ? weight_moment() + flow_correction()[1] : weight_moment();
+    return *dz2_;
+  }
+
+  // Angular momentum per dz1: J s, negative in forward walking.
+  const S& transversal() {
+    if (!transversal_) transversal_ = pose().momentum(per_dz1());
+    return *transversal_;
+  }
+
+  // dz1: with z2 = -(momentum per dz1) dz1 - (momentum of all else), but for the residual.
+  const S& dz1() {
+    if (dz1_) return *dz1_;
+    S momentum = z2 + pose().momentum(per_dz2()) * weight_moment();
+    if (off) momentum = momentum + pose().momentum(w_off());
+    const S rate = -momentum / transversal();
+    dz1_ = model.flow ? rate + flow_correction()[0] : rate;
+    return *dz1_;
+  }
+  // Rates of the links due to outputs that are off zero.
+  vector<S> w_off() const { return turned(robot, lifted(S(I(0.0)), off->dy)); }
+
+  // Rates of the links, and of the coordinates.
+  const vector<S>& w() {
+    if (!w_) {
+      vector<S> rates;
+      for (size_t k = 0; k < per_dz1().size(); ++k)
+        rates.push_back(per_dz1()[k] * dz1() + per_dz2()[k] * dz2());
+      if (off) {
+        const vector<S> more = w_off();
+        for (size_t k = 0; k < rates.size(); ++k) rates[k] = rates[k] + more[k];
+      }
+      w_ = rates;
+    }
+    return *w_;
+  }
+  const vector<S>& dq() {
+    if (!dq_) dq_ = unturned(robot, w());
+    return *dq_;
+  }
+
+  const vector<Vec<S>>& spin() {
+    if (!spin_) spin_ = pose().spin(w());
+    return *spin_;
+  }
+  Vec<S> foot() { return point(robot.foot, pose().e); }
+  Vec<S> foot_velocity() { return point(robot.foot, spin()); }
+  // Velocity of the swing foot per unit of dz1 and of dz2.
+  Vec<S> foot_per_dz1() { return point(robot.foot, pose().spin(per_dz1())); }
+  Vec<S> foot_per_dz2() { return point(robot.foot, pose().spin(per_dz2())); }
+  Vec<S> hip() { return point(robot.hip, pose().e); }
+  Vec<S> hip_velocity() { return point(robot.hip, spin()); }
+
+  // ---- after an impact in this state: the legs have swapped roles.
+  const vector<S>& theta_after() {
+    if (!theta_after_) {
+      theta_after_ = pose().theta;
+      std::reverse(theta_after_->begin(), theta_after_->end());
+    }
+    return *theta_after_;
+  }
+
+  S hip_after() {
+    const vector<S> q = unturned(robot, theta_after());
+    S sum(0.0);
+    for (size_t j = 0; j < q.size(); ++j)
+      if (magnitude(robot.hip_gradient[j]) != 0.0) sum = sum + robot.hip_gradient[j] * q[j];
+    return sum;
+  }
+
+  // Angular momentum about the new stance foot is kept, but for the residual.
+  S z2_after() {
+    const Vec<S> pivot = foot();
+    const S kept = -pose().momentum(w(), &pivot);
+    return model.reset ? kept + reset_correction()[0] * z2 : kept;
+  }
+
+  Motion& after() {
+    if (!after_) after_ = std::make_unique<Motion>(model, hip_after(), z2_after());
+    return *after_;
+  }
+
+  struct Impact {
+    Pose<S> pose;
+    vector<S> w, dq;  // Rates of links and coordinates after it.
+    Vec<S> impulse;   // Of the ground on the new stance foot; the links' own.
+  };
+
+  // Plastic impact: the old stance foot is free, the impulse acts at the new one, so momenta
+  // conjugate to coordinates about the new foot are kept; the new foot stands still after it.
+  const Impact& impact() {
+    if (impact_) return *impact_;
+    Pose<S> pose_after(robot, unturned(robot, theta_after()));
+    vector<Vec<S>> before = pose().velocities(w());
+    std::reverse(before.begin(), before.end());
+    vector<S> w_before = w();
+    std::reverse(w_before.begin(), w_before.end());
+    const vector<S> kept = pose_after.momenta(before, w_before);
+    // Columns of the mass matrix: momenta for unit rates of the coordinates.
+    const size_t n = kept.size();
+    vector<vector<S>> mass(n, vector<S>(n, S(0.0)));
+    for (size_t j = 0; j < n; ++j) {
+      vector<S> unit(n, S(0.0));
+      unit[j] = S(I(1.0));
+      const vector<S> turning = turned(robot, unit);
+      const vector<S> column = pose_after.momenta(pose_after.velocities(turning), turning);
+      for (size_t i = 0; i < n; ++i) mass[i][j] = column[i];
+    }
+    const vector<S> rates = solved(mass, kept);
+    const vector<S> turning = turned(robot, rates);
+    const vector<Vec<S>> later = pose_after.velocities(turning);
+    Vec<S> impulse{S(0.0), S(0.0)};
+    for (size_t i = 0; i < n; ++i) {
+      const Vec<S> change = later[i] - before[i];
+      impulse = impulse + Vec<S>{robot.mass[i] * change.x, robot.mass[i] * change.z};
+    }
+    const vector<S> dq = model.reset ? corrected(pose_after, turning, rates) : rates;
+    impact_ = std::make_unique<Impact>(Impact{pose_after, turned(robot, dq), dq, impulse});
+    return *impact_;
+  }
+
+  // Rates after the impact with what the residual adds to the joints' and to z2; the first, which
+  // has no motor, follows from both.
+  vector<S> corrected(const Pose<S>& after, const vector<S>& w_after, vector<S> rates) {
+    const S momentum = after.momentum(w_after) - reset_correction()[0] * z2;  // Minus z2.
+    vector<S> alone(rates.size(), S(0.0));
+    alone[0] = S(I(1.0));
+    rates[0] = S(0.0);
+    for (size_t j = 1; j < rates.size(); ++j) rates[j] = rates[j] + reset_correction()[j] * z2;
+    rates[0] = (momentum - after.momentum(turned(robot, rates))) /
+               after.momentum(turned(robot, alone));
+    return rates;
+  }
+
+  // ---- what needs derivatives: not for duals.
+  struct Forces {
+    vector<S> torque;  // Of the joints.
+    Vec<S> ground;     // On the stance foot.
+  };
+  const Forces& forces();
+
+  // Desired outputs with their second derivatives.
+  const vector<Jet<T>>& jets() {
+    if (!jets_) {
+      jets_ = desired_outputs(model.policy, z1, z2, 2);
+      outputs_ = first_order(*jets_);
+    }
+    return *jets_;
+  }
+
+  // The same state, with derivatives along a direction in z, and in y and dy.
+  Motion<DualOf<T>> moving(const T& first, const T& second, const vector<T>& y = {},
+                           const vector<T>& dy = {}) {
+    std::optional<Off<DualOf<T>>> moved;
+    if (off) {
+      moved = Off<DualOf<T>>{{}, {}, off->bandwidth};
+      for (size_t j = 0; j < off->y.size(); ++j) {
+        moved->y.push_back({off->y[j], y.empty() ? T(0.0) : y[j]});
+        moved->dy.push_back({off->dy[j], dy.empty() ? T(0.0) : dy[j]});
+      }
+    }
+    return {model, DualOf<T>(z1, first), DualOf<T>(z2, second), moved,
+            along(jets(), first, second)};
+  }
+
+  // Along the flow.
+  Motion<DualOf<T>>& flow() {
+    if (flow_) return *flow_;
+    jets();  // Before the rates ask for the outputs' first derivatives alone.
+    const vector<T> none;
+    flow_ = std::make_unique<Motion<DualOf<T>>>(
+        moving(dz1(), dz2(), off ? off->dy : none, off ? off->ddy() : none));
+    return *flow_;
+  }
+
+ private:
+  std::optional<Outputs<S>> outputs_;
+  std::optional<Pose<S>> pose_;
+  std::optional<vector<S>> along1_, along2_, w_, dq_, theta_after_;
+  std::optional<vector<S>> flow_correction_, reset_correction_;
+  std::optional<S> dz1_, dz2_, weight_moment_, transversal_;
+  std::optional<vector<Vec<S>>> spin_;
+  std::unique_ptr<Motion> after_;
+  std::unique_ptr<Impact> impact_;
+  std::unique_ptr<Motion<DualOf<T>>> flow_;
+  std::optional<Forces> forces_;
+  std::optional<vector<Jet<T>>> jets_;
+};
+
+template <class S>
+const typename Motion<S>::Forces& Motion<S>::forces() {
+  if constexpr (Under<S>::moves) throw Unknown{"a rate of forces"};
+  else {
+    if (forces_) return *forces_;
+    const vector<DualOf<S>>& rates = flow().w();
+    // Accelerations of the directions: quarter(e) dw - e w^2.
+    const Pose<S>& p = pose();
+    vector<Vec<S>> turning, push;
+    vector<S> couples;
+    for (size_t k = 0; k < rates.size(); ++k) {
+      const S fast = rates[k].v * rates[k].v;
+      turning.push_back(scaled(rates[k].d, quarter(p.e[k])) - scaled(fast, p.e[k]));
+      couples.push_back(robot.inertia[k] * rates[k].d);
+    }
+    // Mass times (acceleration plus gravity) of each link: what ground and joints must bring up.
+    Vec<S> ground{S(0.0), S(0.0)};
+    for (size_t i = 0; i < rates.size(); ++i) {
+      Vec<S> a = point(robot.centre[i], turning);
+      a.z = a.z + S(robot.gravity);
+      push.push_back({robot.mass[i] * a.x, robot.mass[i] * a.z});
+      ground = ground + push.back();
+    }
+    const vector<S> needed = gathered(robot, p.moments(push, couples));
+    const vector<DualOf<S>>& joint_rates = flow().dq();
+    vector<S> torque;
+    for (size_t j = 1; j < needed.size(); ++j)
+      torque.push_back(needed[j] + robot.armature[j] * joint_rates[j].d +
+                       robot.damping[j] * joint_rates[j].v);
+    forces_ = Forces{torque, ground};
+    return *forces_;
+  }
+}
+
+// ---- the tube's chart: phase and level of a state.
+
+template <class S>
+struct Fences {
+  S lower, upper;  // zeta = z2^2 / 2
+};
+
+// Chebyshev polynomials T_0 to T_(count - 1) of 2 phase - 1. As T_(m+n) = 2 T_m T_n - T_(m-n) with
+// m and n near half: one by one, an error would grow with the powers of 1 + sqrt 2.
+template <class S>
+vector<S> chebyshev(const S& phase, size_t count) {
+  vector<S> t = {S(I(1.0)), I(2.0) * phase - S(I(1.0))};
+  while (t.size() < count) {
+    const size_t m = (t.size() + 1) / 2, n = t.size() / 2;
+    t.push_back(I(2.0) * (t[m] * t[n]) - t[m - n]);
+  }
+  return t;
+}
+
+// A series' value.
+template <class S>
+S sum(const vector<double>& series, const vector<S>& polynomials) {
+  S total(0.0);
+  for (size_t k = 0; k < series.size(); ++k) total = total + I(series[k]) * polynomials[k];
+  return total;
+}
+
+template <class S>
+Fences<S> fences(const Tube& tube, const S& phase) {
+  const auto t = chebyshev(phase, std::max(tube.lower.size(), tube.upper.size()));
+  return {I(tube.unit) * sum(tube.lower, t), I(tube.unit) * sum(tube.upper, t)};
+}
+
+template <class S>
+S phase_of(const Tube& tube, const S& z1) {
+  return inverse(I(tube.guard) - I(tube.start)) * (z1 - S(I(tube.start)));
+}
+
+template <class S>
+S level_of(const Tube& tube, const S& z1, const S& z2) {
+  const Fences<S> f = fences(tube, phase_of(tube, z1));
+  return (I(0.5) * (z2 * z2) - f.lower) / (f.upper - f.lower);
+}
+
+// The state (z1, z2) at a phase of the step, zeta given; and at a box of a tube's chart.
+template <class S>
+std::pair<S, S> z_of(const Tube& tube, const S& phase, const S& zeta) {
+  return {S(I(tube.start)) + (I(tube.guard) - I(tube.start)) * phase, root(I(2.0) * zeta)};
+}
+
+template <class S>
+std::pair<S, S> z_at(const Tube& tube, const S& phase, const S& level) {
+  const Fences<S> f = fences(tube, phase);
+  return z_of(tube, phase, f.lower + level * (f.upper - f.lower));
+}
+
+Motion<TM> state_of(const Model& model, const TM& phase, const TM& zeta) {
+  const auto [z1, z2] = z_of(model.tube, phase, zeta);
+  return {model, z1, z2};
+}
+
+// The thin tube's chart has the same z1 at a phase.
+Motion<TM> state_at(const Model& model, const Tube& tube, const TM& phase, const TM& level) {
+  const Fences<TM> f = fences(tube, phase);
+  return state_of(model, phase, f.lower + level * (f.upper - f.lower));
+}
+
+}  // namespace

@@ -1,0 +1,212 @@
+#pragma once
+
+#include "robot.hpp"
+
+namespace {
+
+// ----------------------------------------------------------------------------- 7 the policy
+//
+// Desired outputs as a jet in z: value, d/dz1, d/dz2, and the three second derivatives, each a
+// Taylor model on the box. `order` says how many of them are wanted.
+
+template <class T>
+struct Jet {
+  std::array<T, 6> c;  // f, f_1, f_2, f_11, f_12, f_22
+};
+
+int parts(int order) { return order == 0 ? 1 : order == 1 ? 3 : 6; }
+
+template <class T>
+Jet<T> operator+(const Jet<T>& a, const Jet<T>& b) {
+  Jet<T> r;
+  for (size_t i = 0; i < 6; ++i) r.c[i] = a.c[i] + b.c[i];
+  return r;
+}
+
+template <class T>
+Jet<T> operator*(I k, const Jet<T>& a) {
+  Jet<T> r;
+  for (size_t i = 0; i < 6; ++i) r.c[i] = k * a.c[i];
+  return r;
+}
+
+template <class T>
+Jet<T> product(const Jet<T>& a, const Jet<T>& b, int order) {
+  Jet<T> r;
+  r.c[0] = a.c[0] * b.c[0];
+  if (order < 1) return r;
+  r.c[1] = a.c[1] * b.c[0] + a.c[0] * b.c[1];
+  r.c[2] = a.c[2] * b.c[0] + a.c[0] * b.c[2];
+  if (order < 2) return r;
+  const T cross = a.c[1] * b.c[1], other = a.c[2] * b.c[2];
+  r.c[3] = a.c[3] * b.c[0] + (cross + cross) + a.c[0] * b.c[3];
+  r.c[4] = a.c[4] * b.c[0] + a.c[1] * b.c[2] + a.c[2] * b.c[1] + a.c[0] * b.c[4];
+  r.c[5] = a.c[5] * b.c[0] + (other + other) + a.c[0] * b.c[5];
+  return r;
+}
+
+// f(a) from f, f' and f'' at a's value.
+template <class T>
+Jet<T> composed(const Jet<T>& a, const T& f, const T& slope, const T& curve, int order) {
+  Jet<T> r;
+  r.c[0] = f;
+  if (order < 1) return r;
+  r.c[1] = slope * a.c[1];
+  r.c[2] = slope * a.c[2];
+  if (order < 2) return r;
+  const T along = curve * a.c[1];
+  r.c[3] = slope * a.c[3] + along * a.c[1];
+  r.c[4] = slope * a.c[4] + along * a.c[2];
+  r.c[5] = slope * a.c[5] + curve * (a.c[2] * a.c[2]);
+  return r;
+}
+
+template <class T>
+Jet<T> tanh(const Jet<T>& a, int order) {
+  const T t = tanh(a.c[0]), g = T(1.0) - t * t;  // tanh' = 1 - t^2, tanh'' = -2 t tanh'
+  return composed(a, t, g, I(-2.0) * (t * g), order);
+}
+
+template <class T>
+Jet<T> logistic(const Jet<T>& a, int order) {
+  const T s = logistic(a.c[0]), g = s * (T(1.0) - s);  // s' = s (1 - s), s'' = s' (1 - 2 s)
+  return composed(a, s, g, g * (T(1.0) - I(2.0) * s), order);
+}
+
+template <class T>
+Jet<T> softplus(const Jet<T>& a, int order) {
+  const T s = logistic(a.c[0]);  // softplus' = s, softplus'' = s (1 - s)
+  return composed(a, softplus(a.c[0]), s, s * (T(1.0) - s), order);
+}
+
+// sum += w x for one double w.
+inline void add_scaled(I* __restrict sum, double w, const I* __restrict x, size_t count) {
+  const double size = w < 0.0 ? -w : w;
+  if (w < 0.0) {
+    for (size_t i = 0; i < count; ++i) {
+      sum[i].n += size * x[i].h;
+      sum[i].h += size * x[i].n;
+    }
+  } else {
+    for (size_t i = 0; i < count; ++i) {
+      sum[i].n += size * x[i].n;
+      sum[i].h += size * x[i].h;
+    }
+  }
+}
+
+// The same of Taylor models, the inner loop of every network.
+template <class T>
+inline void add_scaled(T& sum, double w, const T& x) {
+  add_scaled(sum.c.data(), w, x.c.data(), x.c.size());
+  if constexpr (has_slopes<T>) {
+    if (x.s.empty()) return;
+    sum.s.resize(x.s.size());
+    add_scaled(sum.s.data(), w, x.s.data(), x.s.size());
+  }
+}
+
+template <class T>
+void refuse_infinite(const T& model) {
+  for (const I& coefficient : model.c) finite(coefficient.n, coefficient.h);
+  if constexpr (has_slopes<T>)
+    for (const I& slope : model.s) finite(slope.n, slope.h);
+}
+
+template <class T>
+vector<Jet<T>> applied(const Layer& layer, const vector<Jet<T>>& inputs, int order) {
+  vector<Jet<T>> out(static_cast<size_t>(layer.rows));
+  const double* weight = layer.weights.data();
+  const auto count = static_cast<size_t>(parts(order));
+  for (size_t row = 0; row < out.size(); ++row) {
+    out[row].c[0] = T(layer.biases[row]);
+    for (const Jet<T>& input : inputs) {
+      for (size_t part = 0; part < count; ++part)
+        add_scaled(out[row].c[part], *weight, input.c[part]);
+      ++weight;
+    }
+    for (const T& part : out[row].c) refuse_infinite(part);
+  }
+  return out;
+}
+
+// z / scale - shift, what networks are given.
+template <class T>
+vector<Jet<T>> scaled_state(const vector<double>& scale, const vector<double>& shift, const T& z1,
+                            const T& z2) {
+  Jet<T> first, second;
+  first.c[0] = z1;
+  first.c[1] = T(1.0);
+  second.c[0] = z2;
+  second.c[2] = T(1.0);
+  vector<Jet<T>> values = {inverse(I(scale[0])) * first, inverse(I(scale[1])) * second};
+  for (size_t i = 0; i < 2; ++i) values[i].c[0] = values[i].c[0] - T(shift[i]);
+  return values;
+}
+
+template <class T>
+vector<Jet<T>> network(const vector<Layer>& layers, bool with_softplus, vector<Jet<T>> values,
+                       int order) {
+  for (size_t i = 0; i < layers.size(); ++i) {
+    values = applied(layers[i], values, order);
+    if (i + 1 == layers.size()) break;
+    for (Jet<T>& value : values)
+      value = with_softplus ? softplus(value, order) : tanh(value, order);
+  }
+  return values;
+}
+
+// y_d = lower + (upper - lower) logistic(logit), the logit being the network's output, or
+// H(t) + 4 (4 t (1 - t))^2 network with t the phase of the step and H a cubic.
+template <class T>
+vector<Jet<T>> desired_outputs(const Policy& p, const T& z1, const T& z2, int order) {
+  vector<Jet<T>> values = scaled_state(p.scale, p.shift, z1, z2);
+  if (!p.z2_dependence) values[1] = Jet<T>();
+  values = network(p.layers, p.softplus, values, order);
+  const size_t m = p.lower.size();
+  if (p.hybrid_invariant) {
+    Jet<T> t, rest;
+    t.c[0] = z1 - T(p.start);
+    t.c[1] = T(1.0);
+    t = inverse(I(p.guard) - I(p.start)) * t;
+    rest = I(-1.0) * t;
+    rest.c[0] = rest.c[0] + T(1.0);
+    const Jet<T> bump = I(4.0) * product(t, rest, order);
+    const Jet<T> window = I(4.0) * product(bump, bump, order);
+    for (size_t i = 0; i < m; ++i) {
+      Jet<T> path;
+      path.c[0] = T(p.cubic[3 * m + i]);
+      for (size_t power = 3; power-- > 0;) {
+        path = product(path, t, order);
+        path.c[0] = path.c[0] + T(p.cubic[power * m + i]);
+      }
+      values[i] = path + product(window, values[i], order);
+    }
+  }
+  for (size_t i = 0; i < m; ++i) {
+    values[i] = (I(p.upper[i]) - I(p.lower[i])) * logistic(values[i], order);
+    values[i].c[0] = values[i].c[0] + T(p.lower[i]);
+  }
+  return values;
+}
+
+// ---- what was learned of the robot: residuals of the flow and of the reset.
+
+// What is added to dz: bound tanh(network).
+template <class T>
+vector<Jet<T>> flow_residual(const FlowResidual& r, const T& z1, const T& z2, int order) {
+  vector<Jet<T>> values =
+      network(r.layers, false, scaled_state(r.scale, r.shift, z1, z2), order);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = I(r.bound[i]) * tanh(values[i], order);
+  return values;
+}
+
+// What is added to z2 and to the joint rates after an impact, per z2 before it: bound tanh(W z + b).
+template <class T>
+vector<Jet<T>> reset_residual(const ResetResidual& r, const T& z1, const T& z2, int order) {
+  vector<Jet<T>> values = applied(r.layer, scaled_state(r.scale, r.shift, z1, z2), order);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = I(r.bound[i]) * tanh(values[i], order);
+  return values;
+}
+
+}  // namespace

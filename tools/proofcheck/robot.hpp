@@ -1,0 +1,338 @@
+#pragma once
+
+#include "reading.hpp"
+
+namespace {
+
+// ------------------------------------------------------------------------------ 6 the model
+
+struct Array {
+  vector<int> shape;
+  vector<double> values;
+};
+
+using Constants = std::map<string, Array>;  // The Program's named constants.
+
+size_t elements(const vector<int>& shape) {
+  size_t count = 1;
+  for (const int size : shape) count *= static_cast<size_t>(size);
+  return count;
+}
+
+vector<int> shape_of(const Json& value, const string& what) {
+  vector<int> shape;
+  for (const Json& size : list_of(value, "the shape of " + what)) {
+    shape.push_back(integer_of(size, "the shape of " + what));
+    if (shape.back() < 1 || shape.back() > 1'000'000 || elements(shape) > 100'000'000)
+      refuse("the shape of " + what + " with a size that no array here has");
+  }
+  return shape;
+}
+
+// Arrays of one owner, "policy" or "tube": given as numbers, or as constants of the Program.
+std::map<string, Array> arrays_of(const Json& table, const string& owner, const Constants& known) {
+  std::map<string, Array> found;
+  for (size_t i = 0; i < table.names.size(); ++i) {
+    const string name = owner + "." + table.names[i];
+    const Json& entry = table.items[i];
+    if (entry.type == Json::null) continue;
+    Array array;
+    const auto constant = known.find(name);
+    if (entry.find("constant")) {
+      only(entry, name, {"constant"});
+      if (text_of(entry.items[0], name) != name || constant == known.end())
+        throw Inconsistent{"the model's " + name + " is no constant of the Program"};
+      array = constant->second;
+    } else {
+      only(entry, name, {"shape", "values"});
+      array.shape = shape_of(field(entry, name, "shape"), name);
+      for (const Json& value : list_of(field(entry, name, "values"), name))
+        array.values.push_back(hexadecimal(value, name));
+      if (array.values.size() != elements(array.shape)) refuse(name + " of another size");
+      if (constant != known.end() && (constant->second.shape != array.shape ||
+                                      constant->second.values != array.values))
+        throw Inconsistent{"the model's " + name + " is not that of the Program"};
+    }
+    found[table.names[i]] = array;
+  }
+  return found;
+}
+
+const Array& array(const std::map<string, Array>& table, const string& name, vector<int> shape) {
+  const auto found = table.find(name);
+  if (found == table.end()) refuse("no array '" + name + "' in the model");
+  if (found->second.shape != shape) refuse("the model's array '" + name + "' in another shape");
+  return found->second;
+}
+
+// along e + across (e turned a quarter counter-clockwise), e a link's direction.
+struct Complex {
+  I along, across;
+  bool zero() const { return magnitude(along) == 0.0 && magnitude(across) == 0.0; }
+};
+using Row = vector<Complex>;  // A point of the robot: sum over links of a Complex times e.
+
+struct Robot {
+  int links = 0;  // n: stance leg upwards, torso if there is one, swing leg downwards.
+  int leg = 0;    // Links of a leg.
+  bool torso = false;
+  vector<I> mass, inertia;       // Of the links.
+  vector<Row> centre;            // Centres of mass.
+  Row hip, foot, moment;         // Hip, swing foot, and mass times centre of mass of the whole.
+  I weight_mass, gravity;        // Total mass, g.
+  I friction;                    // Coefficient of the feet.
+  vector<I> armature, damping;   // Of the n coordinates; the first has none.
+  vector<I> torque_limit;        // Of the n - 1 joints.
+  vector<I> hip_gradient;        // c: z1 = c q.
+  string name;
+  vector<string> words;          // Every number of the file about it, a line each part.
+
+  int joints() const { return links - 1; }
+  // d theta_k / d q_j: angles add up the stance leg and over its hip, and subtract down the other.
+  int turn(int k, int j) const { return j > k ? 0 : j > links / 2 ? -1 : 1; }
+};
+
+Complex times(I k, const Complex& c) { return {k * c.along, k * c.across}; }
+
+// A link in words, with the joint at its upper end if it has one.
+string link_words(const Json& link) {
+  const auto number = [&link](const char* name) {
+    return brief(hexadecimal(field(link, "a link", name), string(name) + " of a link"));
+  };
+  string words = number("mass") + " kg, centre of mass " + number("along") + " m along and " +
+                 number("across") + " m across, inertia " + number("inertia") + " kg m^2";
+  if (!link.find("length")) return words;
+  return number("length") + " m long, " + words + "; joint above it: rotor " + number("armature") +
+         " kg m^2, damping " + number("damping") + " N m s/rad, torque limit " +
+         number("torque_limit") + " N m, range " + number("lower") + " to " + number("upper") +
+         " rad";
+}
+
+Robot robot_of(const Json& table) {
+  only(table, "the robot", {"name", "leg", "torso", "gravity", "friction", "foot_radius"});
+  const vector<Json>& leg = list_of(field(table, "the robot", "leg"), "the leg");
+  const Json& trunk = field(table, "the robot", "torso");
+  if (leg.empty() || leg.size() > 3) refuse("a leg of " + std::to_string(leg.size()) + " links");
+  for (const Json& link : leg)
+    only(link, "a link", {"length", "mass", "inertia", "armature", "damping", "torque_limit",
+                          "lower", "upper", "along", "across"});
+  const auto number = [](const Json& link, const char* name) {
+    return I(hexadecimal(field(link, "a link", name), string(name) + " of a link"));
+  };
+  const auto at_least = [](I value, bool strictly, const char* what) {
+    if (!(strictly ? value.low() > 0.0 : value.low() >= 0.0)) refuse(what);
+    return value;
+  };
+  Robot r;
+  r.leg = static_cast<int>(leg.size());
+  r.torso = trunk.type != Json::null;
+  r.links = 2 * r.leg + r.torso;
+  r.name = text_of(field(table, "the robot", "name"), "the robot's name");
+  r.gravity = at_least(number(table, "gravity"), true, "a gravity that is not positive");
+  r.friction = at_least(number(table, "friction"), false, "a friction that is negative");
+  const I radius = at_least(number(table, "foot_radius"), false, "a foot of negative radius");
+  r.words.push_back("gravity " + brief(r.gravity.low()) + " m/s^2, friction of the feet " +
+                    brief(r.friction.low()) + ", radius of the feet " + brief(radius.low()) + " m");
+  const auto n = static_cast<size_t>(r.links);
+  r.mass.resize(n);
+  r.inertia.resize(n);
+  r.centre.assign(n, Row(n));
+  r.armature.assign(n, I(0.0));
+  r.damping.assign(n, I(0.0));
+  r.torque_limit.assign(n - 1, I(0.0));
+
+  // Walk from the stance foot up to the hip and down to the swing foot; `here` is the joint.
+  Row here(n);
+  const auto fill = [&](size_t k, const Json& link) {
+    r.mass[k] = at_least(number(link, "mass"), true, "a link whose mass is not positive");
+    r.inertia[k] = at_least(number(link, "inertia"), false, "a link of negative inertia");
+    r.centre[k] = here;
+    r.centre[k][k].along = r.centre[k][k].along + number(link, "along");
+    r.centre[k][k].across = number(link, "across");
+  };
+  for (size_t k = 0; k < leg.size(); ++k) {
+    fill(k, leg[k]);
+    if (!(number(leg[k], "lower").low() <= number(leg[k], "upper").low()))
+      refuse("a joint whose range ends before it begins");
+    r.words.push_back("link " + std::to_string(k + 1) + " of each leg, from the foot up: " +
+                      link_words(leg[k]));
+    here[k].along = at_least(number(leg[k], "length"), true, "a link without length");
+  }
+  r.hip = here;
+  if (r.torso) {
+    only(trunk, "the torso", {"mass", "inertia", "along", "across"});
+    fill(leg.size(), trunk);
+    r.words.push_back("torso: " + link_words(trunk));
+  }
+  for (size_t i = leg.size(); i-- > 0;) {
+    const size_t k = n - 1 - i;
+    here[k].along = -number(leg[i], "length");  // To the link's lower end, where it is seen from.
+    fill(k, leg[i]);
+  }
+  r.foot = here;
+
+  r.moment = Row(n);
+  for (size_t i = 0; i < n; ++i) {
+    r.weight_mass = r.weight_mass + r.mass[i];
+    for (size_t k = 0; k < n; ++k) {
+      const Complex part = times(r.mass[i], r.centre[i][k]);
+      r.moment[k] = {r.moment[k].along + part.along, r.moment[k].across + part.across};
+    }
+  }
+  // Joint j of a leg is above link j; the hip is its last. Without a torso the hips are one joint.
+  for (size_t j = 1; j < n; ++j) {
+    const size_t i = j <= leg.size() ? j - 1 : n - 1 - j;
+    r.armature[j] = at_least(number(leg[i], "armature"), false, "a negative armature");
+    r.damping[j] = at_least(number(leg[i], "damping"), false, "a negative damping");
+    r.torque_limit[j - 1] =
+        at_least(number(leg[i], "torque_limit"), true, "a torque limit that is not positive");
+  }
+  // The hip is at -sum l_k sin theta_k: linearised in q.
+  r.hip_gradient.assign(n, I(0.0));
+  for (int j = 0; j < r.links; ++j)
+    for (int k = 0; k < r.leg; ++k)
+      if (r.turn(k, j)) r.hip_gradient[j] = r.hip_gradient[j] - I(r.turn(k, j)) * r.hip[k].along;
+  return r;
+}
+
+struct Layer {
+  int rows = 0, columns = 0;
+  vector<double> weights, biases;  // [rows, columns], [rows]
+};
+
+struct Policy {
+  bool hybrid_invariant = false;  // Else the network alone.
+  bool softplus = false;          // Else tanh.
+  bool z2_dependence = true;
+  vector<Layer> layers;
+  vector<double> lower, upper, scale, shift;
+  double start = 0.0, guard = 0.0;  // z1 after the impact and at the guard.
+  vector<double> cubic;             // [4, m]
+};
+
+// network.weights[i] and network.biases[i] of an owner, from two inputs to `outputs`.
+vector<Layer> layers_of(const std::map<string, Array>& arrays, int depth, int outputs) {
+  vector<Layer> layers;
+  if (depth < 1 || depth > 50) refuse("a network of " + std::to_string(depth) + " layers");
+  int columns = 2;
+  for (int i = 0; i < depth; ++i) {
+    const string place = "[" + std::to_string(i) + "]";
+    const auto found = arrays.find("network.weights" + place);
+    if (found == arrays.end() || found->second.shape.size() != 2)
+      refuse("no array 'network.weights" + place + "' in the model");
+    Layer layer;
+    layer.rows = i + 1 == depth ? outputs : found->second.shape[0];
+    layer.columns = columns;
+    layer.weights = array(arrays, "network.weights" + place, {layer.rows, columns}).values;
+    layer.biases = array(arrays, "network.biases" + place, {layer.rows}).values;
+    columns = layer.rows;
+    layers.push_back(layer);
+  }
+  return layers;
+}
+
+Policy policy_of(const Json& table, int joints, const Constants& constants) {
+  only(table, "the policy", {"kind", "activation", "layers", "z2_dependence", "arrays"});
+  const auto text = [&](const char* name) {
+    return text_of(field(table, "the policy", name), string("the policy's ") + name);
+  };
+  Policy p;
+  if (text("kind") == "HybridInvariantPolicy") p.hybrid_invariant = true;
+  else if (text("kind") != "MLPPolicy") throw Unknown{"a policy of the kind " + text("kind")};
+  if (text("activation") == "softplus") p.softplus = true;
+  else if (text("activation") != "tanh") throw Unknown{"the activation " + text("activation")};
+  const Json& dependence = field(table, "the policy", "z2_dependence");
+  if (dependence.type != Json::boolean) refuse("z2_dependence that is neither true nor false");
+  p.z2_dependence = dependence.number_value != 0.0;
+  const auto arrays = arrays_of(field(table, "the policy", "arrays"), "policy", constants);
+  size_t used = 6;
+  p.lower = array(arrays, "lower", {joints}).values;
+  p.upper = array(arrays, "upper", {joints}).values;
+  p.scale = array(arrays, "input_scale", {2}).values;
+  p.shift = array(arrays, "input_shift", {2}).values;
+  if (p.hybrid_invariant) {
+    p.guard = array(arrays, "z_guard", {}).values[0];
+    p.start = array(arrays, "z_start", {}).values[0];
+    p.cubic = array(arrays, "cubic", {4, joints}).values;
+    used = 7;
+  } else {
+    const vector<double>& ends = array(arrays, "start_and_guard", {2}).values;
+    p.start = ends[0];
+    p.guard = ends[1];
+    used = 5;
+  }
+  const int depth = integer_of(field(table, "the policy", "layers"), "the number of layers");
+  p.layers = layers_of(arrays, depth, joints);
+  used += 2 * p.layers.size();
+  if (used != arrays.size()) refuse("arrays of the policy that its kind does not have");
+  return p;
+}
+
+struct Tube {
+  vector<double> lower, upper;  // Chebyshev coefficients of zeta = z2^2/2 over the phase.
+  double unit = 1.0, start = 0.0, guard = 0.0;  // z1 at phase 0 and 1.
+};
+
+Tube tube_of(const Json& table, const Policy& policy, const Constants& constants) {
+  only(table, "the tube", {"lower", "upper", "unit", "span"});
+  const auto arrays = arrays_of(table, "tube", constants);
+  Tube t;
+  for (const char* side : {"lower", "upper"}) {
+    const auto found = arrays.find(side);
+    if (found == arrays.end() || found->second.shape.size() != 1)
+      refuse(string("no series '") + side + "' in the tube");
+    (string(side) == "lower" ? t.lower : t.upper) = found->second.values;
+  }
+  t.unit = array(arrays, "unit", {}).values[0];
+  t.start = policy.start;
+  t.guard = policy.guard;
+  if (arrays.count("span")) {
+    t.start = array(arrays, "span", {2}).values[0];
+    t.guard = array(arrays, "span", {2}).values[1];
+  }
+  return t;
+}
+
+// What was learned of the robot beyond its links; see the policy's section.
+struct FlowResidual {
+  vector<Layer> layers;
+  vector<double> scale, shift, bound;  // [2] each
+};
+
+struct ResetResidual {
+  Layer layer;
+  vector<double> scale, shift, bound;  // [2], [2], [1 + m]
+};
+
+FlowResidual flow_residual_of(const Json& table, const Constants& constants) {
+  only(table, "the flow's residual", {"layers", "arrays"});
+  const auto arrays =
+      arrays_of(field(table, "the flow's residual", "arrays"), "residuals.flow", constants);
+  const int depth = integer_of(field(table, "the flow's residual", "layers"), "layers");
+  FlowResidual r = {layers_of(arrays, depth, 2), array(arrays, "scale", {2}).values,
+                    array(arrays, "shift", {2}).values, array(arrays, "bound", {2}).values};
+  if (arrays.size() != 3 + 2 * r.layers.size()) refuse("other arrays of the flow's residual");
+  return r;
+}
+
+ResetResidual reset_residual_of(const Json& table, int joints, const Constants& constants) {
+  only(table, "the reset's residual", {"arrays"});
+  const auto arrays =
+      arrays_of(field(table, "the reset's residual", "arrays"), "residuals.reset", constants);
+  const int rows = 1 + joints;
+  if (arrays.size() != 5) refuse("other arrays of the reset's residual");
+  return {{rows, 2, array(arrays, "weight", {rows, 2}).values, array(arrays, "offset", {rows}).values},
+          array(arrays, "scale", {2}).values,
+          array(arrays, "shift", {2}).values,
+          array(arrays, "bound", {rows}).values};
+}
+
+struct Model {
+  Robot robot;
+  Policy policy;
+  Tube tube;
+  std::optional<FlowResidual> flow;
+  std::optional<ResetResidual> reset;
+};
+
+}  // namespace
