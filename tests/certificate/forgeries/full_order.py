@@ -4,12 +4,10 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from forgeries.base import LOOSE, Answer, Case, Table, Theme, refused
+from forgeries.base import LOOSE, Answer, Case, Table, Theme, refused, true
 from forgeries.edits import constant, constantly, number, parameters, program_of, put, renew
 
 THEME = Theme("full")
-OPEN = refused("undecided unreadable")
-"""The C++ checker does not know level 4, and says so."""
 FALLS = refused("rejected unreadable")
 SET = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
 ORDER = (*SET.split(), "slowest", "fastest")
@@ -18,7 +16,7 @@ OF_BARRIER = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
 
 
 def _kind(what: str, *, alone: Answer = FALLS, run: Answer = FALLS) -> Any:
-    return THEME.forgery(what, cpp=OPEN, alone=alone, run=run)
+    return THEME.forgery(what, cpp=true(), alone=alone, run=run)
 
 
 def _in_program(table: Table) -> None:
