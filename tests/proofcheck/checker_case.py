@@ -267,9 +267,25 @@ class FullCase(SetCase):
             BarrierConstants(name, *draw.uniform(0.5, 2.0, size=7).tolist())
             for name in self.full_model.names
         )
-        numbers = draw.uniform(0.5, 2.0, size=6).tolist()
-        radii = (self.radius, 0.5, self.radius)
-        return FullOrder(30.0, *radii, 0.003, 0.002, 0.001, 0.06, (0.9, 3.0), *numbers, rows)
+        inertia, mismatch, drift, gain, landing, slope = draw.uniform(0.5, 2.0, size=6).tolist()
+        return FullOrder(
+            bandwidth=30.0,
+            radius=self.radius,
+            shrink=0.5,
+            guard_radius=self.radius,
+            start_strip=0.003,
+            guard_strip=0.002,
+            crossing=0.001,
+            risen=0.06,
+            pace=(0.9, 3.0),
+            inertia=inertia,
+            mismatch=mismatch,
+            drift=drift,
+            gain=gain,
+            landing=landing,
+            landing_slope=slope,
+            barriers=rows,
+        )
 
     @cached_property
     def program(self):
