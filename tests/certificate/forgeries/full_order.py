@@ -188,7 +188,7 @@ def _(case: Case) -> None:
 
 @_kind("the model of another proof beside it", alone=LOOSE)
 def _(case: Case) -> None:
-    case.table["model"] = case.base.proofs["walk"]["model"]
+    case.table["model"] = case.base.proofs["small"]["model"]
 
 
 @_kind("its theorem under level 2", alone=refused("unreadable"))
