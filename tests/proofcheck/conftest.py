@@ -14,8 +14,8 @@ import pytest
 REPOSITORY = Path(__file__).parents[2]
 PROGRAM = REPOSITORY / "build" / "proofcheck"
 
-QUICK = 300
-"""Bits of the largest tree of a statement that is checked again and again."""
+QUICK = 450
+"""Signs of the largest tree of a statement that is checked again and again."""
 Ask = Callable[..., subprocess.CompletedProcess[str]]
 
 

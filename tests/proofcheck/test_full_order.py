@@ -1,14 +1,96 @@
-"""Level 4 by the C++ checker: its premises are what their Python functions compute."""
+"""Level 4 by the C++ checker: premises as their Python functions compute them, and what follows."""
 
+import base64
+import copy
+import hashlib
 import json
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pytest
 
-from support.checker_case import FullCase, bounds
+from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
+from neuralgaits.certificate.levels.full_order.prove import trace_full_order
+from neuralgaits.certificate.levels.full_order.theorem import (
+    BarrierConstants,
+    FullOrder,
+    premises,
+    series,
+)
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.programs import POINT, evaluate
+from support.checker_case import SetCase, bounds
 
 CASES = ("amber3m", "torso-2", "legs-2")
 POINTS, BOXES, SAMPLES = 6, 6, 40
+
+
+@dataclass(frozen=True)
+class FullCase(SetCase):
+    """The outputs of level 4, for a set and constants around nothing in particular.
+
+    Attributes:
+        radius: of the outputs, in the step and at the guard [rad].
+    """
+
+    radius: float = 1e-7
+
+    @cached_property
+    def full_model(self) -> FullOrderModel:
+        return FullOrderModel(self.robot, self.gait, self.spec)
+
+    @cached_property
+    def shape(self) -> FullOrder:
+        draw = np.random.default_rng(9)
+        rows = tuple(
+            BarrierConstants(name, *draw.uniform(0.5, 2.0, size=7).tolist())
+            for name in self.full_model.names
+        )
+        inertia, mismatch, drift, gain, landing, slope = draw.uniform(0.5, 2.0, size=6).tolist()
+        return FullOrder(
+            bandwidth=30.0,
+            radius=self.radius,
+            shrink=0.5,
+            guard_radius=self.radius,
+            start_strip=0.003,
+            guard_strip=0.002,
+            crossing=0.001,
+            risen=0.06,
+            pace=(0.9, 3.0),
+            inertia=inertia,
+            mismatch=mismatch,
+            drift=drift,
+            gain=gain,
+            landing=landing,
+            landing_slope=slope,
+            barriers=rows,
+        )
+
+    @cached_property
+    def program(self):
+        return trace_full_order(self.full_model, self.shape)
+
+    @property
+    def theorems(self) -> list[dict[str, Any]]:
+        return list(Theorems(full=self.shape).tables())
+
+    @cached_property
+    def table(self) -> dict[str, Any]:
+        found = super().table
+        (claim,) = found["statements"]
+        change = {"conditions": ["full/pace"], "region": "full order"}
+        change |= {"scales": {"full/pace": 1.0}, "bounds": {"full/pace": -9.0}}
+        return found | {"statements": [claim | change]}
+
+    def values(self, u: np.ndarray, xi: np.ndarray | None = None) -> dict[str, np.ndarray]:
+        """At points of the chart and of the unit ball, its centre if none are given."""
+        xi = np.zeros((len(u), self.full_model.size)) if xi is None else xi
+        values = evaluate(self.program, {"u": u, "xi": xi}, POINT)
+        return {name: value.reshape(len(value), -1) for name, value in values.items()}
 
 
 def in_the_ball(draw, count: int, size: int) -> np.ndarray:
@@ -83,3 +165,124 @@ def test_a_residual_and_another_size_of_xi_are_rejected(proofcheck, tmp_path):
     path.write_text(json.dumps(table))
     answer = proofcheck(path)
     assert answer.returncode == 1 and "residuals" in answer.stdout
+
+
+FENCE = BarrierConstants("level-lower", 2.0, 0.07, 38.0, 0.0, 0.07, 13.0, 130.0)
+OTHER = BarrierConstants("other", 20.0, 0.7, 3.0, 1.4, 0.08, 0.9, 75.0)
+FITS = FullOrder(
+    bandwidth=30.0,
+    radius=0.009,
+    shrink=3.2,
+    guard_radius=0.00038,
+    start_strip=0.003,
+    guard_strip=0.002,
+    crossing=1e-9,
+    risen=0.06,
+    pace=(0.9, 3.26),
+    inertia=8.0,
+    mismatch=1e-6,
+    drift=20.0,
+    gain=14.0,
+    landing=1e-9,
+    landing_slope=5.3,
+    barriers=(),
+)
+"""Constants from which the theorem follows, with any barriers like those above."""
+FACTORS = (-1.0, 0.0, 0.8, 1.4)
+
+
+def stated(case: FullCase, shape: FullOrder) -> dict:
+    """A file that claims level 4 with these constants, and premises with bounds that are absurd."""
+    table = dict(case.table)
+    program = copy.deepcopy(table["program"])
+    for name, numbers in series(shape).items():
+        (row,) = [row for row in program["constants"] if row[0] == f"full.{name}"]
+        row[2] = base64.b64encode(np.array(numbers).tobytes()).decode()
+    (theorem,) = Theorems(full=shape, claimed=(4,)).tables()
+    statements = [
+        table["statements"][0]
+        | {
+            "conditions": [p.output],
+            "scales": {p.output: 1.0},
+            "bounds": {p.output: 1e9},
+            "root": {end: [x.hex() for x in getattr(p, end)] for end in ("low", "high")},
+        }
+        for p in premises(shape)
+    ]
+    found = {"program": program, "theorems": [theorem], "statements": statements}
+    text = json.dumps(program, sort_keys=True, separators=(",", ":"))
+    return table | found | {"program_hash": hashlib.sha256(text.encode()).hexdigest()}
+
+
+@pytest.fixture(scope="module")
+def case():
+    return FullCase("amber3m")
+
+
+@pytest.fixture(scope="module")
+def fits(case):
+    fences = (FENCE, replace(FENCE, name="level-upper"))
+    others = tuple(replace(OTHER, name=name) for name in case.full_model.names[2:])
+    return replace(FITS, barriers=fences + others)
+
+
+@pytest.fixture
+def follows(proofcheck, tmp_path):
+    """Whether the conclusion of a file is drawn; its statements are false, and looked at later."""
+
+    def ask(table) -> bool:
+        path = tmp_path / "proof.json"
+        path.write_text(json.dumps(table))
+        answer = proofcheck(path)
+        assert answer.returncode in (1, 2), answer.stdout
+        return answer.returncode == 1 and "level 4 does not follow" not in answer.stdout
+
+    return ask
+
+
+def variants(shape: FullOrder) -> Iterator[FullOrder]:
+    """Every constant times every factor."""
+    alone = [f.name for f in fields(shape) if f.name not in ("pace", "barriers")]
+    for factor in FACTORS:
+        for name in alone:
+            yield replace(shape, **{name: factor * getattr(shape, name)})
+        for k in (0, 1):
+            pace = tuple(x * (factor if i == k else 1.0) for i, x in enumerate(shape.pace))
+            yield replace(shape, pace=pace)
+        for k in (0, 2):
+            for field in fields(OTHER)[1:]:
+                changed = {field.name: factor * getattr(shape.barriers[k], field.name)}
+                rows = list(shape.barriers)
+                rows[k] = replace(rows[k], **changed)
+                yield replace(shape, barriers=tuple(rows))
+
+
+def test_both_checkers_draw_the_same_conclusions(case, fits, follows):
+    assert follows(stated(case, fits))
+    answers = set()
+    for shape in variants(fits):
+        bounds = {(p.output, p.low, p.high): 0.1 for p in premises(shape)}
+        expected = conclude_full_order(shape, bounds).verdict == "proved"
+        in_chart = 0.0 <= shape.start_strip < 0.05 and 0.0 <= shape.guard_strip < 0.05
+        if shape.pace[0] >= shape.pace[1]:
+            continue  # No premise about them can be stated truly.
+        if in_chart and 0.0 <= shape.crossing and 0.0 <= shape.risen < 1.0:
+            answers.add(expected)
+            assert follows(stated(case, shape)) == expected, shape
+        else:
+            assert not expected
+    assert answers == {True, False}
+
+
+def test_no_premise_can_be_left_out_or_stand_elsewhere(case, fits, follows):
+    table = stated(case, fits)
+    for k, statement in enumerate(table["statements"]):
+        others = [s for i, s in enumerate(table["statements"]) if i != k]
+        assert not follows(table | {"statements": others}), statement["conditions"]
+        (name,) = statement["conditions"]
+        weak = statement | {"bounds": {name: -1e-12}}
+        assert not follows(table | {"statements": [*others, weak]}), name
+        nearer = (float.fromhex(statement["root"]["high"][1]) * 0.999).hex()
+        high = [statement["root"]["high"][0], nearer]
+        moved = statement | {"root": {"low": statement["root"]["low"], "high": high}}
+        assert not follows(table | {"statements": [*others, moved]}), name

@@ -46,7 +46,7 @@ def test_the_default_proof_is_confirmed(proofcheck, proof_file, proof):
 
 def test_both_checkers_agree(asked, spoilt, tmp_path):
     """On the smallest statements: the other one takes seconds for the rest."""
-    spoilt["statements"] = [s for s in spoilt["statements"] if len(s["tree"]) < 60]
+    spoilt["statements"] = [s for s in spoilt["statements"] if len(s["tree"]) < 90]
     assert holds(asked(spoilt))
     found = check_proof(tmp_path / "proof.json")
     assert (
@@ -146,9 +146,6 @@ NOT_KNOWN = {
         "knee", {"user": "Mine", "region": "tube", "scale": 0.5, "strength": 3}
     ),
     "policy": lambda t: t.__setitem__("model", None),
-    "full order": lambda t: t.__setitem__(
-        "theorems", [{"level": 4, "claimed": True, "parameters": {}}]
-    ),
 }
 
 

@@ -25,9 +25,6 @@ from neuralgaits.barriers import (
 )
 from neuralgaits.barriers import functions as f
 from neuralgaits.certificate.levels.chart import PLAIN
-from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
-from neuralgaits.certificate.levels.full_order.prove import trace_full_order
-from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
 from neuralgaits.certificate.proof_file.model_data import model_data
@@ -245,56 +242,6 @@ class SetCase(Case):
     @property
     def theorems(self) -> list[dict[str, Any]]:
         return list(Theorems(self.sets.walking, self.sets.orbit).tables())
-
-
-@dataclass(frozen=True)
-class FullCase(SetCase):
-    """The outputs of level 4, for a set and constants around nothing in particular.
-
-    Attributes:
-        radius: of the outputs, in the step and at the guard [rad].
-    """
-
-    radius: float = 1e-7
-
-    @cached_property
-    def full_model(self) -> FullOrderModel:
-        return FullOrderModel(self.robot, self.gait, self.spec)
-
-    @cached_property
-    def shape(self) -> FullOrder:
-        draw = np.random.default_rng(9)
-        rows = tuple(
-            BarrierConstants(name, *draw.uniform(0.5, 2.0, size=7).tolist())
-            for name in self.full_model.names
-        )
-        names = "inertia mismatch drift gain landing landing_slope".split()
-        numbers = dict(zip(names, draw.uniform(0.5, 2.0, size=6).tolist(), strict=True))
-        radii = (self.radius, 0.5, self.radius)
-        strips = (0.003, 0.002, 0.001, 0.06)
-        return FullOrder(30.0, *radii, *strips, (0.9, 3.0), **numbers, barriers=rows)
-
-    @cached_property
-    def program(self):
-        return trace_full_order(self.full_model, self.shape)
-
-    @property
-    def theorems(self) -> list[dict[str, Any]]:
-        return list(Theorems(full=self.shape).tables())
-
-    @cached_property
-    def table(self) -> dict[str, Any]:
-        found = super().table
-        (claim,) = found["statements"]
-        change = {"conditions": ["full/pace"], "region": "full order"}
-        change |= {"scales": {"full/pace": 1.0}, "bounds": {"full/pace": -9.0}}
-        return found | {"statements": [claim | change]}
-
-    def values(self, u: np.ndarray, xi: np.ndarray | None = None) -> dict[str, np.ndarray]:
-        """At points of the chart and of the unit ball, its centre if none are given."""
-        xi = np.zeros((len(u), self.full_model.size)) if xi is None else xi
-        values = evaluate(self.program, {"u": u, "xi": xi}, POINT)
-        return {name: value.reshape(len(value), -1) for name, value in values.items()}
 
 
 def chart_table(*more: tuple[str, float, float]) -> list[dict[str, str]]:

@@ -89,7 +89,8 @@ Chart chart_of(const Json& table) {
       refuse("the axis '" + name.substr(0, 60) + "', without a name, too long or with blanks in a row");
     const auto number = [&](const char* end) { return hexadecimal(*row.find(end), name); };
     chart.push_back({name, number("low"), number("high")});
-    if (!(chart.back().low < chart.back().high)) refuse("the axis " + name + " without a width");
+    const double width = chart.back().high - chart.back().low;
+    if (!(width > 0.0 && width < HUGE_VAL)) refuse("the axis " + name + " without a finite width");
     if (std::count_if(chart.begin(), chart.end(), [&](const Axis& a) { return a.name == name; }) > 1)
       refuse("two axes named " + name);
   }

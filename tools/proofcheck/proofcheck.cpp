@@ -1,36 +1,47 @@
 // proofcheck: an independent check of a gait certificate.
 //
 // A proof file says: at every state of a region, this condition of the gait holds with this margin;
-// and, at levels 2 and 3, what that means for trajectories: they walk for ever, and converge to one
-// periodic orbit. It contains link data of a robot, the numbers of a policy, of a tube in the plane
-// of the zero dynamics and of the orbit, and for each statement a tree of boxes. This program
-// derives everything else from those numbers: positions, momenta, the zero dynamics, accelerations,
-// torques, ground forces, the impact, the return map. It never evaluates the list of operations
-// ("Program") that the file also contains and that the finder worked with, and shares no formula
-// file, derivative rule or library with it.
+// and, at levels 2 to 4, what that means for trajectories: they walk for ever, converge to one
+// periodic orbit, and do so with outputs that are off zero. It contains link data of a robot, the
+// numbers of a policy, of a tube in the plane of the zero dynamics and of the orbit, and for each
+// statement a tree of boxes. This program derives everything else from those numbers: positions,
+// momenta, the zero dynamics, accelerations, torques, ground forces, the impact, the return map. It
+// does not evaluate the list of operations ("Program") that the file also contains and that the
+// finder worked with, unless it is told to, and shares no formula file, derivative rule or library
+// with it.
 //
-// The story, in sections:
-//    1  intervals            numbers enclosed by directed rounding
-//    2  elementary functions exp, tanh, logistic, log1p, sin, cos at a point, with remainders
-//    3  Taylor models        functions of a box: quadratic polynomials with interval coefficients
-//    4  duals                a value and its derivative along a direction
-//    5  reading              JSON, hexadecimal floats, base64, sha256
-//    6  the model            robot from link data, policy, tube
-//    7  the policy           desired outputs and their derivatives up to second order
-//    8  mechanics            from (z1, z2) to forces and impact, link by link
-//    9  conditions           what is claimed of single states, as formulas and in words
-//   10  set and orbit        what levels 2 and 3 rest on, as formulas and in words
-//   11  the check            trees of boxes
-//   12  what follows         from statements about boxes to statements about trajectories
-//   13  the file             consistency of what it says
-//   14  the command
+// The story, in sections; each file includes the one before it:
+//    1  intervals            numbers.hpp      numbers enclosed by directed rounding
+//    2  elementary functions                  exp, log, tanh, sin ... at a point, with remainders
+//    3  Taylor models        taylor.hpp       functions of a box: quadratic polynomials with
+//                                             interval coefficients; of a ball: with a slope
+//    4  duals                                 a value and its derivative along a direction
+//    5  reading              reading.hpp      JSON, hexadecimal floats, base64, sha256
+//    6  the model            robot.hpp        robot from link data, policy, tube, residuals
+//    7  the policy           policy.hpp       desired outputs and derivatives up to second order
+//    8  mechanics            mechanics.hpp    from a state to forces and impact, link by link
+//    9  conditions           conditions.hpp   what is claimed of single states, also in words
+//   10  set and orbit        premises.hpp     what levels 2 and 3 rest on
+//   11  full order           full_order.hpp   what level 4 rests on; all outputs and their words
+//   12  the check            check.hpp        trees of boxes
+//   13  the Program          program.hpp      the file's own list of operations, on request
+//   14  what follows         conclusions.hpp  from statements about boxes to trajectories
+//   15  the file             file.hpp         consistency of what it says
+//   16  the command          this file
 //
 // proofcheck FILE prints the robot and every statement in words, with all numbers that they depend
 // on, and answers with its exit code: 0 proved of what is printed, 1 rejected (false, with a point;
 // or the file contradicts itself, or claims what does not follow), 2 not a proof file, 3 undecided (a
-// user's own condition, the full-order theorem, boxes that do not reach their bounds, or a condition
-// that is not claimed on all of its region), 70 the rounding does not work. Boxes are bounded with models of second
-// degree whatever degree the finder used.
+// user's own condition, policy or residual, a chart with parameters beside phase and level, boxes
+// that do not reach their bounds, or a condition that is not claimed on all of its region), 70 the
+// rounding does not work. Boxes are bounded with models of second degree whatever degree the finder
+// used.
+//
+// proofcheck --program FILE bounds the Program in the file instead, whatever it computes. Then 0
+// means only that every statement follows from it ("consistent"): nothing is derived from the robot's
+// numbers, and nothing says that the Program is about them.
+//
+// It is compiled in one line: g++ -std=c++17 -O2 -frounding-math -ffp-contract=off proofcheck.cpp
 //
 // Trusted: the C++ compiler, IEEE 754 + - * / sqrt in the rounding mode that is set and tested at
 // the start, and the standard library's strings and containers. Signs and symbols are those of

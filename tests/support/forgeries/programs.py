@@ -121,12 +121,7 @@ def _(case: Case) -> None:
     constantly(case.table)
 
 
-@THEME.forgery(
-    "a Program whose outputs are all 1, level 4",
-    about="full",
-    cpp=refused("undecided"),
-    alone=LOOSE,
-)
+@THEME.forgery("a Program whose outputs are all 1, level 4", about="full", cpp=true(), alone=LOOSE)
 def _(case: Case) -> None:
     constantly(case.table)
 
@@ -141,9 +136,7 @@ def _(case: Case) -> None:
     constantly(case.table, ["orbit/expansion"])
 
 
-@THEME.forgery(
-    "a Program that says nothing of xi, level 4", about="full", cpp=refused("undecided"), alone=NO
-)
+@THEME.forgery("a Program that says nothing of xi, level 4", about="full", cpp=NO, alone=NO)
 def _(case: Case) -> None:
     """Outputs at u alone: nothing is then proved of outputs off zero."""
     constantly(case.table)
@@ -151,7 +144,7 @@ def _(case: Case) -> None:
     put(case.table, _without_second_input(program))
 
 
-@THEME.forgery("a Program of one xi, level 4", about="full", cpp=refused("undecided"), alone=LOOSE)
+@THEME.forgery("a Program of one xi, level 4", about="full", cpp=NO, alone=LOOSE)
 def _(case: Case) -> None:
     constantly(case.table)
     program = program_of(case.table)
