@@ -47,10 +47,22 @@ def _(case: Case) -> None:
         statement["tree"] = statement["tree"].replace("-", f"{_wide(statement)}--")
 
 
-@THEME.forgery("a curve's tree for a box", cpp=true(), alone=LOOSE, run=NO, about="walk")
+@THEME.forgery(
+    "a curve's tree for a box", cpp=true(), alone=LOOSE, run=LOOSE, about="walk", bounded=True
+)
 def _(case: Case) -> None:
     curve, box = (statement_of(case.table, name) for name in ("set/width", "set/inertia"))
     box["tree"] = curve["tree"]
+
+
+@THEME.forgery("a box's tree for a curve", cpp=REJECTED, alone=REJECTED, about="walk")
+def _(case: Case) -> None:
+    statement_of(case.table, "set/width")["tree"] = "1--"
+
+
+@THEME.forgery("an axis that the chart lacks is halved", cpp=REJECTED, alone=REJECTED)
+def _(case: Case) -> None:
+    case.table["statements"][0]["tree"] = "2--"
 
 
 @THEME.forgery("a tree without end", cpp=REJECTED, alone=REJECTED, run=UNTRUE)

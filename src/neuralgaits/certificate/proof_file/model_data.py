@@ -27,10 +27,8 @@ _ARRAYS = {
     MLPPolicy: (*_NETWORK_POLICY, "start_and_guard"),
 }
 """Fields that desired outputs depend on, beside the network."""
-_LEARNED = {
-    "flow": Residual,
-    "reset": ResetResidual,
-}
+_LEARNED = {"flow": Residual, "reset": ResetResidual}
+"""What `fit` learns."""
 _LEARNED_ARRAYS = {
     "flow": ("scale", "shift", "bound"),
     "reset": ("weight", "offset", "scale", "shift", "bound"),
