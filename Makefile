@@ -1,8 +1,9 @@
 # Needs python3 (3.11 or newer) and make; everything else goes into .venv.
 PYTHON ?= python3
+PYTEST = .venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 PIP_INSTALL = .venv/bin/python -m pip install --quiet --constraint constraints.txt
 
-.PHONY: walk demo proofcheck test bench docs lint clean
+.PHONY: walk demo proofcheck test quick bench docs lint clean
 .DELETE_ON_ERROR:
 
 # Train a gait for AMBER-3M, walk it in MuJoCo, prove it, and write all that into one page.
@@ -24,7 +25,11 @@ build/proofcheck: tools/proofcheck/proofcheck.cpp $(wildcard tools/proofcheck/*.
 	$(CXX) -std=c++17 -O2 -frounding-math -ffp-contract=off -Wall -Wextra -Werror $< -o $@
 
 test: .venv/dev.stamp
-	.venv/bin/python -m pytest -n 2 --dist loadfile
+	$(PYTEST)
+
+# All but the tests marked as slow.
+quick: .venv/dev.stamp
+	$(PYTEST) -m "not slow"
 
 # Print the figures the tests do not assert: times, rates, long walks. Altered inputs and kills are
 # few here; INPUTS=100000 KILLS=200 make bench takes an hour more.

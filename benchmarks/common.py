@@ -6,9 +6,9 @@ from pathlib import Path
 import jax
 import numpy as np
 
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.cli import environment
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.workflows.run import Run, open_run
 from neuralgaits.workflows.train import train
 
 environment.prepare()

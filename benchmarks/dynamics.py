@@ -23,10 +23,10 @@ from neuralgaits.robots import PlanarBiped, built_in, load_robot
 from neuralgaits.robots.loader import robot_from_text
 
 # The independent road to the same matrices, and the random robots, are those of the tests.
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "robots"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from floating_base import FloatingBase
-from random_biped import catalogue
+from support.floating_base import FloatingBase
+from support.random_biped import catalogue
 
 STATES = 1000
 BATCH = 4096

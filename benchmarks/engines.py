@@ -18,10 +18,10 @@ from common import show
 from mujoco import rollout
 
 import neuralgaits
+from neuralgaits.analysis.run import open_run
+from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import Walk, walk
-from neuralgaits.workflows.native_walk import engine_of_run
-from neuralgaits.workflows.run import open_run
 
 RUN = Path(neuralgaits.__file__).parent / "demo_run"
 REPEATS, THREADS, WALKS, SEGMENT = 5, 2, 64, 100

@@ -13,10 +13,10 @@ from typing import Any
 from common import ROOT, show, trained
 from plants import TAIL, fallen
 
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
 from neuralgaits.workflows.episodes import Episodes, episodes
-from neuralgaits.workflows.run import Run, open_run
 
 SHIFT_M = float(os.environ.get("SHIFT", -0.02))
 FLOOR_STEPS = 50

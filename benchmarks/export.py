@@ -14,10 +14,10 @@ from tempfile import TemporaryDirectory
 
 from common import show, trained
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.export import build, writing
 from neuralgaits.export.reference import Reference
 from neuralgaits.workflows.export import controller_files, design_of, export_controller
-from neuralgaits.workflows.run import Run
 from neuralgaits.workflows.simulate import simulate
 
 STEPS = int(os.environ.get("STEPS", "1000"))

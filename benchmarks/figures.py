@@ -7,11 +7,11 @@ from pathlib import Path
 
 from common import show, trained
 
+from neuralgaits.analysis.gait_data import gait_data
+from neuralgaits.analysis.run import open_run
 from neuralgaits.report.drawn import Drawn
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.figures import figures
-from neuralgaits.workflows.gait_data import gait_data
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.simulate import simulate
 
 

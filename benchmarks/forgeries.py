@@ -1,6 +1,6 @@
 """Every kind of structural forgery, and what each checker answers.
 
-The table is tests/certificate/forgeries/: names that shadow premises, regions cut down, Programs
+The table is tests/support/forgeries/: names that shadow premises, regions cut down, Programs
 that say 1, theorems with other parameters, other robots, parts of other runs, hostile spec files.
 A checker may accept a file only where what it then says is true; how many it accepts otherwise
 stands in the last line.
@@ -8,9 +8,6 @@ stands in the last line.
 Premises of levels 2 to 4 are taken as checked where a forgery is one of structure; `--boxes`
 bounds them all, which takes an hour. Words restrict the themes: `forgeries.py regions trees`.
 """
-
-# pyright: reportMissingImports=false
-# The table lies with the tests, on a path set at run time.
 
 import contextlib
 import os
@@ -24,13 +21,13 @@ from pathlib import Path
 from common import show
 
 # What is forged is the tests'.
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificate"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from forgeries.ask import Heard, answers, complaints
-from forgeries.base import EXIT, YES, Base, Forgery
-from forgeries.quick import statements_taken_as_checked, traced_once
-from forgeries.runs import make
-from forgeries.table import THEMES
+from support.forgeries.ask import Heard, answers, complaints
+from support.forgeries.base import EXIT, YES, Base, Forgery
+from support.forgeries.quick import statements_taken_as_checked, traced_once
+from support.forgeries.runs import make
+from support.forgeries.table import THEMES
 
 REPOSITORY = Path(__file__).parents[1]
 PROGRAM = REPOSITORY / "build" / "proofcheck"

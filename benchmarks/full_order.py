@@ -12,11 +12,11 @@ import time
 
 from common import seeds, show, trained
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.conclude import constants
 from neuralgaits.certificate.levels.full_order.prove import FullOrderResult, full_order
 from neuralgaits.workflows.certify_full_order import model_of
 from neuralgaits.workflows.full_order_check import check_by_force, check_in_mujoco
-from neuralgaits.workflows.run import Run
 
 DEFAULT_SEEDS = 5
 

@@ -10,9 +10,6 @@ Asked: 0 tracebacks, 0 hangs over 10 s, 0 files lost. `INPUTS=1000` alters so ma
 `fuzz.py KIND ...` alters these alone; `fuzz.py replay KIND NUMBER` shows one again.
 """
 
-# pyright: reportMissingImports=false
-# What alters inputs lies with the tests, on a path set at run time.
-
 import os
 import shutil
 import subprocess
@@ -24,12 +21,12 @@ from pathlib import Path
 
 from common import ROOT, show, trained
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from fuzzing.cases import PROOFS, carry, case_of
-from fuzzing.commands import COMMANDS, answer_of
-from fuzzing.place import Place
-from fuzzing.watch import Block, watch, work
+from support.fuzzing.cases import PROOFS, carry, case_of
+from support.fuzzing.commands import COMMANDS, answer_of
+from support.fuzzing.place import Place
+from support.fuzzing.watch import Block, watch, work
 
 REPOSITORY = Path(__file__).parents[1]
 SHARES = {

@@ -58,7 +58,7 @@ SERVER.set_forkserver_preload(
     ["neuralgaits.cli.verbs", "neuralgaits.cli.progress"]
     + [f"neuralgaits.workflows.{name}" for name in ("certify", "episodes", "export", "report")]
 )
-SPEC = f"{Path(__file__).parents[1] / 'tests' / 'workflows' / 'brief_spec.py'}:brief"
+SPEC = f"{Path(__file__).parents[1] / 'tests' / 'support' / 'brief_spec.py'}:brief"
 """Few conditions: less to trace."""
 RUN, LOG = "run", "run/simulation/walk.csv"
 Words = tuple[str, ...]
@@ -243,7 +243,8 @@ def small(words: Words, folder: Path, said: Path) -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
     from neuralgaits.cli import environment, main
-    from neuralgaits.workflows import episode_walks, episodes, export, fit
+    from neuralgaits.rounds import walks as episode_walks
+    from neuralgaits.workflows import episodes, export, fit
 
     environment.prepare()
     if words[0] in ("fit", "episodes"):

@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from common import seeds, show, trained
 
-from neuralgaits.gait import poincare
+from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.run import Run
 from neuralgaits.training import Sampler, lay_out, margin_matrix
-from neuralgaits.workflows.run import Run
 
 COUNTS = {
     "tube": 60000,

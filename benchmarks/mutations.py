@@ -12,9 +12,6 @@ left undecided. 20 planted policies: every forged proof is rejected, or left und
 that is too coarse for it.
 """
 
-# pyright: reportMissingImports=false
-# Altered proofs lie with the tests of the other checker, on a path set at run time.
-
 import itertools
 import json
 import shutil
@@ -28,17 +25,17 @@ from pathlib import Path
 
 from common import show, trained
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import PROOF, certify
 from neuralgaits.workflows.certify_full_order import FILE as FULL_ORDER_PROOF
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.run import open_run
 
 # What alters the files is that of the tests.
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificate"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from mutations.base import Base, Mutation, Reader
-from mutations.generate import (
+from support.mutations.base import Base, Mutation, Reader
+from support.mutations.generate import (
     CONCLUSIONS,
     FULL_ORDER,
     FULL_ORDER_PREMISES,
@@ -47,7 +44,7 @@ from mutations.generate import (
     Groups,
     mutations,
 )
-from mutations.planted import planted
+from support.mutations.planted import planted
 
 REPOSITORY = Path(__file__).parents[1]
 LEVEL_1, FALSE_PREMISES, NOT_FOLLOWING, TREES, POLICIES = 900, 300, 400, 400, 20

@@ -9,13 +9,13 @@ import os
 
 from common import seeds, show, trained
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
-from neuralgaits.workflows.run import Run
 
 STARTS = int(os.environ.get("STARTS", 10))
 STEPS = int(os.environ.get("STEPS", 200))

@@ -17,13 +17,13 @@ import numpy as np
 from common import seeds, show, trained
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import Run
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Windows
 from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer
-from neuralgaits.residual.network import Residual
 from neuralgaits.residual.trajectories import missed, root_mean_square
 from neuralgaits.workflows.fit import JUDGED_SAMPLES, SAMPLES, STEP_S, fit
-from neuralgaits.workflows.run import Run
 from neuralgaits.workflows.simulate import log_files, simulate
 
 PLANT = "amber3m-tail"

@@ -11,10 +11,10 @@ import numpy as np
 from common import show, trained
 from threadpoolctl import threadpool_limits
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.programs import evaluate, fold
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra
 from neuralgaits.workflows.provable import trace_spec
-from neuralgaits.workflows.run import Run
 
 BOXES, POINTS, BATCH = 5120, 196, 256
 """Random points in a box, beside its four corners."""

@@ -19,12 +19,12 @@ import numpy as np
 from common import show, trained
 from threadpoolctl import threadpool_limits
 
-from neuralgaits.certificate.search.halving import halves, split_axes
+from neuralgaits.analysis.run import Run
+from neuralgaits.certificate.search.halving import Corners, halves, wide_axes
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.workflows.provable import trace_spec
-from neuralgaits.workflows.run import Run
 
 CASES = {
     "first derivatives": (
@@ -37,7 +37,7 @@ CASES = {
 }
 BUDGET_S = float(os.environ.get("BUDGET", 40.0))
 """Time that one method may take for one condition."""
-BATCH, START_DEPTH = 512, 3
+BATCH, START_DEPTH = 512, 6
 SLACK = 2.0**-44
 """Relative widening after each operation: far more than rounding, far less than the excess."""
 
@@ -95,9 +95,7 @@ class IntervalAlgebra:
             (plus @ high + minus @ low).reshape(-1, batch),
         )
         if offset is not None:
-            result = self.add(
-                result, self.move([offset], np.repeat(np.arange(len(weights)), columns))
-            )
+            result = _add(result, self.move([offset], np.repeat(np.arange(len(weights)), columns)))
         return _wider(result.low, result.high)
 
     def sum(self, a: Interval, size: int) -> Interval:
@@ -107,68 +105,77 @@ class IntervalAlgebra:
 
     def inner(self, a: Interval, b: Interval, size: int) -> Interval:
         """Row-wise inner products."""
-        return self.sum(self.mul(a, b), size)
+        return self.sum(_mul(a, b), size)
 
-    def add(self, a: Interval, b: Interval) -> Interval:
-        """Sum."""
-        return _wider(a.low + b.low, a.high + b.high)
+    def elementwise(self, kind: str, *operands: Interval) -> Interval:
+        """The range over the operands' ranges; monotonous functions take their ends there."""
+        if kind in _RULES:
+            return _RULES[kind](*operands)
+        return _wider(*(_MONOTONOUS[kind](part) for part in (operands[0].low, operands[0].high)))
 
-    def sub(self, a: Interval, b: Interval) -> Interval:
-        """Difference."""
-        return _wider(a.low - b.high, a.high - b.low)
 
-    def mul(self, a: Interval, b: Interval) -> Interval:
-        """Product: the extreme of four."""
-        ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
-        return _wider(np.minimum.reduce(ends), np.maximum.reduce(ends))
+def _add(a: Interval, b: Interval) -> Interval:
+    return _wider(a.low + b.low, a.high + b.high)
 
-    def div(self, a: Interval, b: Interval) -> Interval:
-        """Quotient; NaN where the divisor may be zero."""
-        inside = (b.low > 0.0) | (b.high < 0.0)
-        low, high = np.where(inside, 1.0 / b.high, np.nan), np.where(inside, 1.0 / b.low, np.nan)
-        return self.mul(a, _wider(low, high))
 
-    def neg(self, a: Interval) -> Interval:
-        """Negative."""
-        return Interval(-a.high, -a.low)
+def _sub(a: Interval, b: Interval) -> Interval:
+    return _wider(a.low - b.high, a.high - b.low)
 
-    def square(self, a: Interval) -> Interval:
-        """Square: never negative."""
-        low, high = a.low * a.low, a.high * a.high
-        least = np.where((a.low < 0.0) & (a.high > 0.0), 0.0, np.minimum(low, high))
-        return _wider(least, np.maximum(low, high))
 
-    def sqrt(self, a: Interval) -> Interval:
-        """Square root; NaN where the argument may be negative."""
-        return _wider(np.sqrt(a.low), np.sqrt(a.high))
+def _mul(a: Interval, b: Interval) -> Interval:
+    """The extremes of four."""
+    ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
+    return _wider(np.minimum.reduce(ends), np.maximum.reduce(ends))
 
-    def exp(self, a: Interval) -> Interval:
-        """Exponential."""
-        return _wider(np.exp(a.low), np.exp(a.high))
 
-    def log1p(self, a: Interval) -> Interval:
-        """Logarithm of 1 + a."""
-        return _wider(np.log1p(a.low), np.log1p(a.high))
+def _div(a: Interval, b: Interval) -> Interval:
+    """NaN where the divisor may be zero."""
+    inside = (b.low > 0.0) | (b.high < 0.0)
+    low, high = np.where(inside, 1.0 / b.high, np.nan), np.where(inside, 1.0 / b.low, np.nan)
+    return _mul(a, _wider(low, high))
 
-    def sin(self, a: Interval) -> Interval:
-        """Sine: 1 or -1 where a crest or trough lies inside, else the ends."""
-        ends = np.sin(a.low), np.sin(a.high)
-        crest, trough = _holds(a, 0.5 * math.pi), _holds(a, -0.5 * math.pi)
-        low = np.where(trough, -1.0, np.minimum(*ends))
-        return _wider(low, np.where(crest, 1.0, np.maximum(*ends)))
 
-    def cos(self, a: Interval) -> Interval:
-        """Cosine."""
-        half = np.array([[0.5 * math.pi]])
-        return self.sin(self.add(a, Interval(half, half)))
+def _neg(a: Interval) -> Interval:
+    return Interval(-a.high, -a.low)
 
-    def tanh(self, a: Interval) -> Interval:
-        """Hyperbolic tangent."""
-        return _wider(np.tanh(a.low), np.tanh(a.high))
 
-    def logistic(self, a: Interval) -> Interval:
-        """Logistic function."""
-        return _wider(0.5 + 0.5 * np.tanh(0.5 * a.low), 0.5 + 0.5 * np.tanh(0.5 * a.high))
+def _square(a: Interval) -> Interval:
+    """Never negative."""
+    low, high = a.low * a.low, a.high * a.high
+    least = np.where((a.low < 0.0) & (a.high > 0.0), 0.0, np.minimum(low, high))
+    return _wider(least, np.maximum(low, high))
+
+
+def _sin(a: Interval) -> Interval:
+    """1 or -1 where a crest or trough lies inside, else the ends."""
+    ends = np.sin(a.low), np.sin(a.high)
+    crest, trough = _holds(a, 0.5 * math.pi), _holds(a, -0.5 * math.pi)
+    low = np.where(trough, -1.0, np.minimum(*ends))
+    return _wider(low, np.where(crest, 1.0, np.maximum(*ends)))
+
+
+def _cos(a: Interval) -> Interval:
+    half = np.array([[0.5 * math.pi]])
+    return _sin(_add(a, Interval(half, half)))
+
+
+_RULES: dict[str, Callable[..., Interval]] = {
+    "add": _add,
+    "sub": _sub,
+    "mul": _mul,
+    "div": _div,
+    "neg": _neg,
+    "square": _square,
+    "sin": _sin,
+    "cos": _cos,
+}
+_MONOTONOUS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "log1p": np.log1p,
+    "tanh": np.tanh,
+    "logistic": lambda x: 0.5 + 0.5 * np.tanh(0.5 * x),
+}
 
 
 def _wider(low: np.ndarray, high: np.ndarray) -> Interval:
@@ -196,10 +203,14 @@ def prove(bounds: Bounds, low: Sequence[float], high: Sequence[float]) -> Effort
     """Halve boxes until the lower bound is not negative on each, depth first, or time is up."""
     began = time.perf_counter()
     root = np.array([low]), np.array([high])
-    axes = split_axes(root[0][0], root[1][0])
+    axes = wide_axes(root[0][0], root[1][0])
+
+    def halved(low: np.ndarray, high: np.ndarray, depth: int) -> tuple[Corners, Corners]:
+        return halves(low, high, np.full(len(low), axes[depth % len(axes)]))
+
     start = root
-    for _ in range(START_DEPTH):
-        start = halves(*start, axes)
+    for depth in range(START_DEPTH):
+        start = halved(start[0], start[1], depth)
     stack, boxes, leaves, proved = [(*start, START_DEPTH)], 0, 0, 0.0
     while stack and time.perf_counter() - began < BUDGET_S:
         lows, highs, depth = stack.pop()
@@ -208,9 +219,9 @@ def prove(bounds: Bounds, low: Sequence[float], high: Sequence[float]) -> Effort
             lows, highs = lows[:BATCH], highs[:BATCH]
         boxes += len(lows)
         good = bounds(lows, highs) >= 0.0
-        leaves, proved = leaves + int(good.sum()), proved + good.sum() * 0.5 ** (len(axes) * depth)
+        leaves, proved = leaves + int(good.sum()), proved + good.sum() * 0.5**depth
         if not good.all():
-            stack.append((*halves(lows[~good], highs[~good], axes), depth + 1))
+            stack.append((*halved(lows[~good], highs[~good], depth), depth + 1))
     return Effort(boxes, leaves, time.perf_counter() - began, float(proved))
 
 

@@ -35,59 +35,65 @@ from hypothesis import settings  # noqa: E402
 # Compilation makes the first example slow; a derandomised run fails the same way for everyone.
 settings.register_profile("neuralgaits", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("neuralgaits")
+Maker = Callable[[Path], object]
 
 
-def _shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder of all workers."""
-    base = tmp_path_factory.getbasetemp()
-    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-
-
-def _made_once(shared: Path, name: str, make: Callable[[Path], object]) -> Path:
-    """A folder that the first worker to ask for it makes, and the others wait for."""
-    folder, done, failed = (shared / f"{name}{end}" for end in ("", "-done", "-failed"))
-    try:
-        (shared / f"{name}-begun").mkdir()
-    except FileExistsError:
-        while not done.exists():
-            assert not failed.exists(), f"another worker could not make {name}"
-            time.sleep(0.1)
-    else:
-        try:
-            make(folder)
-        except BaseException:
-            failed.touch()
-            raise
-        done.touch()
-    return folder
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with slow tests come first: those that are given to the workers last are short."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in slow)
 
 
 @pytest.fixture(scope="session")
-def trained(tmp_path_factory: pytest.TempPathFactory):
+def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Maker], Path]:
+    """A folder by its name, which the first worker to ask makes and the others wait for."""
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+    def once(name: str, make: Maker) -> Path:
+        folder, done, failed = (shared / f"{name}{end}" for end in ("", "-done", "-failed"))
+        try:
+            (shared / f"{name}-begun").mkdir()
+        except FileExistsError:
+            while not done.exists():
+                assert not failed.exists(), f"another worker could not make {name}"
+                time.sleep(0.1)
+        else:
+            try:
+                make(folder)
+            except BaseException:
+                failed.touch()
+                raise
+            done.touch()
+        return folder
+
+    return once
+
+
+@pytest.fixture(scope="session")
+def trained(made_once):
     """A finished run of the default training on amber3m, shared by all workers."""
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.robots import load_robot
-    from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.train import train
 
-    shared = _shared(tmp_path_factory)
-    return open_run(
-        _made_once(
-            shared, "trained", lambda run: train(load_robot("amber3m"), out=run, root=shared)
-        )
-    )
+    def make(run: Path) -> None:
+        train(load_robot("amber3m"), out=run, root=run.parent)
+
+    return open_run(made_once("trained", make))
 
 
 @pytest.fixture(scope="session")
-def certified(trained, tmp_path_factory: pytest.TempPathFactory):
+def certified(trained, made_once):
     """A copy of it, proved to level 3, shared by all workers: nobody changes it."""
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.workflows.certify import certify
-    from neuralgaits.workflows.run import open_run
 
     def make(run: Path) -> None:
         shutil.copytree(trained.path, run)
         certify(run, level=3)
 
-    return open_run(_made_once(_shared(tmp_path_factory), "certified", make))
+    return open_run(made_once("certified", make))
 
 
 @pytest.fixture(scope="module")

@@ -17,11 +17,11 @@ import mujoco
 import numpy as np
 from PIL import Image
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.plant import Plant
 from neuralgaits.simulation.starts import full_states
 from neuralgaits.simulation.walk import walk
-from neuralgaits.workflows.run import open_run
 
 WIDTH, HEIGHT, FINER = 1200, 400, 2
 """Size of the picture in pixels; it is rendered FINER times larger and scaled down."""

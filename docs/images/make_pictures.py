@@ -13,11 +13,11 @@ import jax
 import pictures
 from PIL import Image
 
+from neuralgaits.analysis.gait_data import gait_data
+from neuralgaits.analysis.run import open_run
 from neuralgaits.report.drawn import Drawn
 from neuralgaits.report.figure import png
 from neuralgaits.workflows.figures import figures
-from neuralgaits.workflows.gait_data import gait_data
-from neuralgaits.workflows.run import open_run
 
 FOLDER = Path(__file__).parent
 OWN = {

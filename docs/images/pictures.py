@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc
 
+from neuralgaits.analysis.data import GaitData
+from neuralgaits.analysis.skeleton import hip_index
 from neuralgaits.report import skeleton
-from neuralgaits.report.data import GaitData
 from neuralgaits.report.style import (
     BLACK,
     BLUE,
@@ -36,7 +37,7 @@ ARROW: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 1.6, "shrinkA": 0, "s
 def coordinates(data: GaitData) -> Figure:
     """What is measured and what is driven: a pose with z1, z2 and the four motors."""
     points = data["orbit/skeleton"][_row(data, SHOWN)]
-    hip = skeleton.hip_index(len(points), data.torso)
+    hip = hip_index(len(points), data.torso)
     figure = new_figure(HEIGHT)
     left, right = figure.subplots(1, 2)
     for axes in (left, right):

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 from neuralgaits._version import __version__
 
 if TYPE_CHECKING:
+    from neuralgaits.analysis.orbit import poincare
+    from neuralgaits.analysis.run import open_run
     from neuralgaits.barriers import specs
     from neuralgaits.gait import (
         BezierPolicy,
         HybridInvariantPolicy,
         MLPPolicy,
         ZeroDynamics,
-        poincare,
     )
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.certify import certify
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.refine import refine
     from neuralgaits.workflows.report import write_report
-    from neuralgaits.workflows.run import open_run
     from neuralgaits.workflows.simulate import simulate
     from neuralgaits.workflows.train import train
     from neuralgaits.workflows.view import view
@@ -50,8 +50,8 @@ _HOMES = {
     "fit": "neuralgaits.workflows.fit",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
-    "open_run": "neuralgaits.workflows.run",
-    "poincare": "neuralgaits.gait",
+    "open_run": "neuralgaits.analysis.run",
+    "poincare": "neuralgaits.analysis.orbit",
     "refine": "neuralgaits.workflows.refine",
     "simulate": "neuralgaits.workflows.simulate",
     "specs": "neuralgaits.barriers",

@@ -1,17 +1,11 @@
 """AMBER-3M, its default spec and an untrained gait."""
 
-import sys
-from pathlib import Path
-
 import jax
 import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import load_robot
-
-# Tests of this folder share the helper modules beside them.
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "robots")]
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from quick import quick
 from scipy.integrate import solve_ivp
 
 from neuralgaits.barriers import (
@@ -53,13 +52,13 @@ def measured(gait, zd):
         after = zd.point(zd.reset(point.z))
         return margins, lean(point), lean(after), point.z, gait.level(after.z)
 
-    return jax.tree.map(np.asarray, quick(jax.vmap(one))(POINTS))
+    return jax.tree.map(np.asarray, jax.jit(jax.vmap(one))(POINTS))
 
 
 @pytest.fixture(scope="module")
 def along(zd):
     """The flow through a state for t seconds, and the quantity on it."""
-    rate, value = quick(lambda z: zd.zdot(z)), quick(lambda z: lean(zd.point(z)))
+    rate, value = jax.jit(lambda z: zd.zdot(z)), jax.jit(lambda z: lean(zd.point(z)))
 
     def flow(z, t):
         path = solve_ivp(
@@ -115,8 +114,8 @@ def test_a_fence_is_held_where_its_margin_says(gait, zd, along, name, level, sig
     """Start on the fence: the level moves inwards at the margin's pace."""
     flow, _ = along
     fence = {c.name: c for c in CONDITIONS}[name]
-    both = quick(lambda u: (gait.z(u), fence.margins(gait, zd, zd.point(gait.z(u)))))
-    of = quick(lambda z: jnp.stack([gait.phase(z[0]), gait.level(z)]))
+    both = jax.jit(lambda u: (gait.z(u), fence.margins(gait, zd, zd.point(gait.z(u)))))
+    of = jax.jit(lambda z: jnp.stack([gait.phase(z[0]), gait.level(z)]))
     for phase in (0.1, 0.35, 0.6, 0.9):
         z, margin = (np.asarray(value) for value in both(np.array([phase, level])))
         later, earlier = np.asarray(of(flow(z, 1e-4))), np.asarray(of(flow(z, -1e-4)))
@@ -134,7 +133,7 @@ def test_the_inlet_is_where_the_reset_lands(measured):
 
 def test_the_width_of_the_tube(gait, measured):
     """In z2, between the fences at the same z1."""
-    z = quick(jax.vmap(gait.z))
+    z = jax.jit(jax.vmap(gait.z))
     low, high = (
         np.asarray(z(np.column_stack([POINTS[:, 0], np.full(5, v)])))[:, 1] for v in (0, 1)
     )

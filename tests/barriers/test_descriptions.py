@@ -3,15 +3,15 @@
 import json
 from dataclasses import dataclass, fields
 
+import jax
 import numpy as np
 import pytest
-from quick import quick
-from test_functions import WITH_SETTINGS
 
 from neuralgaits.barriers import Pointwise, specs
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.description import describe_quantity
 from neuralgaits.barriers.quantities import AtLeast
+from support.quantities import WITH_SETTINGS
 
 
 def built_again(data):
@@ -48,7 +48,7 @@ def test_descriptions_determine_quantities(amber, gait, zd):
         p = zd.point(gait.z(u))
         return [(quantities()[name](p), again[name](p)) for name in again]
 
-    for name, (one, other) in zip(again, quick(both)(np.array([0.4, 0.7])), strict=True):
+    for name, (one, other) in zip(again, jax.jit(both)(np.array([0.4, 0.7])), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-15, err_msg=name)
 
 

@@ -4,13 +4,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from quick import quick
-from random_biped import random_biped
 
 from neuralgaits.barriers import functions as f
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots.loader import robot_from_text
+from support.quantities import WITH_SETTINGS
+from support.random_biped import random_biped
 
 U = np.array([[0.05, 0.1], [0.3, 0.8], [0.5, 0.5], [0.75, 0.2], [1.0, 0.9]])
 SHIN, THIGH, TORSO_COM = 0.4667, 0.4064, 0.21483
@@ -54,22 +54,6 @@ PLAIN = {
         " impulse normal_impulse old_foot_lift squared_mismatch"
     ).split()
 }
-WITH_SETTINGS = {
-    "friction_forward": f.friction_forward(0.4),
-    "friction_backward": f.friction_backward(0.4),
-    "foot_on_circle": f.foot_on_circle((0.05, -0.65), 0.7),
-    "parabolic_clearance": f.parabolic_clearance(0.02, 0.17, 0.001),
-    "orbital_energy": f.orbital_energy(0.9, 0.3),
-    "impulse_cone_forward": f.impulse_cone_forward(0.5),
-    "impulse_cone_backward": f.impulse_cone_backward(0.5),
-    "at_least": f.at_least(f.hip_height, 0.7),
-    "at_most": f.at_most(f.joint_angles, np.array([1.0, 2.0, 3.0, 4.0])),
-    "after_reset": f.after_reset(f.torso_angle),
-    "torque_lower": f.torque_reserve("lower", 0.8),
-    "torque_upper": f.torque_reserve("upper", 0.8),
-    "knee_bend": f.knee_bend((0, 3), (1.0, -1.0), 0.05),
-    "foot_above_arc": f.foot_above_arc(0.02),
-}
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +74,7 @@ def read(amber, gait, zd):
         states |= {"q+": impact.q, "dq+": impact.dq, "z+": z_after, "x+": x_after}
         return values, states
 
-    return jax.tree.map(np.asarray, quick(jax.vmap(one))(U))
+    return jax.tree.map(np.asarray, jax.jit(jax.vmap(one))(U))
 
 
 def moving(place, q, dq, step=1e-5):
@@ -150,7 +134,7 @@ def test_transversal_inertia(amber, gait, zd, read):
         mass = amber.mass_matrix(q) - jnp.diag(amber.armature)
         return -jnp.linalg.solve(turn.T, mass @ along).sum()
 
-    same(v["transversal_inertia"], quick(jax.vmap(spin))(U), 1e-9)
+    same(v["transversal_inertia"], jax.jit(jax.vmap(spin))(U), 1e-9)
 
 
 def test_contact(amber, read):

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial import chebyshev
-from quick import quick
 
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.barriers import functions as f
@@ -50,7 +49,7 @@ def chart(gait):
         z = bumpy.z(u)
         return z, bumpy.phase(z[0]), bumpy.level(z)
 
-    return bumpy, quick(both)
+    return bumpy, jax.jit(both)
 
 
 @given(u=st.tuples(st.floats(-0.02, 1.02), st.floats(-0.03, 1.03)))
@@ -75,7 +74,7 @@ def test_fences_are_chebyshev_series(chart):
     bumpy, _ = chart
     tube, phases = bumpy.tube, np.linspace(0.0, 1.0, 11)
     x = 2.0 * phases - 1.0
-    values, slopes = quick(jax.vmap(lambda p: (tube.fences(p), tube.fence_slopes(p))))(phases)
+    values, slopes = jax.jit(jax.vmap(lambda p: (tube.fences(p), tube.fence_slopes(p))))(phases)
     for i, series in enumerate((tube.lower, tube.upper)):
         np.testing.assert_allclose(
             values[:, i], tube.unit * chebyshev.chebval(x, series), rtol=1e-12

@@ -9,7 +9,6 @@ import re
 import jax
 import numpy as np
 import pytest
-from quick import quick
 
 from neuralgaits.barriers import specs
 from neuralgaits.gait import ZeroDynamics
@@ -46,7 +45,7 @@ def relative_margins(robot, policy):
     spec = specs.walking(robot, policy)
     gait = spec.new_gait(jax.random.key(3), "random", (6,))
     zd = ZeroDynamics(robot, gait.policy)
-    margins = quick(jax.vmap(lambda u: spec.margins(gait, zd, u)))(POINTS)
+    margins = jax.jit(jax.vmap(lambda u: spec.margins(gait, zd, u)))(POINTS)
     return {c.name: np.asarray(margins[c.name]) / c.scale for c in spec.conditions}
 
 

@@ -5,14 +5,13 @@ from dataclasses import replace
 import jax
 import numpy as np
 import pytest
-from quick import quick
-from random_biped import random_biped
 
 from neuralgaits.barriers import Barrier, Box, GaitSpec, Pointwise, specs
 from neuralgaits.barriers import functions as f
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
 from neuralgaits.robots.loader import robot_from_text
+from support.random_biped import random_biped
 
 OWN = """
 from neuralgaits.barriers import Pointwise, functions, specs
@@ -130,7 +129,7 @@ def test_a_spec_of_ones_own(amber, gait, zd, tmp_path):
         spec = specs.load(f"{path}:{attribute}", amber)
         assert isinstance(spec, GaitSpec)
         own = next(c for c in spec.conditions if c.name == "hip")
-        margin, height = quick(lambda own=own: both(own))()
+        margin, height = jax.jit(lambda own=own: both(own))()
         assert float(margin) == pytest.approx(float(height) - 0.75)
     assert specs.source_path(f"{path}:own") == path
 

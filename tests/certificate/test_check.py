@@ -6,7 +6,6 @@ import random
 
 import numpy as np
 import pytest
-from small_proof import CENTRE, all_hold, checked, program, with_program, write
 
 from neuralgaits.certificate.proof_file.check import NOT_TIED, check
 from neuralgaits.certificate.proof_file.reader import read_claims
@@ -14,6 +13,7 @@ from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
 from neuralgaits.programs import Constant, Input, Operation, Output, Program
 from neuralgaits.workflows.check_proof import check_proof
+from support.small_proof import CENTRE, all_hold, checked, program, with_program, write
 
 
 def test_true_statements_are_consistent_and_no_more(tmp_path, proof):
@@ -22,7 +22,7 @@ def test_true_statements_are_consistent_and_no_more(tmp_path, proof):
     assert len(report.statements) == 4
     assert "bowl: the margin is at least 0.055 of its scale 2.0" in report.statements[0]
     assert "level in [1.0, 1.0] (region tube)" in report.statements[3]
-    leaves = sum(statement["tree"].count("0") for statement in proof["statements"])
+    leaves = sum(statement["tree"].count("-") for statement in proof["statements"])
     assert report.boxes == leaves
 
 
@@ -35,7 +35,7 @@ def test_program_may_be_a_string_and_conditions_unclaimed(tmp_path, mutated):
 
 
 def test_coarse_leaves_are_split_further(tmp_path, mutated):
-    mutated["statements"][0]["tree"] = "0"
+    mutated["statements"][0]["tree"] = "-"
     report = checked(tmp_path, mutated)
     assert report.verdict == "consistent"
     assert report.boxes > 5
@@ -67,7 +67,7 @@ def test_a_bound_that_no_box_reaches_is_undecided(tmp_path, mutated):
     mutated["statements"][1]["bounds"]["bowl"] = 0.0625
     report = checked(tmp_path, mutated)
     assert report.verdict == "undecided"
-    assert "6 more splits" in str(report.reason)
+    assert "12 more halvings" in str(report.reason)
 
 
 def test_undefined_values_prove_nothing(tmp_path, mutated):

@@ -6,10 +6,10 @@ import json
 from typing import Any
 
 import pytest
-from small_proof import checked, write
 
-from neuralgaits.certificate.proof_file.reader import children, read_claims
+from neuralgaits.certificate.proof_file.reader import halves, read_claims
 from neuralgaits.errors import InputError
+from support.small_proof import checked, write
 
 
 def _flip(data: str) -> str:
@@ -30,15 +30,15 @@ INCONSISTENT = {
     "hash": lambda t: t.__setitem__("program_hash", t["program_hash"][::-1]),
     "tree cut": lambda t: t["statements"][0].__setitem__("tree", t["statements"][0]["tree"][:-1]),
     "tree grown": lambda t: t["statements"][2].__setitem__(
-        "tree", t["statements"][2]["tree"] + "0"
+        "tree", t["statements"][2]["tree"] + "-"
     ),
     "tree that ends in a split": lambda t: t["statements"][2].__setitem__(
-        "tree", t["statements"][2]["tree"][:-1] + "1"
+        "tree", t["statements"][2]["tree"][:-1] + "0"
     ),
     "tree of one leaf and more": lambda t: t["statements"][0].__setitem__(
-        "tree", "0" + t["statements"][0]["tree"][1:]
+        "tree", "-" + t["statements"][0]["tree"][1:]
     ),
-    "tree too deep": lambda t: t["statements"][2].__setitem__("tree", "1" * 60 + "0" * 61),
+    "tree too deep": lambda t: t["statements"][2].__setitem__("tree", "0" * 60 + "-" * 61),
 }
 
 
@@ -61,11 +61,25 @@ def _renamed(table: dict[str, Any], old: str, new: str) -> None:
     ).hexdigest()
 
 
+def _axes(count: int) -> list[dict[str, str]]:
+    """So many more axes of a chart."""
+    return [{"name": f"p{k}", "low": "-0x1p+0", "high": "0x1p+0"} for k in range(count)]
+
+
 UNREADABLE = {
     "version": lambda t: t.__setitem__("format", 1),
     "true version": lambda t: t.__setitem__("format", True),
     "kind": lambda t: t.__setitem__("kind", "neuralgaits level 1"),
-    "chart": lambda t: t.__setitem__("chart", "z"),
+    "chart": lambda t: t.__setitem__("chart", "u = (phase, level)"),
+    "chart of one axis": lambda t: t["chart"].pop(),
+    "chart of nine axes": lambda t: t["chart"].extend(_axes(7)),
+    "chart the other way": lambda t: t["chart"].reverse(),
+    "chart with a longer phase": lambda t: t["chart"][0].update(high="0x1.2p+0"),
+    "axis twice": lambda t: t["chart"].extend(_axes(1) * 2),
+    "axis without width": lambda t: t["chart"].append(_axes(1)[0] | {"high": "-0x1p+0"}),
+    "axis without end": lambda t: t["chart"].append(_axes(1)[0] | {"high": "inf"}),
+    "axis with a comma": lambda t: t["chart"].append(_axes(1)[0] | {"name": "a, b"}),
+    "axis that the program lacks": lambda t: t["chart"].extend(_axes(1)),
     "unknown field": lambda t: t.__setitem__("note", "trust me"),
     "missing field": lambda t: t.pop("spec"),
     "unknown in a statement": lambda t: t["statements"][0].__setitem__("skip", True),
@@ -90,7 +104,7 @@ UNREADABLE = {
     "theorems": lambda t: t.__setitem__("theorems", {}),
     "theorem without a level": lambda t: t.__setitem__("theorems", [{"start": "0x0p+0"}]),
     "model": lambda t: t.__setitem__("model", []),
-    "tree": lambda t: t["statements"][0].__setitem__("tree", "1002"),
+    "tree": lambda t: t["statements"][0].__setitem__("tree", "1008"),
     "empty tree": lambda t: t["statements"][0].__setitem__("tree", ""),
     "operand": lambda t: t["program"]["operations"][0].__setitem__(1, [0, 9]),
     "fraction": lambda t: t["program"]["operations"][0].__setitem__(2, 2.0),
@@ -114,12 +128,12 @@ UNREADABLE = {
 @pytest.mark.parametrize("name", UNREADABLE)
 def test_what_the_format_does_not_know_is_refused(tmp_path, mutated, name):
     UNREADABLE[name](mutated)
-    with pytest.raises(InputError, match="expected a proof file of format 2") as caught:
+    with pytest.raises(InputError, match="expected a proof file of format 3") as caught:
         checked(tmp_path, mutated)
     assert str(caught.value).isprintable()
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", "[" * 100_000, '{"format": 2, "format": 2}'])
+@pytest.mark.parametrize("text", ["", "[]", "{}", "[" * 100_000, '{"format": 3, "format": 3}'])
 def test_no_proof_file_at_all(tmp_path, text):
     with pytest.raises(InputError, match="expected a proof file"):
         read_claims(write(tmp_path, text))
@@ -127,14 +141,11 @@ def test_no_proof_file_at_all(tmp_path, text):
         read_claims(tmp_path / "absent.json")
 
 
-def test_children_cover_their_box():
-    low, high = (0.0, 0.25), (1.0, 0.75)
-    parts = list(children(low, high))
-    area = sum((b[0] - a[0]) * (b[1] - a[1]) for a, b in parts)
-    assert area == (high[0] - low[0]) * (high[1] - low[1])
-    assert [part[0] for part in parts] == [(0.0, 0.25), (0.5, 0.25), (0.0, 0.5), (0.5, 0.5)]
-    assert list(children((0.5, 0.0), (0.5, 1.0))) == [
-        ((0.5, 0.0), (0.5, 0.5)),
-        ((0.5, 0.5), (0.5, 1.0)),
-    ]
-    assert list(children((0.5, 0.5), (0.5, 0.5))) == []
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_halves_cover_their_box(axis):
+    low, high = (0.0, 0.25, -3.0), (1.0, 0.75, 5.0)
+    (first, middle), (start, last) = halves(low, high, axis)
+    assert (first, last) == (low, high)
+    assert middle[axis] == start[axis] == 0.5 * (low[axis] + high[axis])
+    others = [k for k in range(3) if k != axis]
+    assert all(middle[k] == high[k] and start[k] == low[k] for k in others)

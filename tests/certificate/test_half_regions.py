@@ -4,12 +4,12 @@ import json
 import shutil
 
 import pytest
-from own_spec import BREAKS, HOLDS, opened
 
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.theorems import cover_the_tube
-from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
+from support.own_spec import BREAKS, HOLDS, opened
 
 WHOLE = ((0.0, 0.0), (1.0, 1.0))
 

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_proof import CENTRE, FILES, program, sha256, weights, with_program, write
 
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.errors import RunError
+from support.small_proof import CENTRE, FILES, program, sha256, weights, with_program, write
 
 
 @pytest.fixture

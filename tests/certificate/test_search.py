@@ -10,10 +10,15 @@ from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
 from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.search import schedule
-from neuralgaits.certificate.search.box_tree import Cells
-from neuralgaits.certificate.search.branch_and_bound import open_on, search, start
+from neuralgaits.certificate.search.box_tree import BoxTree
+from neuralgaits.certificate.search.branch_and_bound import (
+    MOST_AT_START,
+    missing,
+    search,
+    start,
+)
 from neuralgaits.certificate.search.checkpoint import load, save
-from neuralgaits.certificate.search.halving import halves, to_bits
+from neuralgaits.certificate.search.halving import halves, to_text
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import SearchInterrupted, explore
 from neuralgaits.errors import RunError
@@ -23,7 +28,7 @@ SQUARE = ((0.0, 0.0), (1.0, 1.0))
 
 
 def _problem(low=SQUARE[0], high=SQUARE[1], scale=1.0, degree=2, **functions) -> Problem:
-    program = trace(lambda u: {name: f(u) for name, f in functions.items()}, {"u": (2,)})
+    program = trace(lambda u: {name: f(u) for name, f in functions.items()}, {"u": (len(low),)})
     names = tuple(functions)
     return Problem("square", low, high, names, (scale,) * len(names), program, degree)
 
@@ -118,15 +123,15 @@ def test_nan_and_infinity_are_not_proved(function):
 
 def test_bounds_hold_at_random_points():
     problem = _problem(bowl=bowl, ripple=ripple, both=lambda u: jnp.stack([bowl(u), ripple(u)]))
-    cells = _run(problem).cells
+    tree = _run(problem).tree
     draw = np.random.default_rng(1)
-    known = np.flatnonzero(np.isfinite(cells.lower[:, 0]))
+    known = np.flatnonzero(np.isfinite(tree.lower[:, 0]))
     for _ in range(20):
         share = draw.uniform(size=(len(known), 2))
-        u = cells.low[known] + share * (cells.high[known] - cells.low[known])
+        u = tree.low[known] + share * (tree.high[known] - tree.low[known])
         values = problem.values(u)
-        assert np.all(cells.lower[known] <= values)
-        assert np.all(values <= cells.upper[known])
+        assert np.all(tree.lower[known] <= values)
+        assert np.all(values <= tree.upper[known])
 
 
 def test_the_budget_ends_the_search_and_a_later_one_goes_on(tmp_path):
@@ -140,11 +145,11 @@ def test_the_budget_ends_the_search_and_a_later_one_goes_on(tmp_path):
     save(tmp_path / "boxes", problem, first)
     second = _run(problem, load(tmp_path / "boxes", problem))
     assert _verdict(problem, second, "ripple").verdict == "proved"
-    assert len(second.cells.first) > len(first.cells.first)
+    assert len(second.tree.first) > len(first.tree.first)
     whole = _run(problem)
     assert {s.tree for s in prove(problem, whole)} == {s.tree for s in prove(problem, second)}
     late = _run(problem, deadline=0.0)
-    assert np.all(late.cells.depth <= 3)
+    assert np.all(late.tree.depth <= MOST_AT_START)
 
 
 def test_no_time_means_no_work():
@@ -183,15 +188,15 @@ def test_boxes_have_an_end_and_a_budget_lifts_it(monkeypatch):
     problem = _problem(zero=zero, degree=1)
     monkeypatch.setattr(schedule, "MAX_BOXES", 300)
     capped = _run(problem)
-    assert 300 <= len(capped.cells.first) <= 85 + 300
+    assert 300 <= len(capped.tree.first) <= 2**6 - 1 + 300
     assert _verdict(problem, capped, "zero").verdict == "undecided"
-    assert len(_run(problem, capped).cells.first) > len(capped.cells.first)
+    assert len(_run(problem, capped).tree.first) > len(capped.tree.first)
     deadline = time.monotonic() + 0.5
-    assert len(_run(problem, deadline=deadline).cells.first) > 1000
-    monkeypatch.setattr(schedule, "MEMORY_BYTES", 700 * capped.cells.nbytes / 385)
+    assert len(_run(problem, deadline=deadline).tree.first) > 1000
+    monkeypatch.setattr(schedule, "MEMORY_BYTES", 700 * capped.tree.nbytes / len(capped.tree.first))
     held = _run(problem, deadline=time.monotonic() + 60.0)
     assert time.monotonic() < deadline + 50.0
-    assert 600 < len(held.cells.first) <= 720
+    assert 600 < len(held.tree.first) <= 720
 
 
 def test_a_wide_network_is_bounded_in_smaller_batches():
@@ -236,61 +241,76 @@ def test_refutations_are_saved(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "children"),
-    [(*SQUARE, 4), ((0.0, 0.15), (1.0, 0.15), 2), ((1.0, 0.0), (1.0, 0.7), 2)],
+    ("low", "high"),
+    [SQUARE, ((0.0, 0.15), (1.0, 0.15)), ((1.0, 0.0), (1.0, 0.7)), ((0.0,) * 3, (1.0, 0.5, 2.0))],
 )
-def test_the_leaves_of_a_statement_cover_its_root(low, high, children):
+def test_the_leaves_of_a_statement_cover_its_root(low, high):
     problem = _problem(low, high, bowl=lambda u: bowl(u) - 0.0999)
     state = _run(problem)
-    assert np.all(np.ptp(state.cells.low, axis=0)[[a not in state.cells.axes for a in (0, 1)]] == 0)
+    wide = list(state.tree.axes)
+    assert wide == [k for k, (a, b) in enumerate(zip(low, high, strict=True)) if a < b]
     (statement,) = prove(problem, state)
     lows, highs = [], []
     stack = [(np.array([low]), np.array([high]))]
-    for bit in statement.tree:
-        box_low, box_high = stack.pop()
-        if bit == "0":
-            lows.append(box_low[0])
-            highs.append(box_high[0])
+    for sign in statement.tree:
+        box = stack.pop()
+        if sign == "-":
+            lows.append(box[0][0])
+            highs.append(box[1][0])
         else:
-            parts = halves(box_low, box_high, state.cells.axes)
-            assert len(parts[0]) == children
-            stack += [(parts[0][k : k + 1], parts[1][k : k + 1]) for k in reversed(range(children))]
+            parts = halves(*box, np.array([int(sign)]))
+            stack += [(parts[0][k : k + 1], parts[1][k : k + 1]) for k in (1, 0)]
     assert not stack
-    sizes = (np.array(highs) - np.array(lows))[:, list(state.cells.axes)].prod(axis=1)
-    whole = (np.array(high) - np.array(low))[list(state.cells.axes)].prod()
-    assert sizes.sum() == pytest.approx(whole)
+    sizes = (np.array(highs) - np.array(lows))[:, wide].prod(axis=1)
+    assert sizes.sum() == pytest.approx((np.array(high) - np.array(low))[wide].prod())
     lower, _ = problem.bounds(np.array(lows), np.array(highs))
     assert np.all(lower[:, 0] >= statement.bounds["bowl"])
     assert statement.boxes == len(lows)
 
 
-def test_children_stand_in_the_order_of_the_format():
-    low, high = halves(np.zeros((1, 2)), np.array([[1.0, 2.0]]), (0, 1))
-    assert low.tolist() == [[0, 0], [0.5, 0], [0, 1], [0.5, 1]]
-    assert high.tolist() == [[0.5, 1], [1, 1], [0.5, 2], [1, 2]]
-    first = np.array([1, -1, 5, -1, -1, -1, -1, -1, -1])
-    assert to_bits(first, first < 0, 4) == "101000000"
-    with pytest.raises(ValueError, match="node 3 open"):
-        to_bits(first, (first < 0) & (np.arange(9) != 3), 4)
+def test_halves_stand_in_the_order_of_the_format():
+    low, high = halves(np.zeros((2, 2)), np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([1, 0]))
+    assert low.tolist() == [[0, 0], [0, 1], [0, 0], [1.5, 0]]
+    assert high.tolist() == [[1, 1], [1, 2], [1.5, 4], [3, 4]]
+    first, axis = np.array([1, 3, -1, -1, -1]), np.array([2, 0, -1, -1, -1])
+    assert to_text(first, axis, first < 0) == "20---"
+    with pytest.raises(ValueError, match="node 2 open"):
+        to_text(first, axis, (first < 0) & (np.arange(5) != 2))
 
 
-def test_a_child_keeps_what_its_parent_knows():
-    cells = Cells.start(*SQUARE, 2)
-    leaf = np.flatnonzero(cells.is_leaf)[:1]
-    cells = cells.with_bounds(leaf, np.array([[0.5, np.nan]]), np.array([[0.9, np.nan]]))
-    unknown = np.array([[0.2, np.nan]] * 4)
-    boxes = cells.children_of(leaf)
-    cells = cells.with_children(leaf, *boxes, unknown, unknown + 1.0)
-    assert np.all(cells.lower[-4:, 0] == 0.5)
-    assert np.all(cells.lower[-4:, 1] == -np.inf)
-    assert np.all(cells.upper[-4:, 0] == 0.9)
-    assert cells.share(np.ones(len(cells.first), bool)) == 1.0
+def test_a_half_keeps_what_its_box_knows():
+    tree, root = BoxTree.root(*SQUARE, 2), np.zeros(1, int)
+    tree = tree.with_bounds(root, np.array([[0.5, np.nan]]), np.array([[0.9, np.nan]]))
+    unknown = np.array([[0.2, np.nan]] * 2)
+    axis = tree.best_axis(root)
+    boxes = tree.halves_of(root, axis)
+    tree = tree.with_halves(root, axis, boxes, unknown, unknown + 1.0)
+    assert np.all(tree.lower[-2:, 0] == 0.5)
+    assert np.all(tree.lower[-2:, 1] == -np.inf)
+    assert np.all(tree.upper[-2:, 0] == 0.9)
+    assert tree.share(np.ones(len(tree.first), bool)) == 1.0
+
+
+@pytest.mark.parametrize("steep", [0, 1, 2])
+def test_the_axis_whose_halving_raises_the_bound_is_halved(steep):
+    """A ripple along one axis, a slope along another: the slope costs no box, however steep."""
+    flat = (steep + 1) % 3
+
+    def function(u):
+        return jnp.cos(25.0 * u[steep]) + 1.001 + 1e3 * (1.0 + u[flat])
+
+    problem = _problem((0.0,) * 3, (1.0,) * 3, rough=lambda u: function(u) - 1e3 * (1.0 + u[flat]))
+    cuts = _run(problem).tree.cuts.max(axis=0)
+    others = [k for k in range(3) if k != steep]
+    assert cuts[steep] > max(cuts[others]) + 1
+    tilted = _problem((0.0,) * 3, (1.0,) * 3, tilted=function)
+    assert len(_run(tilted).tree.first) <= len(_run(problem).tree.first)
 
 
 def test_a_condition_of_one_point_cannot_be_split():
     problem = _problem((0.3, 0.6), (0.3, 0.6), bowl=bowl, zero=lambda u: 0.1 - bowl(u))
     state = _run(problem)
-    assert not open_on(problem, state, "decide").any()
+    assert not missing(problem, state, "decide").any()
     assert _verdict(problem, state, "bowl").verdict == "proved"
     assert _verdict(problem, state, "zero").verdict != "proved"  # Zero to rounding: no margin.
 
@@ -302,4 +322,4 @@ def test_easy_and_hard_conditions_are_stated_apart():
     assert (easy.conditions, hard.conditions) == (("easy",), ("hard",))
     assert easy.boxes == 1
     assert hard.boxes > 64 * easy.boxes
-    assert easy.bounds["easy"] == problem.claimed * state.cells.lower[state.cells.is_leaf, 0].min()
+    assert easy.bounds["easy"] == problem.claimed * state.tree.lower[state.tree.is_leaf, 0].min()

@@ -4,14 +4,15 @@ import json
 from typing import Any
 
 import pytest
-from small_proof import sha256, statement, write
 
+from neuralgaits.certificate import retrace
+from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
-from neuralgaits.workflows import retrace
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.provable import trace_spec
+from support.small_proof import sha256, statement, write
 
 NAME, REGION = "tube-width", "fence-lower"
 
@@ -34,14 +35,14 @@ def table(trained, program) -> dict[str, Any]:
     claim = statement(prune(program, [NAME]), {NAME: 0.0}, box=(box.low, box.high))
     claim |= {"region": REGION, "scales": {NAME: condition.scale}}
     return {
-        "format": 2,
+        "format": 3,
         "kind": "neuralgaits certificate",
         "robot": {"name": "amber3m", "sha256": sha256((trained.path / ROBOT).read_bytes())},
         "weights_sha256": sha256((trained.path / WEIGHTS).read_bytes()),
         "spec": {"name": "walking", "sha256": sha256((trained.path / SPEC).read_bytes())},
         "program": json.loads(program.to_json()),
         "program_hash": program.hash,
-        "chart": "u = (phase, level)",
+        "chart": PLAIN.table(),
         "theorems": [],
         "model": None,
         "statements": [claim],

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import asdict
-from pathlib import Path
 
 import pytest
 
@@ -13,8 +12,10 @@ from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
 from neuralgaits.workflows.certify import HIGHEST
 from neuralgaits.workflows.train import train
+from support import small_spec
 
-SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+SMALL = small_spec.__file__
+
 Captured = pytest.CaptureFixture[str]
 
 

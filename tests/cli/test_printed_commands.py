@@ -6,19 +6,19 @@ import shutil
 from pathlib import Path
 
 import pytest
-from printed import check, on_page, on_screen
 
-import neuralgaits
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.arguments import Train
 from neuralgaits.cli.main import main
 from neuralgaits.report.again import simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.certificate_words import how_sure
-from neuralgaits.workflows.run import open_run
+from support import small_spec
+from support.printed import check, on_page, on_screen
+from support.shipped_run import SHIPPED
 
-SPEC = Path(__file__).parents[1] / "training" / "small_spec.py"
-SHIPPED = Path(neuralgaits.__file__).parent / "demo_run"
+pytestmark = pytest.mark.slow
 
 
 class Place:
@@ -45,7 +45,7 @@ def own(tmp_path_factory):
     changed = text.replace('model="amber3m"', 'model="stilts"')
     assert changed != text
     (robots / "stilts.xml").write_text(changed, encoding="utf-8")
-    shutil.copy(SPEC, robots / "my spec.py")
+    shutil.copy(small_spec.__file__, robots / "my spec.py")
     return Place(path, Path("my runs/first run"))
 
 

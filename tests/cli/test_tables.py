@@ -211,7 +211,7 @@ def test_what_is_urgent_stands_first_and_the_rest_is_a_sentence(
         f"a-condition-of-the-spec-{k}" for k in range(CONDITIONS - 1, CONDITIONS - ROWS + 1, -1)
     ]
     # 27 + 2 conditions, 12 shown: of the other 17 the smallest margin is that of condition 16.
-    assert lines[ROWS + 1] == "and 17 more, proved with margins of 0.11 or more; --json has all"
+    assert "17 more" in lines[ROWS + 1] and "margins of 0.11 or more" in lines[ROWS + 1]
 
 
 def test_open_conditions_are_never_counted_as_proved(capsys: Captured) -> None:

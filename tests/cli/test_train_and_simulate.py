@@ -12,6 +12,8 @@ import pytest
 import neuralgaits
 from neuralgaits.cli.main import main
 
+pytestmark = pytest.mark.slow
+
 TRAIN_FIELDS = {"run", "robot", "spec", "seed", "steps", "loss", "conditions"}
 TRAIN_FIELDS |= {"compile_s", "train_s", "wall_s"}
 SIMULATE_FIELDS = {"steps_walked", "fell", "speed_m_s", "step_time_s", "cost_of_transport"}

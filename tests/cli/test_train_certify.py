@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.cli.main import main
+from support import small_spec
 
-SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+SMALL = small_spec.__file__
+
 WORDS = ["train", "amber3m", "--spec", f"{SMALL}:small", "--hidden", "4", "--steps", "1"]
 
 

@@ -1,17 +1,11 @@
 """Robots with and without a torso, and random states of them."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.robots.loader import robot_from_text
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "robots"))
-
-from random_biped import random_biped  # pyright: ignore[reportMissingImports]
+from support.random_biped import random_biped
 
 ROBOTS = ("amber3m", "torso-3", "legs-1", "legs-2")
 

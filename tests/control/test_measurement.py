@@ -9,14 +9,14 @@ from neuralgaits.control.measurement import (
     stance_joints,
 )
 from neuralgaits.simulation.plant import build
-from neuralgaits.simulation.wiring import hip_arm, measure
+from neuralgaits.simulation.wiring import measure
 
 
 def measured(robot, q, dq, leg, foot_velocity):
     """A measurement in a state of the plant, the stance foot moving at `foot_velocity`."""
     wires = build(robot).wires
     sensors = wires.sensors(*wires.to_mjcf(q, dq, leg, (0.3, 0.1), foot_velocity))
-    _, swept = hip_arm(wires, sensors.pitch)
+    _, swept = wires.layout.hip_arm(sensors.pitch - wires.layout.root_angle, np)
     return measure(sensors, swept, jnp.zeros(()), jnp.zeros(2))
 
 

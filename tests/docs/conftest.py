@@ -1,14 +1,12 @@
 """A place like a reader's: a run that `latest` names, and the files that a page says to save."""
 
 import shutil
-import sys
 from functools import partial
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
-
+from neuralgaits.viewer.player import Player
 from neuralgaits.workflows import export as exporting
 from neuralgaits.workflows import train as training
 
@@ -29,4 +27,13 @@ def place(trained, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(
         exporting, "export_controller", partial(exporting.export_controller, states=STATES)
     )
+    # A page that closes its viewer at once has its wishes all the same, and hears what failed.
+    monkeypatch.setattr(Player, "stop", _stop_when_all_is_granted)
     return tmp_path
+
+
+def _stop_when_all_is_granted(player: Player, stop=Player.stop) -> None:
+    stop(player)
+    player._grant()
+    if player.failure is not None:
+        raise player.failure

@@ -1,12 +1,12 @@
 """Every Python block on a page runs, in the page's order, in a folder with a trained run."""
 
 import jax
-import pages
 import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.cli.main import main
 from neuralgaits.robots import load_robot
+from support import pages
 
 WITH_CODE = [page for page in pages.PAGES if pages.blocks(page, "python")]
 

@@ -3,11 +3,11 @@
 import re
 from pathlib import Path
 
-import pages
 import pytest
 
 from neuralgaits.cli.main import main
 from neuralgaits.cli.words import read
+from support import pages
 
 ALL = [(pages.name(page), words) for page in pages.PAGES for words in pages.commands(page)]
 CHEAP = ("inspect", "robots")
@@ -24,15 +24,34 @@ def test_the_parser_takes_it(words):
     assert read([word for word in words if word != "..."])
 
 
-@pytest.mark.parametrize("page", pages.PAGES, ids=pages.name)
+def cheap(page):
+    """Those of a page that can be carried out: no placeholder stands in them."""
+    return [
+        words[1:]
+        for words in pages.commands(page)
+        if words[0] == "neuralgaits"
+        and words[1] in CHEAP
+        and not any(re.match(r"[A-Z]+\b", word) for word in words)
+    ]
+
+
+@pytest.mark.parametrize("page", [p for p in pages.PAGES if cheap(p)], ids=pages.name)
 def test_cheap_ones_run(page, place, capsys):
     for name, text in pages.files(page).items():
         (place / name).write_text(text, encoding="utf-8")
-    for words in pages.commands(page):
-        placeholder = any(re.match(r"[A-Z]+\b", word) for word in words)
-        if words[0] == "neuralgaits" and words[1] in CHEAP and not placeholder:
-            assert main(words[1:]) == 0, words
-            assert capsys.readouterr().out
+    for words in cheap(page):
+        assert main(words) == 0, words
+        assert capsys.readouterr().out
+
+
+@pytest.mark.parametrize("page", pages.PAGES, ids=pages.name)
+def test_no_block_and_no_line_is_passed_over(page):
+    """Fences that look otherwise, and commands of other programs, would not be looked at."""
+    fences = re.findall(r"^\s*(?:```|~~~)", pages.read(page), re.MULTILINE)
+    assert len(fences) == 2 * len(pages.fences(page))
+    known = {"neuralgaits", "make", "pip", "proofcheck", "#"}
+    lines = [line for block in pages.blocks(page, "", "sh") for line in block.text.splitlines()]
+    assert {Path(line.split()[0]).name for line in lines if line} <= known
 
 
 def test_make_knows_its_targets():

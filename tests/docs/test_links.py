@@ -2,12 +2,12 @@
 
 import re
 
-import pages
 import pytest
 
 import neuralgaits
 from neuralgaits.cli.main import main
-from neuralgaits.workflows.figures import MAKERS
+from neuralgaits.report.makers import MAKERS
+from support import pages
 
 
 @pytest.mark.parametrize("page", pages.PAGES, ids=pages.name)

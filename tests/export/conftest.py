@@ -1,12 +1,12 @@
 """Compiling C for tests; without a compiler nothing here can be checked."""
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
+from neuralgaits.export.reference import Reference
+from support.designs import LAWS, design_for
 
 
 def pytest_collection_modifyitems(items):
@@ -20,14 +20,10 @@ def pytest_collection_modifyitems(items):
 @pytest.fixture(scope="session")
 def design():
     """AMBER-3M under all laws."""
-    from designs import LAWS, design_for
-
     return design_for("amber3m", LAWS)
 
 
 @pytest.fixture(scope="session")
 def reference(design):
     """Python's side of it, compiled once."""
-    from neuralgaits.export.reference import Reference
-
     return Reference(design)

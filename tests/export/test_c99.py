@@ -3,8 +3,6 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from compiled import DOUBLE, FLOAT, filter_program, filter_source, through
-from program_cases import CASES, network, points_of
 
 from neuralgaits.errors import SpecError
 from neuralgaits.export.float_bound import largest_errors
@@ -15,6 +13,8 @@ from neuralgaits.programs.c99.layout import BLOCK, WIDEST
 from neuralgaits.programs.c99.tables import Tables
 from neuralgaits.programs.ops import KINDS
 from neuralgaits.programs.tracing.tracer import trace
+from support.compiled import DOUBLE, FLOAT, filter_program, filter_source, through
+from support.program_cases import CASES, network, points_of
 
 
 def _compiled(program, folder, flags):

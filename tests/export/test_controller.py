@@ -5,9 +5,6 @@ import re
 import jax
 import numpy as np
 import pytest
-from compiled import folder_with
-from designs import design_for
-from random_biped import random_biped
 
 from neuralgaits.barriers import specs
 from neuralgaits.control import Fblin
@@ -20,6 +17,11 @@ from neuralgaits.export.programs import policy_rate
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
+from support.compiled import folder_with
+from support.designs import design_for
+from support.random_biped import random_biped
+
+pytestmark = pytest.mark.slow
 
 STATES = 2000
 

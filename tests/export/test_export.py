@@ -6,13 +6,15 @@ import subprocess
 
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.export_screen import show_export
 from neuralgaits.errors import InputError, MismatchError, RunError, SpecError
 from neuralgaits.export import build
 from neuralgaits.workflows import demo
 from neuralgaits.workflows import export as workflow
 from neuralgaits.workflows.export import export_controller
-from neuralgaits.workflows.run import open_run
+
+pytestmark = pytest.mark.slow
 
 FIELDS = {"files", "max_abs_error", "latency_us", "flash_bytes", "ram_bytes"}
 STATES = 500
@@ -60,10 +62,9 @@ def test_a_gait_without_a_proof_is_exported_with_a_warning(exported, tmp_path, c
     answer["conditions"]["knee"] |= {"verdict": "refuted", "counterexample": point}
     answer["levels"][1] |= {"verdict": "undecided", "reason": "time was up"}
     file.write_text(json.dumps(answer))
-    assert workflow._warnings(proved) == [
-        "this gait is refuted: knee is broken at z1 = 0.0125 m, z2 = 14.25 kg m^2/s",
-        "level 3 is not proved of this gait: time was up",
-    ]
+    refuted, undecided = workflow._warnings(proved)
+    assert all(fact in refuted for fact in ("refuted", "knee", "0.0125 m", "14.25 kg m^2/s"))
+    assert "level 3 is not proved" in undecided and "time was up" in undecided
     (proved.path / "certificate" / "proof.json").unlink()
     (one,) = workflow._warnings(proved)
     assert one.startswith("nothing is proved of this gait: certificate/proof.json is missing")

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from compiled import DOUBLE, FLOAT, filter_program, filter_source, through
 
 from neuralgaits.export.float_bound import FUNCTION_FLOOR, FUNCTION_UNITS
+from support.compiled import DOUBLE, FLOAT, filter_program, filter_source, through
 
 FUNCTIONS = ("sin", "cos", "tanh", "logistic", "exp", "log1p")
 CALL = " ".join(f"out[{i}] = ng_{name}(in[0]);" for i, name in enumerate(FUNCTIONS))

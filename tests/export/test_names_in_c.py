@@ -4,11 +4,11 @@ import re
 import subprocess
 
 import pytest
-from designs import LAWS, design_for
 
 from neuralgaits.export import writing
 from neuralgaits.export.source import _quoted, gait_files
 from neuralgaits.robots import load_robot
+from support.designs import LAWS, design_for
 
 EVIL = "m */ int evil(void){return 0;} /*"
 

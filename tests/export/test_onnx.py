@@ -10,12 +10,12 @@ from importlib.util import find_spec
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from program_cases import CASES, points_of
 
 from neuralgaits.errors import InputError, MismatchError, SpecError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.workflows.export import export_controller
+from support.program_cases import CASES, points_of
 
 pytestmark = pytest.mark.skipif(
     find_spec("onnx") is None or find_spec("onnxruntime") is None, reason="needs the extra onnx"
@@ -127,12 +127,12 @@ def test_facts_are_those_of_the_header(exported, trained):
                 assert json.loads(facts[name]) == float("".join(number.groups())), name
             else:
                 assert facts[name] == text.strip('"'), name
-        for name, braces in re.findall(
-            r"const ng_real ng_(\w+)(?:\[\d+\])+ = (\{[^;]+);", texts["gait.c"]
-        ):
-            if name in facts:
-                found = [float(word) for word in re.findall(r"NG\(([^)]+)\)", braces)]
-                assert np.ravel(json.loads(facts[name])).tolist() == found, name
+        tables = re.findall(r"const ng_real ng_(\w+)(?:\[\d+\])+ = (\{[^;]+);", texts["gait.c"])
+        known = [(name, braces) for name, braces in tables if name in facts]
+        assert known
+        for name, braces in known:
+            found = [float(word) for word in re.findall(r"NG\(([^)]+)\)", braces)]
+            assert np.ravel(json.loads(facts[name])).tolist() == found, name
         weights = hashlib.sha256((trained.path / "policy.safetensors").read_bytes()).hexdigest()
         assert facts["policy_sha256"] == weights
         assert json.loads(facts["coordinate_names"]) == list(trained.robot.joint_names)

@@ -4,11 +4,12 @@ import sys
 
 import numpy as np
 import pytest
-from fuzzing import cases, commands
-from fuzzing.alter import altered_bytes, altered_json
-from fuzzing.doors import KINDS, inputs, readers
-from fuzzing.formats import altered
-from fuzzing.watch import Block, watch
+
+from support.fuzzing import cases, commands
+from support.fuzzing.alter import altered_bytes, altered_json
+from support.fuzzing.doors import KINDS, inputs, readers
+from support.fuzzing.formats import altered
+from support.fuzzing.watch import Block, watch
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 CASES = {
@@ -71,10 +72,11 @@ def test_a_door_that_fails_and_one_that_loses_a_file_are_seen(place, monkeypatch
 def test_a_case_that_never_ends_or_kills_its_process_is_named(
     place, tmp_path, monkeypatch, what, found
 ):
-    monkeypatch.setattr("fuzzing.watch._note", _told := _Notes())
+    monkeypatch.setattr("support.fuzzing.watch._note", _told := _Notes())
     # No clock: patience ends once the case holds the process.
     monkeypatch.setattr(
-        "fuzzing.watch.Patience.spent", lambda self: (tmp_path / f"held-{self.pid}").exists()
+        "support.fuzzing.watch.Patience.spent",
+        lambda self: (tmp_path / f"held-{self.pid}").exists(),
     )
     script = tmp_path / "worker.py"
     script.write_text(HELD.format(what=what))

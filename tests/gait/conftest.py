@@ -1,15 +1,10 @@
 """Each case, and AMBER-3M alone."""
 
-import sys
-from pathlib import Path
-
+import jaxtyping
 import numpy as np
 import pytest
 
-# Tests of this folder share the helper modules beside them.
-sys.path.insert(0, str(Path(__file__).parent))
-
-from gait_cases import CASES, Case
+from support.gait_cases import CASES, Case
 
 
 @pytest.fixture(scope="session", params=CASES)
@@ -30,3 +25,9 @@ def amber_policy():
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(0)
+
+
+@pytest.fixture
+def unchecked(monkeypatch):
+    """Without the tests' own look at shapes: what the package itself refuses."""
+    monkeypatch.setattr(jaxtyping.config, "jaxtyping_disable", True)

@@ -4,11 +4,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from gait_cases import CASES, quick
 
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.robots import dynamics
+from support.gait_cases import CASES
 
 BANDWIDTH = 25.0
 
@@ -44,7 +44,7 @@ def test_outputs_obey_the_linear_system_under_the_point_s_torque(states):
             (force, point.force),
         )
 
-    for found, expected in quick(jax.vmap(compare))(case.z, eta):
+    for found, expected in jax.jit(jax.vmap(compare))(case.z, eta):
         size = 1.0 + np.abs(expected).max()
         np.testing.assert_allclose(found, expected, rtol=0, atol=2e-10 * size)
 
@@ -59,7 +59,7 @@ def test_without_outputs_it_is_the_point_of_the_zero_dynamics(states):
         names = ("q", "dq", "ddq", "dz", "ddz", "torque", "force", "foot", "z_after")
         return [(getattr(full, name), getattr(point, name)) for name in names]
 
-    for found, expected in quick(jax.vmap(compare))(case.z):
+    for found, expected in jax.jit(jax.vmap(compare))(case.z):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-11)
 
 
@@ -73,6 +73,6 @@ def test_an_impact_maps_coordinates_as_phi_does(states):
         found_eta, found_z = case.zd.phi(jnp.concatenate([after.q, after.dq]))
         return (point.eta_after, found_eta), (point.z_after, found_z)
 
-    for found, expected in quick(jax.vmap(compare))(case.z, eta):
+    for found, expected in jax.jit(jax.vmap(compare))(case.z, eta):
         size = 1.0 + np.abs(expected).max()
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * size)

@@ -5,15 +5,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from gait_cases import quick
 from hypothesis import given
 from hypothesis import strategies as st
-from random_biped import random_biped
 
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics, output_jet
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.robots import dynamics, load_robot
 from neuralgaits.robots.loader import robot_from_text
+from support.random_biped import random_biped
 
 MOMENTA = 16
 
@@ -49,7 +48,7 @@ def both_sides(request):
         return at_guard.foot[1], eta, z_after, at_guard.outputs, start, relabelled
 
     z2 = np.linspace(0.5, 6.0, MOMENTA) * policy.input_scale[1]
-    return policy, z2, jax.tree.map(np.asarray, quick(jax.vmap(one))(z2))
+    return policy, z2, jax.tree.map(np.asarray, jax.jit(jax.vmap(one))(z2))
 
 
 def test_the_outputs_are_zero_after_the_real_impact(both_sides):
@@ -85,7 +84,7 @@ def test_the_momentum_ratio_is_that_of_the_impact(amber, amber_policy):
 @pytest.fixture(scope="module")
 def evaluate(amber_policy):
     policy = wild(amber_policy)
-    return policy, quick(lambda z: policy(z))
+    return policy, jax.jit(lambda z: policy(z))
 
 
 @given(z=st.tuples(st.floats(-1.0, 1.0), st.floats(-1e3, 1e3)))
@@ -113,7 +112,7 @@ def test_matching_again_changes_nothing(amber, amber_policy):
         amber_policy,
         replace_fn=lambda leaf: leaf + 1.0,
     )
-    matched = quick(lambda p: p.matched(amber))(spoilt)
+    matched = jax.jit(lambda p: p.matched(amber))(spoilt)
     for found, expected in zip(
         jax.tree.leaves(matched), jax.tree.leaves(amber_policy), strict=True
     ):

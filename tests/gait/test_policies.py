@@ -4,7 +4,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from gait_cases import quick
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly
@@ -49,7 +48,7 @@ def test_bezier_derivatives_are_those_of_bpoly():
         jet, change = output_jet_and_change(policy, z)
         return jet, change(jnp.array([1.0, 0.0])).d1
 
-    jet, second = quick(jax.vmap(jets))(z1)
+    jet, second = jax.jit(jax.vmap(jets))(z1)
     np.testing.assert_allclose(jet.y, reference(z1), rtol=0, atol=1e-13)
     np.testing.assert_allclose(jet.d1, reference(z1, nu=1), rtol=0, atol=1e-10)
     np.testing.assert_allclose(second, reference(z1, nu=2), rtol=0, atol=1e-8)
@@ -76,8 +75,8 @@ def test_second_derivatives_of_a_network(amber):
     """The change of the jet along a direction, against central differences of the jet."""
     policy = MLPPolicy.init(amber, key=jax.random.key(2), hidden=(6, 6))
     z, step = np.array([0.03, 22.0]), np.array([1e-5, 1e-3])
-    jet = quick(lambda z: output_jet(policy, z))
-    change = quick(lambda z, v: output_jet_and_change(policy, z)[1](v))
+    jet = jax.jit(lambda z: output_jet(policy, z))
+    change = jax.jit(lambda z, v: output_jet_and_change(policy, z)[1](v))
     for axis in range(2):
         move = np.zeros(2)
         move[axis] = step[axis]
@@ -92,7 +91,7 @@ def test_second_derivatives_of_a_network(amber):
 def test_a_free_network_stays_inside_its_bounds(amber, activation, rng):
     policy = MLPPolicy.init(amber, key=jax.random.key(0), hidden=(16,), activation=activation)
     z = rng.normal(size=(500, 2)) * np.array([1.0, 1e3])
-    y = np.asarray(quick(jax.vmap(lambda z: policy(z)))(z))
+    y = np.asarray(jax.jit(jax.vmap(lambda z: policy(z)))(z))
     assert np.all((policy.lower <= y) & (y <= policy.upper))
     assert np.ptp(y, axis=0).min() > 0.1
 

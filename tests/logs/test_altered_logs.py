@@ -1,21 +1,12 @@
 """Altered logs are read, or refused in one line; many more: benchmarks/fuzz.py."""
 
-# pyright: reportMissingImports=false
-# What alters them lies with the tests of altered inputs, on a path set at run time.
-
-import sys
-from pathlib import Path
-
-import amber3m_files
 import numpy as np
 import pytest
 
 from neuralgaits import logs
 from neuralgaits.errors import InputError
-
-sys.path[:0] = [str(Path(__file__).parents[1] / "fuzz")]
-
-from fuzzing.formats import altered  # noqa: E402  # pyright: ignore[reportMissingImports]
+from support import amber3m_files
+from support.fuzzing.formats import altered
 
 CASES = 60
 

@@ -1,12 +1,12 @@
-import amber3m_files  # pyright: ignore[reportMissingImports]
 import numpy as np
 import pytest
-from random_biped import random_biped  # pyright: ignore[reportMissingImports]
 
 from neuralgaits import logs
 from neuralgaits.errors import InputError
 from neuralgaits.logs.zero_states import zero_states
 from neuralgaits.robots.loader import robot_from_text
+from support import amber3m_files
+from support.random_biped import random_biped
 
 
 @pytest.fixture(scope="module")

@@ -52,6 +52,8 @@ REFUSED = {
     "remainder": (lambda x: x % 2.0, "rem inside remainder"),
     "erf": (lambda x: jax.scipy.special.erf(x), r"erf: .*docs/conditions\.md"),
     "callback": (lambda x: jax.pure_callback(np.sin, x, x), "pure_callback"),
+    "empty": (lambda x: x[:0] @ jnp.ones((0, 2)), "axis without elements: it sums no terms"),
+    "empty rows": (lambda x: jnp.ones((3, 0)) @ x[:0] + x, "axis without elements"),
     "nested": (lambda x: jax.jit(lambda y: jnp.clip(y, 0.0, 1.0))(x), "max inside clip"),
 }
 

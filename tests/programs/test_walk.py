@@ -1,5 +1,6 @@
 """The walk under an algebra that is not float64: exact rationals."""
 
+import operator
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -8,11 +9,22 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.programs import evaluate, fold
-from neuralgaits.programs.algebras.point import PointAlgebra
-from neuralgaits.programs.evaluation import Algebra
+from neuralgaits.errors import SpecError
+from neuralgaits.export.float_bound import RoundingAlgebra
+from neuralgaits.programs import POINT, evaluate, fold
+from neuralgaits.programs.algebras.ball import BallAlgebra
+from neuralgaits.programs.algebras.taylor import TaylorAlgebra
 from neuralgaits.programs.ops import KINDS
 from neuralgaits.programs.tracing.tracer import trace
+
+RATIONAL = {
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "div": operator.truediv,
+    "neg": operator.neg,
+    "square": lambda x: x * x,
+}
 
 
 @dataclass
@@ -30,32 +42,15 @@ class Rationals:
     def constant(self, array):
         return [Fraction(float(x)) for x in array]
 
-    def _pairs(self, kind, a, b):
-        self.calls.append(kind)
-        size = max(len(a), len(b))
-        return zip(a * (size // len(a)), b * (size // len(b)), strict=True)
-
     def move(self, operands, index):
         joined = [x for operand in operands for x in operand]
         return [joined[i] for i in index]
 
-    def add(self, a, b):
-        return [x + y for x, y in self._pairs("add", a, b)]
-
-    def sub(self, a, b):
-        return [x - y for x, y in self._pairs("sub", a, b)]
-
-    def mul(self, a, b):
-        return [x * y for x, y in self._pairs("mul", a, b)]
-
-    def div(self, a, b):
-        return [x / y for x, y in self._pairs("div", a, b)]
-
-    def neg(self, a):
-        return [-x for x in a]
-
-    def square(self, a):
-        return [x * x for x in a]
+    def elementwise(self, kind, *operands):
+        self.calls.append(kind)
+        size = max(map(len, operands))
+        rows = zip(*(a * (size // len(a)) for a in operands), strict=True)
+        return [RATIONAL[kind](*row) for row in rows]
 
     def sum(self, a, size):
         step = len(a) // size
@@ -63,11 +58,6 @@ class Rationals:
 
     def inner(self, a, b, size):
         return self.sum([x * y for x, y in zip(a, b, strict=True)], size)
-
-    def _irrational(self, a):
-        raise AssertionError("no exact value")
-
-    sqrt = exp = log1p = sin = cos = tanh = logistic = _irrational
 
     def affine(self, matrix, right, offset, columns):
         self.calls.append("affine")
@@ -121,13 +111,23 @@ def test_constant_outputs_are_outputs():
         "c": [Fraction(float(w)) * 2 for w in WEIGHT[0]],
         "x": [Fraction(1, 3)],
     }
-    batch = evaluate(program, {"x": np.zeros((4, 1))}, PointAlgebra())
+    batch = evaluate(program, {"x": np.zeros((4, 1))}, POINT)
     assert batch["c"].shape == (4, 3)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_every_operation_is_a_rule_of_the_algebra(kind):
-    """The table of operations and the interface name the same seventeen."""
-    assert len(KINDS) == 17
-    assert callable(getattr(PointAlgebra, kind))
-    assert callable(getattr(Algebra, kind))
+ELEMENTWISE = [kind for kind in KINDS.values() if kind.elementwise]
+
+
+@pytest.mark.parametrize("kind", ELEMENTWISE, ids=lambda kind: kind.name)
+@pytest.mark.parametrize("algebra", [POINT, TaylorAlgebra(1), BallAlgebra(2)])
+def test_every_elementwise_operation_has_a_rule(algebra, kind):
+    """The table of operations and the algebras name the same thirteen."""
+    assert len(ELEMENTWISE) == 13
+    operands = [algebra.constant(np.array([0.5, 1.5]))] * kind.operands[0]
+    assert algebra.elementwise(kind.name, *operands) is not None
+
+
+@pytest.mark.parametrize("algebra", [POINT, TaylorAlgebra(1), BallAlgebra(2), RoundingAlgebra()])
+def test_what_has_no_rule_is_refused_by_name(algebra):
+    with pytest.raises(SpecError, match=r"expected one of the operations add, .*, found atan2"):
+        algebra.elementwise("atan2", *[algebra.constant(np.ones(1))] * 2)

@@ -5,17 +5,11 @@ import json
 import os
 import shutil
 import subprocess
-import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-
-# Tests of this folder share the helper module beside them, the random robots, and altered proofs.
-TESTS = Path(__file__).parents[1]
-sys.path[:0] = [str(TESTS / "proofcheck"), str(TESTS / "robots"), str(TESTS / "certificate")]
 
 REPOSITORY = Path(__file__).parents[2]
 PROGRAM = REPOSITORY / "build" / "proofcheck"
@@ -26,12 +20,13 @@ Ask = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture(scope="session")
-def proofcheck(tmp_path_factory) -> Ask:
+def proofcheck(made_once) -> Ask:
     """Runs the checker with arguments and an optional text on its standard input."""
     if not all(map(shutil.which, ("make", os.environ.get("CXX", "g++")))):
         pytest.skip("no make or g++ to build the C++ checker with")
-    base = tmp_path_factory.getbasetemp()
-    _build(base.parent if "PYTEST_XDIST_WORKER" in os.environ else base)
+    # What users build, if it is older than its source.
+    build = ["make", "--silent", "proofcheck"]
+    made_once("proofcheck", lambda _: subprocess.run(build, cwd=REPOSITORY, check=True))
 
     def ask(*arguments: object, text: str = "") -> subprocess.CompletedProcess[str]:
         command = [str(PROGRAM), *map(str, arguments)]
@@ -74,19 +69,3 @@ def asked(proofcheck, tmp_path):
         return proofcheck(path)
 
     return ask
-
-
-def _build(shared: Path) -> None:
-    """Build what users build, if it is older than its source; the first worker does it."""
-    done, claim = shared / "proofcheck.done", shared / "proofcheck.claim"
-    try:
-        claim.mkdir()
-    except FileExistsError:
-        while not done.exists():
-            time.sleep(0.1)
-    else:
-        try:
-            subprocess.run(["make", "--silent", "proofcheck"], cwd=REPOSITORY, check=True)
-        finally:
-            done.touch()
-    assert PROGRAM.exists(), "the C++ checker does not compile"

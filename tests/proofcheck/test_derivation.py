@@ -6,7 +6,8 @@ are forward duals over the box's polynomials.
 
 import numpy as np
 import pytest
-from checker_case import Case, SetCase, bounds
+
+from support.checker_case import Case, SetCase, bounds
 
 CASES = {
     "amber3m": Case("amber3m"),

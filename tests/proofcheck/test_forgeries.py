@@ -1,23 +1,21 @@
 """Every kind of forgery through the checkers that it is for.
 
-The table is tests/certificate/forgeries/; `benchmarks/forgeries.py` prints it with every answer
+The table is tests/support/forgeries/; `benchmarks/forgeries.py` prints it with every answer
 and without what is taken on trust here: that boxes were bounded where a forgery is one of
 structure, and that a file which is refused by itself is refused with a run as well.
 """
-
-# pyright: reportMissingImports=false
-# The table lies with the tests of the other checker, on a path set at run time.
 
 import contextlib
 import tempfile
 from pathlib import Path
 
 import pytest
-from forgeries import code, runs
-from forgeries.ask import answers, ask_cpp, ask_python, ask_report, complaints
-from forgeries.base import YES
-from forgeries.quick import statements_taken_as_checked, traced_once
-from forgeries.table import KINDS, THEMES
+
+from support.forgeries import code, runs
+from support.forgeries.ask import answers, ask_cpp, ask_python, ask_report, complaints
+from support.forgeries.base import YES
+from support.forgeries.quick import statements_taken_as_checked, traced_once
+from support.forgeries.table import KINDS, THEMES
 
 PROGRAM = Path(__file__).parents[2] / "build" / "proofcheck"
 LEAST_KINDS = 45
@@ -53,6 +51,7 @@ def test_the_table_has_no_kind_twice_and_enough_of_them():
     assert all(kind.answers for kind in KINDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theme", THEMES)
 def test_forgeries(proofcheck, base, traced, tmp_path, theme):
     """Each differs from what it was made from, and gets an answer that is right."""

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from checker_case import SetCase, bounds
 
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
@@ -24,6 +23,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.programs import POINT, evaluate
+from support.checker_case import SetCase, bounds
 
 CASES = ("amber3m", "torso-2", "legs-2")
 POINTS, BOXES, SAMPLES = 6, 6, 40

@@ -3,24 +3,21 @@
 Conclusions are drawn before any box is bounded, so those of forged bounds can be compared too.
 """
 
-# pyright: reportMissingImports=false
-# Altered proofs lie with the tests of the other checker, on a path set at run time.
-
 import copy
 import json
 import re
 
 import numpy as np
 import pytest
-from checker_case import bounds, holds
-from mutations.base import Base
-from mutations.generate import CONCLUSIONS, GROUPS, mutations
-from mutations.planted import planted
 
 from neuralgaits.certificate.levels.conclusions import Conclusion, attraction, proved_bounds
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.workflows.check_proof import check_proof
+from support.checker_case import bounds, holds
+from support.mutations.base import Base
+from support.mutations.generate import CONCLUSIONS, GROUPS, mutations
+from support.mutations.planted import planted
 
 OUTPUTS = 15 + 13
 """Of levels 2 and 3, with two barriers, no disturbance, and attraction by contraction."""
@@ -160,6 +157,7 @@ def test_conclusions_that_do_not_follow_are_rejected(deceived, proof, certified)
     assert deceived(mutations(base, "model", 28, groups=CONCLUSIONS)) == []
 
 
+@pytest.mark.slow
 def test_forged_proofs_of_planted_violations_are_rejected_by_both(
     deceived, spoilt, certified, tmp_path
 ):

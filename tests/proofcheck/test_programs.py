@@ -5,10 +5,10 @@ import json
 
 import numpy as np
 import pytest
-from checker_case import bounds, chart_table
 
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.program import Constant, Input, Operation, Output
+from support.checker_case import bounds, chart_table
 
 MORE = tuple((f"parameter {k}", -1.0 - k, 2.0 + k) for k in range(6))
 """Axes beyond phase and level, with their ends."""

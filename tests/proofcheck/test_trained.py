@@ -6,10 +6,10 @@ import json
 
 import numpy as np
 import pytest
-from checker_case import holds
 
 from neuralgaits.programs import Program
 from neuralgaits.workflows.check_proof import check_proof
+from support.checker_case import holds
 
 
 def claims(table):

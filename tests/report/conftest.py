@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
+from neuralgaits.analysis.gait_data import gait_data
+from neuralgaits.analysis.run import open_run
 from neuralgaits.workflows.figures import figures
-from neuralgaits.workflows.gait_data import gait_data
-from neuralgaits.workflows.run import open_run
 
 
 @pytest.fixture(scope="session")

@@ -12,9 +12,15 @@ import pytest
 from matplotlib._pylab_helpers import Gcf
 
 from neuralgaits import logs
+from neuralgaits.analysis.data import MeasuredWalk, ResidualData
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.residual_data import residual_data
+from neuralgaits.analysis.run import open_run
+from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.cli import arguments
 from neuralgaits.cli.words import read
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs.table import Log
 from neuralgaits.report import (
     certificate_map,
@@ -25,18 +31,13 @@ from neuralgaits.report import (
     residual_field,
     return_map,
 )
-from neuralgaits.report.data import MeasuredWalk
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.figure import png, svg, write
 from neuralgaits.report.full_order_set import FullOrderSet
-from neuralgaits.report.residual_field import ResidualData
+from neuralgaits.report.makers import MAKERS, Absent, Source
 from neuralgaits.report.return_map import Proved
-from neuralgaits.residual import stored
-from neuralgaits.residual.network import Residual
-from neuralgaits.residual.stored import Learned
-from neuralgaits.workflows import figures as workflow
-from neuralgaits.workflows.figures import MAKERS, Absent, Source, figures
-from neuralgaits.workflows.run import open_run
+from neuralgaits.workflows.figures import figures
+from neuralgaits.workflows.proved import certificate_of
 
 UNIT = re.compile(r"\[.+\]")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -53,7 +54,7 @@ FULL = FullOrderSet(
 
 
 def sketches(run):
-    source = Source(run)
+    source = Source(run, certificate_of(run))
     for name, _, make in MAKERS:
         try:
             yield name, *make(source)
@@ -137,7 +138,7 @@ def test_a_log_brings_the_walk(run, data, tmp_path):
     target.parent.mkdir()
     logs.write(target, walk)
     assert isinstance(entry(copy, "walk-tiles"), tuple)
-    measured = Source(copy).walk
+    measured = measured_walk(copy)
     assert measured is not None
     # The last step that ended is the second; the foot of the measured robot lands.
     assert set(measured.step[measured.last_step]) == {1}
@@ -150,12 +151,12 @@ def test_a_residual_brings_its_field(run, data, tmp_path):
     copy = copied(run, tmp_path)
     assert isinstance(entry(copy, "residual-field"), Missing)
     flow = Residual.like((4,))
-    stored.write(copy.path / "residual" / "residual.safetensors", Learned(flow, None, np.zeros(2)))
+    Learned(flow, None, np.zeros(2)).write(copy.path / "residual" / "residual.safetensors")
     made = entry(copy, "residual-field")
     assert not isinstance(made, Missing)
     caption, _ = made
     assert "has not been trained with it yet" in caption
-    found = workflow.residual_data(copy)
+    found = residual_data(copy)
     assert found is not None
     z = np.array([data["plane/z1"][10], data["plane/z2"][20]])
     np.testing.assert_allclose(found.epsilon[20, 10], flow(z), atol=1e-12)
@@ -262,7 +263,7 @@ def entry(run, name):
     """A figure's caption and drawing, or why it is missing."""
     title, make = next((title, make) for known, title, make in MAKERS if known == name)
     try:
-        return make(Source(run))
+        return make(Source(run, certificate_of(run)))
     except Absent as absent:
         return Missing(name, title, absent.reason, absent.command)
 

@@ -4,13 +4,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+from neuralgaits.analysis import gait_data as workflow
+from neuralgaits.analysis.gait_data import FILE, fingerprint, gait_data
+from neuralgaits.analysis.orbit import poincare
 from neuralgaits.analysis.quantities import Chart, Look
-from neuralgaits.gait import poincare
-from neuralgaits.gait.poincare import return_map
 from neuralgaits.runs import read_arrays, write_arrays
-from neuralgaits.workflows import gait_data as workflow
-from neuralgaits.workflows.gait_data import FILE, fingerprint, gait_data
 
 
 @pytest.fixture(scope="module")
@@ -55,18 +55,25 @@ def test_the_fixed_point_is_that_of_the_poincare_map(run, data):
     numbers = data.numbers
     orbit = poincare(run.zero_dynamics, np.array([0.0, 0.9 * numbers.z2]))
     assert orbit.result == "found"
-    assert numbers.z2 == pytest.approx(float(orbit.fixed_point[1]), rel=1e-7)
-    assert numbers.multiplier == pytest.approx(orbit.multiplier, abs=1e-6)
-    assert numbers.period_s == pytest.approx(orbit.period_s, rel=1e-6)
-    assert numbers.step_length_m == pytest.approx(orbit.step_length_m, rel=1e-8)
-    np.testing.assert_allclose(data["orbit/z"][-1], orbit.guard_state, rtol=1e-7)
+    assert numbers.z2 == pytest.approx(float(orbit.fixed_point[1]), rel=1e-9)
+    assert numbers.multiplier == pytest.approx(orbit.multiplier, abs=1e-7)
+    assert numbers.period_s == pytest.approx(orbit.period_s, rel=1e-9)
+    assert numbers.step_length_m == pytest.approx(orbit.step_length_m, rel=1e-9)
+    np.testing.assert_allclose(data["orbit/z"][-1], orbit.guard_state, rtol=1e-9)
 
 
-def test_the_sampled_map_is_the_poincare_map(run, data):
+def test_the_sampled_map_is_the_zero_dynamics_integrated_over_time(data, known):
+    """By another solver, in time: to the guard, through the reset, to z1 = 0."""
+
+    def flow(z, event):
+        event.terminal = True
+        settings = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-11, "events": event}
+        return solve_ivp(lambda t, z: known(z)["dz"][0], (0.0, 2.0), z, **settings).y[:, -1]
+
     for row in (0, 17):
-        step = return_map(run.zero_dynamics, float(data["map/z2"][row]))
-        assert step.valid
-        assert data["map/z2_after"][row] == pytest.approx(step.z2, rel=1e-6)
+        before = flow([0.0, data["map/z2"][row]], lambda t, z: known(z)["guard"][0] + (z[0] <= 0.0))
+        after = flow(known(before)["reset"][0], lambda t, z: z[0])
+        assert data["map/z2_after"][row] == pytest.approx(after[1], rel=1e-8)
 
 
 def test_the_orbit_closes_and_follows_the_flow(data, known):

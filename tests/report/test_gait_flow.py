@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from neuralgaits.analysis import flow as gait_flow
+from neuralgaits.analysis.flow import Mesh, returns, swing, to_section
+from neuralgaits.analysis.orbit import orbit_between
 
 # dz1 = 1, dz2 = z1: z2 = z2(0) + (z1^2 - z1(0)^2) / 2, and time is z1. The foot is down where
 # z1 = HEIGHT + TILT z2. The reset halves z2, adds OFFSET and goes back to z1 = START.
-SPAN = START, GUARD = -0.2, 0.2
+START, GUARD = -0.2, 0.2
+MESH = Mesh.of_gait(START, GUARD)
 HEIGHT, TILT, OFFSET = 0.15, 0.01, 2.0
 
 
@@ -26,7 +28,7 @@ def landing(z1, z2):
 def test_states_land_where_the_foot_is_down():
     z2 = np.array([3.0, 4.0, 5.0])
     start = np.stack([np.full(3, START), z2], axis=1)
-    path = gait_flow.swing(motion, start, SPAN)
+    path = swing(motion, start, MESH)
     expected = landing(START, z2)
     assert path.landed.all()
     np.testing.assert_allclose(path.z[-1, :, 0], expected, rtol=1e-13)
@@ -36,21 +38,25 @@ def test_states_land_where_the_foot_is_down():
 
 def test_the_fixed_point_solves_the_map():
     z2 = np.linspace(3.0, 6.0, 7)
-    step = gait_flow.returns(motion, z2, SPAN)
+    step = returns(motion, z2, MESH)
     at = landing(0.0, z2)
     expected = 0.5 * (z2 + 0.5 * at**2) + OFFSET - 0.5 * START**2
     np.testing.assert_allclose(step.z2, expected, rtol=1e-13)
     np.testing.assert_allclose(step.duration, at - START, rtol=1e-12)
-    orbit = gait_flow.fixed_point(motion, z2, step.z2, SPAN)
-    x = landing(0.0, orbit.z2)
-    assert orbit.z2 == pytest.approx(0.5 * (orbit.z2 + 0.5 * x**2) + OFFSET - 0.02, rel=1e-12)
+    orbit = orbit_between(motion, z2, step.z2, MESH)
+    fixed = orbit.fixed_point[1]
+    x = landing(0.0, fixed)
+    assert fixed == pytest.approx(0.5 * (fixed + 0.5 * x**2) + OFFSET - 0.02, rel=1e-12)
     # d x / d z2 = TILT / (1 - TILT x), by the rule of implicit functions.
     assert orbit.multiplier == pytest.approx(0.5 * (1.0 + x * TILT / (1.0 - TILT * x)), rel=1e-7)
 
 
 def test_no_fixed_point_is_nan_and_not_a_number_of_its_own():
-    orbit = gait_flow.fixed_point(motion, np.array([1.0, 2.0]), np.array([2.0, 3.0]), SPAN)
-    assert np.isnan([orbit.z2, orbit.multiplier, orbit.period_s, orbit.step_length_m]).all()
+    orbit = orbit_between(motion, np.array([1.0, 2.0]), np.array([2.0, 3.0]), MESH)
+    assert orbit.result != "found"
+    assert np.isnan(
+        [*orbit.fixed_point, orbit.multiplier, orbit.period_s, orbit.step_length_m]
+    ).all()
 
 
 def test_a_hip_that_stops_does_not_land():
@@ -61,19 +67,19 @@ def test_a_hip_that_stops_does_not_land():
 
     start = np.array([[START, 3.0], [START, 5.0]])
     with np.errstate(invalid="ignore"):
-        path = gait_flow.swing(stopping, start, SPAN)
+        path = swing(stopping, start, MESH)
     assert path.landed.tolist() == [False, True]
     assert np.isnan(path.z[-1, 0]).all()
 
 
-def test_the_error_falls_with_the_fourth_power_of_the_step():
+def test_the_error_falls_with_the_fifth_power_of_the_step():
     def pendulum(z):
         # dz2 / dz1 = z2: the solution is an exponential.
         return motion(z) | {"dz": np.stack([np.ones(len(z)), z[:, 1]], axis=1)}
 
     start = np.array([[START, 3.0]])
     errors = []
-    for steps in (8, 16):
-        end = gait_flow.to_section(pendulum, start, steps)
-        errors.append(abs(end[0, 0] - 3.0 * np.exp(-START)))
-    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.15)
+    for steps in (2, 4):
+        end = to_section(pendulum, start, Mesh(-START / steps, GUARD))
+        errors.append(abs(end[0, 1] - 3.0 * np.exp(-START)))
+    assert errors[0] / errors[1] == pytest.approx(32.0, rel=0.15)

@@ -7,6 +7,7 @@ import shutil
 import pytest
 from numpy.polynomial.chebyshev import chebval
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.theorems import Orbit
 from neuralgaits.certificate.proof_file.reader import read_claims
@@ -14,7 +15,6 @@ from neuralgaits.workflows import demo, proved
 from neuralgaits.workflows.certificate_reader import hashes, read_certificate
 from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.proved import certificate_of
-from neuralgaits.workflows.run import open_run
 
 LOW, HIGH = 72.0, 84.5
 """Fences of a thin tube, zeta = z2^2 / 2: z2 from 12 to 13 kg m^2/s."""
@@ -85,7 +85,7 @@ def test_a_proof_about_other_files_proves_nothing(certified, file, what):
     path = certified.path / file
     path.write_bytes(path.read_bytes() + b" ")
     found = certificate_of(certified)
-    assert found.reason == f"certificate/summary.json is about another {what} than the run's"
+    assert f"another {what} " in str(found.reason)
     assert (found.level, found.orbit, found.full, dict(found.margins)) == (0, None, None, {})
 
 
@@ -151,10 +151,8 @@ def test_level_3_stands_on_level_2(certified):
 def test_a_file_that_was_exchanged_proves_nothing(certified):
     change(certified, "proof.json", lambda proof: proof | {"model": None})
     found = certificate_of(certified)
-    assert (
-        found.reason == "certificate/summary.json is about another certificate/proof.json than the "
-        "run's"
-    )
+    assert "another certificate/proof.json " in str(found.reason)
+    assert found.level == 0
 
 
 def test_a_level_that_is_open_is_not_claimed_nor_those_above(certified):

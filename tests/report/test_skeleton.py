@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from random_biped import random_biped
 
-from neuralgaits.report import skeleton
+from neuralgaits.analysis.skeleton import TORSO_SHARE, hip_index, skeleton
+from neuralgaits.report.skeleton import draw
 from neuralgaits.robots import load_robot
+from support.random_biped import random_biped
 
 
 @pytest.mark.parametrize(("links", "torso"), [(1, False), (2, True), (2, False), (3, True)])
@@ -16,11 +17,11 @@ def test_the_line_goes_over_the_hip_to_the_swing_foot(links, torso, tmp_path):
     robot = load_robot(path)
     q = np.random.default_rng(0).uniform(-0.5, 0.5, (4, robot.n))
     theta = q @ np.asarray(robot.link_angles).T
-    points = skeleton.skeleton(theta, np.asarray(robot.foot), robot.torso)
+    points = skeleton(theta, np.asarray(robot.foot), robot.torso)
     assert points.shape == (4, 2 * links + 1 + 2 * torso, 2)
     foot = np.stack([robot.swing_foot(row) for row in q])
     np.testing.assert_allclose(points[:, -1], foot, atol=1e-12)
-    hip = skeleton.hip_index(points.shape[1], torso)
+    hip = hip_index(points.shape[1], torso)
     # The stance leg spans l (-sin, cos) for each of its links: where the hip must be.
     along = np.stack([-np.sin(theta), np.cos(theta)], axis=-1)
     expected = np.einsum("l,kld->kd", np.asarray(robot.hip), along)
@@ -34,11 +35,11 @@ def test_the_line_goes_over_the_hip_to_the_swing_foot(links, torso, tmp_path):
 
 def test_both_legs_and_the_torso_are_drawn_once():
     lengths = np.array([0.4, 0.45, 0.0, -0.45, -0.4])
-    points = skeleton.skeleton(np.zeros((1, 5)), lengths, 2)[0]
+    points = skeleton(np.zeros((1, 5)), lengths, 2)[0]
     axes = Figure().add_subplot()
-    skeleton.draw(axes, points, True, shift=1.0)
+    draw(axes, points, True, shift=1.0)
     drawn = [line for line in axes.lines if line.get_linestyle() == "-"]
     lengths = [float(np.abs(np.diff(np.asarray(line.get_ydata()))).sum()) for line in drawn]
-    trunk = skeleton.TORSO_SHARE * 0.85
+    trunk = TORSO_SHARE * 0.85
     assert sorted(lengths) == pytest.approx(sorted([0.85, 0.85, trunk]))
     assert all(np.allclose(np.asarray(line.get_xdata()), 1.0) for line in drawn)

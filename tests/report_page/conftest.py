@@ -1,7 +1,6 @@
 """The run that ships with the package, as a folder of its own, and contents of a page about it."""
 
 import shutil
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +11,12 @@ from neuralgaits.robots import load_robot
 from neuralgaits.runs import RunFolder, plain
 from neuralgaits.workflows.inspect import inspect
 from neuralgaits.workflows.report import saved_of
-
-sys.path[:0] = [str(Path(__file__).parent)]
+from support.shipped_run import SHIPPED
 
 
 @pytest.fixture
 def shipped(tmp_path) -> Path:
     """A copy of the shipped run: trained, proved to level 3, not simulated."""
-    from shipped_run import SHIPPED
-
     return Path(shutil.copytree(SHIPPED, tmp_path / "run"))
 
 
@@ -45,7 +41,7 @@ def contents(shipped):
 
 @pytest.fixture
 def walk():
-    """A walk of four frames, as `workflows.shown_walk` records it; it falls."""
+    """A walk of four frames, as `report.shown_walk` records it; it falls."""
     tube = {"lower": [[-0.2, 8.0], [0.2, 9.0]], "upper": [[-0.2, 16.0], [0.2, 18.0]]}
     return plain(
         {

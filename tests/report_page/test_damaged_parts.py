@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import RunError
 from neuralgaits.report.page.closing import failures
 from neuralgaits.report.page.document import document
@@ -11,7 +12,6 @@ from neuralgaits.runs import RunFolder
 from neuralgaits.runs.tree import write_tree
 from neuralgaits.workflows.export import _origin, _warnings
 from neuralgaits.workflows.report import saved_of, write_report
-from neuralgaits.workflows.run import open_run
 
 SIMULATED = {
     "plant": "amber3m",

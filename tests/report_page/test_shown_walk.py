@@ -5,13 +5,13 @@ import shutil
 from pathlib import Path
 
 import pytest
-from shipped_run import SHIPPED
 
+from neuralgaits.analysis.run import open_run
+from neuralgaits.report.shown_walk import STEPS, Asked, asked_of
 from neuralgaits.robots import load_robot
+from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.workflows.episode_folder import EpisodeFolder
-from neuralgaits.workflows.run import open_run
-from neuralgaits.workflows.shown_walk import STEPS, Asked, asked_of
+from support.shipped_run import SHIPPED
 
 SIMULATED = {
     "plant": "amber3m-tail",

@@ -6,12 +6,14 @@ import shutil
 from pathlib import Path
 
 import pytest
-from shipped_run import SHIPPED
 
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.page.document import MOST_BYTES
+from neuralgaits.report.shown_walk import FILE
 from neuralgaits.workflows.report import write_report
-from neuralgaits.workflows.shown_walk import FILE
+from support.shipped_run import SHIPPED
+
+pytestmark = pytest.mark.slow
 
 WIDTHS = (390, 1440)
 """Pixels: a telephone, and a desk."""
@@ -90,7 +92,7 @@ def test_the_walk_is_kept_and_is_one_of_whole_steps(written):
 
 def test_a_second_report_repeats_the_first_without_a_simulation(written, monkeypatch):
     before = written.path.read_bytes()
-    monkeypatch.setattr("neuralgaits.workflows.shown_walk.walk", None)
+    monkeypatch.setattr("neuralgaits.report.shown_walk.walk", None)
     monkeypatch.setattr("neuralgaits.workflows.report.figures", lambda _: written.figures)
     assert write_report(written.path.parent).path.read_bytes() == before
 

@@ -3,9 +3,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.residual.fit import FitConfig, Fitter, fit
 from neuralgaits.residual.floor import binned, floor
-from neuralgaits.residual.network import Residual
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 
 SCALE = np.array([0.34, 19.0])

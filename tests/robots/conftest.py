@@ -1,17 +1,10 @@
 """Robots to test on: all that come with the package, and random ones."""
 
-import sys
-from pathlib import Path
-
 import pytest
 
 from neuralgaits.robots import PlanarBiped, built_in, load_robot
 from neuralgaits.robots.loader import robot_from_text
-
-# Tests of this folder share the helper modules beside them.
-sys.path.insert(0, str(Path(__file__).parent))
-
-from random_biped import catalogue
+from support.random_biped import catalogue
 
 _RANDOM = catalogue(20)
 ALL = (*built_in(), *_RANDOM)

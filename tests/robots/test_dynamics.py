@@ -9,12 +9,12 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
-from batched import batched
-from floating_base import FloatingBase, motor_controls
 
 from neuralgaits._types import Array
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped, dynamics
+from support.batched import batched
+from support.floating_base import FloatingBase, motor_controls
 
 STATES = 1000
 TOLERANCE = 1e-9

@@ -3,20 +3,17 @@
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
-import json
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
-from batched import batched
-from floating_base import FloatingBase, plastic_impact, read_back
 
 from neuralgaits.robots import PlanarBiped, dynamics, load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.robots.mjcf_state import StateMap
+from support.batched import batched
+from support.floating_base import FloatingBase, plastic_impact, read_back
+from support.published_gaits import GAITS
 
-GAITS = json.loads((Path(__file__).parents[1] / "data" / "amber3m_gaits.json").read_text())["gaits"]
 IMPACT = batched(PlanarBiped.impact)
 FOOT = batched(PlanarBiped.swing_foot)
 ENERGY = batched(PlanarBiped.kinetic_energy)

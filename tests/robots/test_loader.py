@@ -6,11 +6,11 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
-from random_biped import random_biped
 
 from neuralgaits.errors import InputError, NeuralGaitsError, RobotError
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
+from support.random_biped import random_biped
 
 # Without the keyframe, whose size would have to change with the joints.
 AMBER = re.sub("<keyframe>.*</keyframe>", "", load_robot("amber3m").layout.xml, flags=re.S)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from batched import batched
-from floating_base import FloatingBase, motor_controls, read_back
 
 from neuralgaits.robots import PlanarBiped
+from support.batched import batched
+from support.floating_base import FloatingBase, motor_controls, read_back
 
 COUNT = 20
 CENTRE = batched(PlanarBiped.centre_of_mass)

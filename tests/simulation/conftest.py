@@ -1,26 +1,9 @@
 """AMBER-3M with its published gaits, which walk under input-output linearisation."""
 
-import json
-from pathlib import Path
-
-import jax
-import jax.numpy as jnp
-import numpy as np
 import pytest
 
-from neuralgaits.gait import BezierPolicy
 from neuralgaits.robots import load_robot
-
-GAITS = json.loads((Path(__file__).parents[1] / "data" / "amber3m_gaits.json").read_text())["gaits"]
-
-
-def published(name):
-    """Policy and full state after touchdown of a published gait."""
-    gait = GAITS[name]
-    end, begin = gait["p"]
-    policy = BezierPolicy(np.array(gait["bezier"]), (begin, end))
-    x = np.array(gait["x_plus"])
-    return jax.tree.map(jnp.asarray, policy), np.concatenate([x[2:7], x[9:14]])
+from support.published_gaits import GAITS, published
 
 
 @pytest.fixture(scope="session")

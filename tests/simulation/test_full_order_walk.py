@@ -11,6 +11,8 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import dynamics
 from neuralgaits.simulation.full_order import ExactOutputs, walk_exactly
 
+pytestmark = pytest.mark.slow
+
 BANDWIDTH = 30.0
 
 

@@ -1,8 +1,6 @@
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
-import sys
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -13,10 +11,7 @@ from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, build
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "robots"))
-
-from random_biped import random_biped  # pyright: ignore[reportMissingImports]
+from support.random_biped import random_biped
 
 
 def standing(plant, q, level=0.0):

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait, Tube, specs
 from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.runs import RunFolder
 from neuralgaits.simulation import video as films
 from neuralgaits.workflows import simulate as workflow
-from neuralgaits.workflows.run import Run
 from neuralgaits.workflows.simulate import simulate
 
 FIELDS = {

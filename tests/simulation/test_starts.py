@@ -2,10 +2,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.flow import Mesh, returns
+from neuralgaits.analysis.orbit import motion_of
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.poincare import return_map
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 
 
@@ -56,8 +57,9 @@ def test_the_fixed_point_is_that_of_the_poincare_map(zd, gait):
 def test_the_fixed_point_of_a_learned_robot_is_that_of_its_corrected_dynamics(amber, zd, gait):
     heavier = ZeroDynamics(amber, gait.policy, lambda z: jnp.array([0.0, -0.3]))
     _, z = zd.phi(states(heavier, gait, "fixed-point", episodes=1)[0])
-    assert return_map(heavier, float(z[1])).z2 == pytest.approx(float(z[1]), rel=1e-8)
-    assert return_map(zd, float(z[1])).z2 > float(z[1]) + 0.01
+    mesh, start = Mesh.of_robot(amber), np.array(z[1:])
+    assert returns(motion_of(heavier), start, mesh).z2 == pytest.approx(start, rel=1e-8)
+    assert returns(motion_of(zd), start, mesh).z2 > start + 0.01
 
 
 def test_momenta_of_the_region_bound_those_of_its_states(zd, gait):

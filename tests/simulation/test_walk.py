@@ -10,6 +10,8 @@ from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.walk import walk
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def batch(amber, slow, brisk):

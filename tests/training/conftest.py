@@ -1,18 +1,11 @@
 """A small spec and a trainer for it."""
 
-import sys
-from pathlib import Path
-
 import jax
 import pytest
 
-# Tests of this folder share the helper modules beside them.
-sys.path.insert(0, str(Path(__file__).parent))
-
-from small_spec import small
-
 from neuralgaits.robots import load_robot
 from neuralgaits.training import Trainer
+from support.small_spec import small
 
 STEPS = 120
 

@@ -3,7 +3,6 @@
 import jax
 import numpy as np
 import pytest
-from small_spec import quick
 
 LEAST_MARGIN = 0.04
 """In the scale of each condition."""
@@ -14,7 +13,7 @@ SAMPLES = 1500
 def worst(trained):
     """Smallest margin over scale of each condition, on uniform samples of its region."""
     spec, gait, zd = trained.spec, trained.gait, trained.zero_dynamics
-    margins = quick(jax.vmap(lambda u: spec.margins(gait, zd, u)))
+    margins = jax.jit(jax.vmap(lambda u: spec.margins(gait, zd, u)))
     draw, found = np.random.default_rng(12), {}
     for name, (box,) in spec.regions.items():
         values = margins(draw.uniform(box.low, box.high, (SAMPLES, 2)))

@@ -6,9 +6,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from small_spec import REGIONS, quick
 
 from neuralgaits.training import barrier_loss, lay_out, margin_matrix
+from support.small_spec import REGIONS
 
 NAMES = ("torso", "hip", "rates", "foot", "hips")
 SIZES = {"torso": 1, "hip": 1, "rates": 4, "foot": 2, "hips": 4}
@@ -129,7 +129,7 @@ def test_the_logarithm_keeps_value_and_slope(spec, table, margins):
         return barrier_loss(spec, table, ones, torque).terms[1]
 
     at_one = 0.1  # The scale of the hip's margin.
-    slope = quick(jax.value_and_grad(term))
+    slope = jax.jit(jax.value_and_grad(term))
     below, above = (slope(at_one + move) for move in (-1e-9, 1e-9))
     np.testing.assert_allclose(below, above, rtol=1e-6)
     assert float(below[0]) == pytest.approx(1.0, rel=1e-7)
@@ -141,7 +141,7 @@ def test_single_precision_is_close(amber, spec, gait, trainer, table):
     _, loss = trainer.step(state)
     key = jax.random.fold_in(jax.random.key(trainer.seed), 0)
     u = np.asarray(trainer.sampler.draw(key))
-    exact = quick(lambda u: barrier_loss(spec, table, *margin_matrix(spec, amber, gait, u)))(u)
+    exact = jax.jit(lambda u: barrier_loss(spec, table, *margin_matrix(spec, amber, gait, u)))(u)
     assert loss.total.dtype == jnp.float32
     np.testing.assert_allclose(loss.terms, exact.terms, rtol=2e-4, atol=2e-5)
     assert float(exact.total) > 0.1

@@ -2,12 +2,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from small_spec import quick, small
 
 from neuralgaits.gait import Residuals
 from neuralgaits.robots import load_robot
 from neuralgaits.training import margin_matrix
 from neuralgaits.training.pushes import pushes_of
+from support.small_spec import small
 
 BOX = (0.02, 0.5)
 
@@ -28,7 +28,7 @@ def test_a_pushed_sample_has_the_margins_of_a_residual_with_that_constant(gait, 
     robot, spec, trained = gait
     u = jnp.array([[0.2, 0.3], [0.9, 0.6]])
     pushes = jnp.array([[0.02, 0.5], [-0.02, 0.5]])
-    found = quick(lambda u, p: margin_matrix(spec, robot, trained, u, Residuals(flow), p)[0])(
+    found = jax.jit(lambda u, p: margin_matrix(spec, robot, trained, u, Residuals(flow), p)[0])(
         u, pushes
     )
 
@@ -39,10 +39,10 @@ def test_a_pushed_sample_has_the_margins_of_a_residual_with_that_constant(gait, 
         residuals = Residuals(lambda z: constant(z, push))
         return margin_matrix(spec, robot, trained, u[None], residuals)[0][0]
 
-    one_by_one = quick(alone)
+    one_by_one = jax.jit(alone)
     expected = np.stack([one_by_one(*pair) for pair in zip(u, pushes, strict=True)])
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
-    unpushed = quick(lambda u: margin_matrix(spec, robot, trained, u, Residuals(flow))[0])(u)
+    unpushed = jax.jit(lambda u: margin_matrix(spec, robot, trained, u, Residuals(flow))[0])(u)
     assert np.abs(np.asarray(found) - unpushed).max() > 1e-3
 
 

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from small_spec import REGIONS, SAMPLES
 
 from neuralgaits.barriers import Box
 from neuralgaits.training import Sampler
 from neuralgaits.training.sampling import contains
+from support.small_spec import REGIONS, SAMPLES
 
 
 def test_every_stratum_of_the_phase_has_its_sample():

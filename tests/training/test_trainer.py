@@ -5,7 +5,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from small_spec import REGIONS
 
 from neuralgaits.barriers import Recipe
 from neuralgaits.gait import posture_path
@@ -13,6 +12,7 @@ from neuralgaits.runs import read_tree, write_tree
 from neuralgaits.training import start_from_posture
 from neuralgaits.training.learning_rate import width_factor
 from neuralgaits.training.trainer import _optimizer
+from support.small_spec import REGIONS
 
 
 def same(one, other):

@@ -2,8 +2,8 @@
 
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.workflows.demo import FOLDER
-from neuralgaits.workflows.run import open_run
 
 
 @pytest.fixture(scope="session")

@@ -12,10 +12,10 @@ import pytest
 
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
+from neuralgaits.certificate.retrace import answer
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.check_proof import program_differences
-from neuralgaits.workflows.retrace import answer
 from neuralgaits.workflows.view import view
 
 PROOF = demo.FOLDER / "certificate" / "proof.json"
@@ -64,6 +64,7 @@ def test_a_missing_or_broken_run_is_refused_in_one_line(change, what, tmp_path):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.slow
 def test_the_command_serves_prints_where_and_ends_at_ctrl_c():
     # A child of a background job would ignore the signal.
     heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"

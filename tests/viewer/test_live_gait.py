@@ -8,7 +8,7 @@ import pytest
 
 from neuralgaits.analysis.quantities import Look, quantities
 from neuralgaits.errors import InputError
-from neuralgaits.workflows.live_gait import SLOPE_DEG, LiveGait
+from neuralgaits.viewer.live_gait import SLOPE_DEG, LiveGait
 
 
 @pytest.fixture(scope="module")

@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.quantities import Chart, Look, quantities
+from neuralgaits.analysis.run import open_run
 from neuralgaits.report import certificate_map
-from neuralgaits.viewer import markdown
+from neuralgaits.viewer import markdown, phase_plane
 from neuralgaits.viewer import portrait as board
+from neuralgaits.viewer.phase_plane import portrait
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
-from neuralgaits.workflows import phase_plane
 from neuralgaits.workflows.certificate_reader import hashes
 from neuralgaits.workflows.certificate_words import how_sure
-from neuralgaits.workflows.phase_plane import portrait
-from neuralgaits.workflows.run import open_run
 
 
 @pytest.fixture(scope="module")

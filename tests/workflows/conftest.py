@@ -1,34 +1,34 @@
 """A run of few conditions and logs of its walk with planted residuals."""
 
-import sys
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.train import train
-
-FOLDER = Path(__file__).parent
-# The maker of runs with a spec of their own lies with the tests of the checker.
-sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "certificate")]
+from support import brief_spec, planted_walk
 
 
 @pytest.fixture(scope="session")
-def brief_run(tmp_path_factory):
-    """Hardly trained: the gait is still near its start, which walks."""
-    root = tmp_path_factory.mktemp("brief")
-    spec = f"{FOLDER / 'brief_spec.py'}:brief"
-    return train(load_robot("amber3m"), spec, steps=2, out=root / "run", root=root)
+def brief_run(made_once, tmp_path_factory):
+    """Hardly trained: the gait is still near its start, which walks. `fit` writes into it."""
+
+    def make(run: Path) -> None:
+        spec = f"{brief_spec.__file__}:brief"
+        train(load_robot("amber3m"), spec, steps=2, out=run, root=run.parent)
+
+    made = made_once("brief", make)
+    return open_run(shutil.copytree(made, tmp_path_factory.mktemp("brief") / "run"))
 
 
 @pytest.fixture(scope="session")
 def planted_logs(brief_run):
     """Four walks of four strides."""
-    from planted_walk import walked
-
-    return walked(brief_run.zero_dynamics, np.linspace(16.5, 21.0, 4), 4)
+    return planted_walk.walked(brief_run.zero_dynamics, np.linspace(16.5, 21.0, 4), 4)
 
 
 @pytest.fixture(scope="session")

@@ -9,16 +9,18 @@ import numpy as np
 import pytest
 
 import neuralgaits as ng
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.search.schedule import SearchInterrupted
 from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
 from neuralgaits.workflows import certify as certify_module
 from neuralgaits.workflows.certify import certify
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
+from support import small_spec
 
-SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+SMALL = small_spec.__file__
+
 FIELDS = {"verdict", "level", "conditions", "wall_s", "proof"}
 ENTRY = {"verdict", "proved_fraction", "boxes", "margin", "counterexample"}
 

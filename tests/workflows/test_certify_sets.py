@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.orbit.return_map import slope, state
 from neuralgaits.certificate.levels.theorems import WalkingSet
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
@@ -16,7 +17,6 @@ from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.report import saved_of
-from neuralgaits.workflows.run import open_run
 
 PUSH = (0.01, 0.3)
 """Bound on what is added to dz: 10 mm/s and 0.3 N m."""
@@ -48,6 +48,7 @@ def test_the_default_gait_walks_for_ever(certificate):
     assert 0.0 < third.figures["multiplier_at_least"] < third.figures["multiplier_at_most"] < 1.0
 
 
+@pytest.mark.slow
 def test_level_2_is_checked_again_in_balls(proof, run, tmp_path):
     """Every statement but those of level 3: its 2,500 boxes would take as long again."""
     short = json.loads(json.dumps(proof))
@@ -110,6 +111,7 @@ def test_a_theorem_without_its_premises_is_rejected(proof, tmp_path, monkeypatch
     assert check_proof(path)["verdict"] == "rejected"
 
 
+@pytest.mark.slow
 def test_states_of_the_set_walk_on_whatever_pushes_them(run):
     """200 starts, 6 steps, dz pushed to a corner of its bound at random: none leaves."""
     done = certify(run, level=2, disturbance=PUSH)
@@ -156,6 +158,7 @@ def test_states_of_the_set_walk_on_whatever_pushes_them(run):
     assert widest_now[1] - widest_now[0] < 0.6  # The set contracts although it is pushed.
 
 
+@pytest.mark.slow
 def test_too_large_a_disturbance_is_undecided(run):
     done = certify(run, level=3, disturbance=(0.3, 30.0), budget=6.0)
     assert done.verdict == "undecided"

@@ -6,7 +6,7 @@ import pytest
 
 from neuralgaits.errors import NeuralGaitsError, RunError
 from neuralgaits.robots import load_robot
-from neuralgaits.workflows.episode_folder import EpisodeFolder, read, write
+from neuralgaits.rounds.folder import EpisodeFolder, read, write
 
 ASKED = {
     "disturb": {"slope_deg": 2.0},
@@ -72,7 +72,7 @@ def test_a_start_that_was_killed_is_made_again(tmp_path, monkeypatch):
         raise SystemExit
 
     with monkeypatch.context() as patched:
-        patched.setattr("neuralgaits.workflows.episode_folder.write", killed)
+        patched.setattr("neuralgaits.rounds.folder.write", killed)
         with pytest.raises(SystemExit):
             EpisodeFolder.create(asked, None, out=tmp_path / "new", root=tmp_path)
     assert EpisodeFolder.find(tmp_path / "new", tmp_path) is None

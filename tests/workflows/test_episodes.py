@@ -14,15 +14,17 @@ import numpy as np
 import pytest
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError, NeuralGaitsError, NonFiniteError, RunError
 from neuralgaits.report import rounds as figure
 from neuralgaits.robots import load_robot
+from neuralgaits.rounds import walks as episode_walks
+from neuralgaits.rounds.walks import Field, nominal_momentum, walk_round
 from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.workflows import episode_walks
 from neuralgaits.workflows import episodes as workflow
-from neuralgaits.workflows.episode_walks import Field, nominal_momentum, walk_round
 from neuralgaits.workflows.episodes import episodes
-from neuralgaits.workflows.run import open_run
+
+pytestmark = pytest.mark.slow
 
 FIELDS = {"steps_walked", "speed_range_m_s", "heldout_error", "nominal_heldout_error", "loss"}
 LEARNED = {"heldout_error": 0.1, "nominal_heldout_error": 0.4, "wall_s": 1.0}

@@ -6,22 +6,25 @@ from dataclasses import replace
 
 import jax
 import numpy as np
-import planted_walk
 import pytest
 
 from neuralgaits import logs
+from neuralgaits.analysis.learned import Learned
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.residual import stored
 from neuralgaits.residual.fit import FitConfig
-from neuralgaits.workflows.fit import FILE, SUMMARY, fit
+from neuralgaits.runs.names import FIT, FITTED
+from neuralgaits.workflows.fit import fit
+from support import planted_walk
+
+pytestmark = pytest.mark.slow
 
 FIELDS = {"residual", "train_error", "heldout_error", "nominal_heldout_error", "windows", "wall_s"}
 
 
 def test_the_summary_is_what_the_interface_asks(brief_run, fitted):
     assert set(fitted.summary) >= FIELDS
-    assert fitted.residual == brief_run.path / FILE
-    assert json.loads((brief_run.path / SUMMARY).read_text()) == fitted.summary
+    assert fitted.residual == brief_run.path / FITTED
+    assert json.loads((brief_run.path / FIT).read_text()) == fitted.summary
     assert fitted.summary["strides"] == {"train": 12, "validation": 2, "heldout": 2}
 
 
@@ -83,14 +86,14 @@ def test_touchdowns_before_and_after_the_reset_residual(fitted, brief_run):
 
 
 def test_a_stored_residual_reads_back_exactly(fitted, brief_run):
-    read = stored.read(fitted.residual, brief_run.robot)
+    read = Learned.read(fitted.residual, brief_run.robot)
     for one, other in zip(jax.tree.leaves(read), jax.tree.leaves(fitted.learned), strict=True):
         np.testing.assert_array_equal(one, other)
 
 
 def test_another_file_is_no_residual(brief_run):
     with pytest.raises(RunError, match=r"expected a residual.*give a file that `fit` wrote"):
-        stored.read(brief_run.path / "policy.safetensors", brief_run.robot)
+        Learned.read(brief_run.path / "policy.safetensors", brief_run.robot)
 
 
 def test_rows_left_out_are_counted(brief_run, planted_logs, tmp_path):

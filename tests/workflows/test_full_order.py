@@ -9,6 +9,7 @@ import pytest
 from flint import arb
 
 from neuralgaits.barriers import Barrier
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.conclusions import proved_bounds
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.margins import (
@@ -23,9 +24,9 @@ from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_cl
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.programs import POINT, Program, evaluate
-from neuralgaits.programs.algebras.ball_fibre import FibreBallAlgebra
+from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.prune import prune
-from neuralgaits.workflows import certify_full_order, check_proof, retrace
+from neuralgaits.workflows import certify_full_order, check_proof
 from neuralgaits.workflows.certify_full_order import model_of
 from neuralgaits.workflows.full_order_check import (
     check_by_force,
@@ -33,6 +34,8 @@ from neuralgaits.workflows.full_order_check import (
     states_of,
     walker,
 )
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +126,7 @@ def test_an_impact_grows_outputs_by_no_more_than_the_gain(trained, model, result
 
 def test_statements_hold_in_balls_on_parts_of_their_boxes(result):
     draw = np.random.default_rng(0)
-    algebra = FibreBallAlgebra(2)
+    algebra = BallAlgebra(2)
     for statement in result.statements:
         low, high = _leaves(statement)
         chosen = draw.choice(len(low), min(3, len(low)), replace=False)

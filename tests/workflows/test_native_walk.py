@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 import pytest
 
-import neuralgaits
+from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import Controller, Pd
 from neuralgaits.errors import InputError, NonFiniteError
@@ -27,15 +27,14 @@ from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_layout import address
 from neuralgaits.simulation.native_scene import scene_of
+from neuralgaits.simulation.native_walk import _design, compiler, engine_of, engine_of_run, sources
 from neuralgaits.simulation.plant import build
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, plant_states, walk
-from neuralgaits.workflows.native_walk import _design, compiler, engine_of, engine_of_run, sources
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.simulate import simulate
+from support.shipped_run import SHIPPED
 
-SHIPPED = Path(neuralgaits.__file__).parent / "demo_run"
 RELATIVE = 1e-9
 """How far the two may be apart over three steps, in units of the largest value of a signal."""
 PLANTS = {
@@ -108,6 +107,7 @@ def test_every_tick_is_that_of_the_reference(run, library, law, plant):
     assert apart(a.gauge, b.gauge) <= RELATIVE
 
 
+@pytest.mark.slow
 def test_every_kind_of_end_is_that_of_the_reference(run, library):
     """Pushed so hard that some fall, each at its own time."""
     settings = {"episodes": 6, "steps": 9, "disturbance": parse("friction=0.5,delay_ms=2")}

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
 
 OWN = '''
@@ -43,6 +43,7 @@ def number(x):
 
 def own(robot):
     base = specs.walking(robot)
+    few = [c for c in base.conditions if c.name in ("torso-upper", "normal-force")]
     power = Pointwise("power", "tube", 60.0, lambda p: LIMITS - p.torque * p.dq[1:])
 
     def new_gait(key, init, hidden):
@@ -51,7 +52,7 @@ def own(robot):
         parts = {name: getattr(gait.policy, name) for name in names}
         return Gait(Scaled(**parts, factor=number(jax.random.uniform(key))), gait.tube)
 
-    return replace(base.with_conditions(power), new_gait=new_gait)
+    return replace(base, conditions=(*few, power), new_gait=new_gait)
 '''
 
 

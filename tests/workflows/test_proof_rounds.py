@@ -12,15 +12,19 @@ import numpy as np
 import pytest
 
 import neuralgaits as ng
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.gradient_steps import GradientSteps
 from neuralgaits.workflows.proof_rounds import HISTORY, REPAIR, Watch
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
+from support import small_spec
 
-SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+pytestmark = pytest.mark.slow
+
+SMALL = small_spec.__file__
+
 PROOF = Path("certificate") / "proof.json"
 REPAIR_STEPS = 75
 """A quarter of the 300 steps of the small spec's recipe."""

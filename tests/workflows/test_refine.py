@@ -5,9 +5,10 @@ import shutil
 
 import jax
 import numpy as np
-import planted_walk
 import pytest
 
+from neuralgaits.analysis.run import open_parts, open_run, untrained
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.proof_file.model_data import model_data
@@ -15,11 +16,13 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.runs.names import RESIDUAL, START, STATE, WEIGHTS
-from neuralgaits.workflows import certificate_reader, retrace
+from neuralgaits.workflows import certificate_reader
 from neuralgaits.workflows.provable import trace_spec
 from neuralgaits.workflows.refine import refine
-from neuralgaits.workflows.run import open_parts, open_run, untrained
 from neuralgaits.workflows.train import train
+from support import planted_walk
+
+pytestmark = pytest.mark.slow
 
 STEPS = 120
 

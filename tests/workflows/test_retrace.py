@@ -1,21 +1,18 @@
 """A run's own spec is code: it is traced in another process, after the boxes, and patches none."""
 
-# pyright: reportMissingImports=false
-# The maker of runs lies with the tests of the checker, on a path set at run time.
-
 import json
 import subprocess
 import sys
 
 import pytest
-from own_spec import HOLDS, SPEC, replace_spec, run_with
 
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.workflows import retrace
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
+from support.own_spec import HOLDS, SPEC, replace_spec, run_with
 
 TEXT = SPEC.replace("BOUND", repr(HOLDS))
 PATCH = """

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from neuralgaits import _settings as settings
 from neuralgaits.errors import InputError
-from neuralgaits.workflows import settings
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ import pytest
 from safetensors.numpy import load_file
 
 import neuralgaits as ng
+from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
@@ -21,10 +22,11 @@ from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.runs.folder import NAN_STATE
 from neuralgaits.runs.names import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS
 from neuralgaits.workflows.report import write_report
-from neuralgaits.workflows.run import open_run
 from neuralgaits.workflows.train import train
+from support import small_spec
 
-SMALL = Path(__file__).parents[1] / "training" / "small_spec.py"
+SMALL = small_spec.__file__
+
 STEPS = 300
 
 

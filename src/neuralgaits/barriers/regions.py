@@ -6,7 +6,7 @@ of a step to the guard, level from the lower to the upper fence. Boxes in (z1, o
 and bands of tilted energy are tubes whose fences are fixed parabolas, so one chart serves all.
 """
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import equinox as eqx
 import jax
@@ -17,11 +17,11 @@ from numpy.polynomial.chebyshev import chebder, poly2cheb
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import AbstractResetResidual
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots import PlanarBiped
 
 Side = Literal["lower", "upper"]
+Number = float | np.floating | Scalar
+"""Elements of NumPy arrays are no arrays."""
 
 
 class Box(NamedTuple):
@@ -51,7 +51,7 @@ class Tube(eqx.Module):
     @classmethod
     def between_energies(
         cls,
-        robot: "PlanarBiped",
+        robot: PlanarBiped,
         energies: tuple[float, float],
         *,
         height: float,
@@ -94,12 +94,12 @@ class Tube(eqx.Module):
         ends = None if span is None else np.asarray(span, dtype=np.float64)
         return cls(series[0], series[1], np.asarray(unit), ends, trained)
 
-    def fences(self, phase: Scalar) -> Float[Array, "2"]:
+    def fences(self, phase: Number) -> Float[Array, "2"]:
         """Value of zeta on the lower and the upper fence [(kg m^2/s)^2]. [2]."""
         series = jnp.stack([self.lower, self.upper])
         return self.unit * (series @ chebyshev(2.0 * phase - 1.0, series.shape[1]))
 
-    def fence_slopes(self, phase: Scalar) -> Float[Array, "2"]:
+    def fence_slopes(self, phase: Number) -> Float[Array, "2"]:
         """Slope d zeta / d phase of both fences [(kg m^2/s)^2]. [2]."""
         series = jnp.stack([self.lower, self.upper])
         size = series.shape[1]
@@ -108,7 +108,7 @@ class Tube(eqx.Module):
         return self.unit * (series @ ((2.0 * derivative).astype(basis.dtype) @ basis))
 
 
-def chebyshev(x: Scalar, size: int) -> Float[Array, " k"]:
+def chebyshev(x: Number, size: int) -> Float[Array, " k"]:
     """Chebyshev polynomials T_0 .. T_(size - 1). Returns: [size].
 
     T_(m + n) = 2 T_m T_n - T_(m - n) with m and n near half: an error in a bound grows with the
@@ -128,7 +128,7 @@ class Gait(eqx.Module):
     tube: Tube
 
     @property
-    def span(self) -> tuple[Scalar, Scalar]:
+    def span(self) -> tuple[Number, Number]:
         """z1 at phase 0 and at phase 1 (m)."""
         if self.tube.span is None:
             return self.policy.z1_range
@@ -152,7 +152,7 @@ class Gait(eqx.Module):
         return (0.5 * z[1] * z[1] - low) / (high - low)
 
     def matched(
-        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+        self, robot: PlanarBiped, reset_residual: AbstractResetResidual | None = None
     ) -> "Gait":
         """The gait with everything that follows from robot and parameters recomputed."""
         return Gait(self.policy.matched(robot, reset_residual), self.tube)

@@ -76,9 +76,9 @@ def carry_out_episodes(verb: Episodes) -> Outcome:
 
 def _found(resume: str, quiet: bool) -> str | Path:
     """What to go on with; on stderr if the caller left open which, unless `quiet`."""
+    from neuralgaits.rounds.folder import EpisodeFolder
     from neuralgaits.runs import RUNS_ROOT
     from neuralgaits.runs.latest import LATEST
-    from neuralgaits.workflows.episode_folder import EpisodeFolder
 
     folder = EpisodeFolder.find(LATEST, RUNS_ROOT) if resume == LATEST else None
     if folder is None:
@@ -94,7 +94,7 @@ def disturbance_bounds(text: str | None, run: str) -> tuple[float, float]:
         return 0.0, 0.0
     if text != LEARNED:
         return _pair(text)
-    from neuralgaits.workflows.run import open_run
+    from neuralgaits.analysis.run import open_run
 
     learned = open_run(run).learned
     if learned is None:

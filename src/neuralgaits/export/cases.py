@@ -92,11 +92,9 @@ class Cases:
         """The readings in the signs and zeros of the theory, as a simulation has them."""
         layout = design.robot.layout
         turn = layout.pitch_sign * self.pitch
-        x, z = layout.root_to_hip
         dpitch = layout.pitch_sign * self.dpitch
         with np.errstate(invalid="ignore"):  # NaN and infinities are among the cases.
-            sine, cosine = np.sin(turn), np.cos(turn)
-            swept = np.stack([-(x * sine + z * cosine), x * cosine - z * sine], axis=-1)
+            _, swept = layout.hip_arm(turn, np)
             hip_velocity = self.base_velocity + dpitch[:, None] * swept
         signs = np.array(layout.leg_joint_signs)
         return Measurement(

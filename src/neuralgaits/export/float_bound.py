@@ -7,14 +7,16 @@ own rounding is nine orders below what is bounded. Source: Higham, Accuracy and 
 Numerical Algorithms (2002), sections 2.2 and 3.3.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.programs import Program, evaluate
+from neuralgaits.programs.ops import rule
 
 UNIT = 2.0**-24
 """Largest relative error of one rounding to nearest in single precision."""
@@ -110,76 +112,69 @@ class RoundingAlgebra:
 
     def inner(self, a: Rounded, b: Rounded, size: int) -> Rounded:
         """Row-wise inner products."""
-        return self.sum(self.mul(a, b), size)
+        return self.sum(_mul(a, b), size)
 
-    def add(self, a: Rounded, b: Rounded) -> Rounded:
-        """Sum."""
-        return _rounded(a.low + b.low, a.high + b.high, a.error + b.error)
+    def elementwise(self, kind: str, *operands: Rounded) -> Rounded:
+        """Each kind has its rule; square roots have none, for C is not written for them."""
+        return rule(_RULES, kind, "running errors")(*operands)
 
-    def sub(self, a: Rounded, b: Rounded) -> Rounded:
-        """Difference."""
-        return _rounded(a.low - b.high, a.high - b.low, a.error + b.error)
 
-    def mul(self, a: Rounded, b: Rounded) -> Rounded:
-        """Product."""
-        corners = [a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high]
-        passed = a.error * b.size + b.error * a.size + a.error * b.error
-        return _rounded(np.minimum.reduce(corners), np.maximum.reduce(corners), passed)
+def _add(a: Rounded, b: Rounded) -> Rounded:
+    return _rounded(a.low + b.low, a.high + b.high, a.error + b.error)
 
-    def div(self, a: Rounded, b: Rounded) -> Rounded:
-        """Quotient; infinite where the divisor may be zero."""
-        corners = [p / q for p in (a.low, a.high) for q in (b.low, b.high)]
-        low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
-        nearest = np.where(b.low * b.high > 0.0, np.minimum(abs(b.low), abs(b.high)), 0.0)
-        left = np.maximum(nearest - b.error, 0.0)
-        size = np.maximum(np.abs(low), np.abs(high))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            passed = np.where(left > 0.0, (a.error + size * b.error) / left, np.inf)
-        return _rounded(low, high, passed)
 
-    def neg(self, a: Rounded) -> Rounded:
-        """Negative."""
-        return Rounded(-a.high, -a.low, a.error)
+def _sub(a: Rounded, b: Rounded) -> Rounded:
+    return _rounded(a.low - b.high, a.high - b.low, a.error + b.error)
 
-    def square(self, a: Rounded) -> Rounded:
-        """Square."""
-        ends = a.low * a.low, a.high * a.high
-        least = np.where(a.low * a.high > 0.0, np.minimum(*ends), 0.0)
-        return _rounded(least, np.maximum(*ends), (2.0 * a.size + a.error) * a.error)
 
-    def sqrt(self, a: Rounded) -> Rounded:
-        """Never met: C is not written for it."""
-        raise NotImplementedError("no square root is written in C")
+def _mul(a: Rounded, b: Rounded) -> Rounded:
+    corners = [a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high]
+    passed = a.error * b.size + b.error * a.size + a.error * b.error
+    return _rounded(np.minimum.reduce(corners), np.maximum.reduce(corners), passed)
 
-    def exp(self, a: Rounded) -> Rounded:
-        """Exponential."""
-        slope = np.exp(a.high + a.error)
-        return _function(np.exp(a.low), np.exp(a.high), slope * a.error)
 
-    def log1p(self, a: Rounded) -> Rounded:
-        """Logarithm of 1 + a."""
-        slope = 1.0 / (1.0 + a.low - a.error)
-        return _function(np.log1p(a.low), np.log1p(a.high), slope * a.error)
+def _div(a: Rounded, b: Rounded) -> Rounded:
+    """Infinite where the divisor may be zero."""
+    corners = [p / q for p in (a.low, a.high) for q in (b.low, b.high)]
+    low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
+    nearest = np.where(b.low * b.high > 0.0, np.minimum(abs(b.low), abs(b.high)), 0.0)
+    left = np.maximum(nearest - b.error, 0.0)
+    size = np.maximum(np.abs(low), np.abs(high))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        passed = np.where(left > 0.0, (a.error + size * b.error) / left, np.inf)
+    return _rounded(low, high, passed)
 
-    def sin(self, a: Rounded) -> Rounded:
-        """Sine."""
-        return _wave(np.sin, a)
 
-    def cos(self, a: Rounded) -> Rounded:
-        """Cosine."""
-        return _wave(np.cos, a)
+def _neg(a: Rounded) -> Rounded:
+    return Rounded(-a.high, -a.low, a.error)
 
-    def tanh(self, a: Rounded) -> Rounded:
-        """Hyperbolic tangent."""
-        low, high = np.tanh(a.low), np.tanh(a.high)
-        flattest = np.where(a.low * a.high > 0.0, np.minimum(np.abs(a.low), np.abs(a.high)), 0.0)
-        slope = 1.0 - np.tanh(np.maximum(flattest - a.error, 0.0)) ** 2
-        return _function(low, high, slope * a.error)
 
-    def logistic(self, a: Rounded) -> Rounded:
-        """Logistic function."""
-        low, high = (0.5 + 0.5 * np.tanh(0.5 * part) for part in (a.low, a.high))
-        return _function(low, high, 0.25 * a.error)
+def _square(a: Rounded) -> Rounded:
+    ends = a.low * a.low, a.high * a.high
+    least = np.where(a.low * a.high > 0.0, np.minimum(*ends), 0.0)
+    return _rounded(least, np.maximum(*ends), (2.0 * a.size + a.error) * a.error)
+
+
+def _exp(a: Rounded) -> Rounded:
+    slope = np.exp(a.high + a.error)
+    return _function(np.exp(a.low), np.exp(a.high), slope * a.error)
+
+
+def _log1p(a: Rounded) -> Rounded:
+    slope = 1.0 / (1.0 + a.low - a.error)
+    return _function(np.log1p(a.low), np.log1p(a.high), slope * a.error)
+
+
+def _tanh(a: Rounded) -> Rounded:
+    low, high = np.tanh(a.low), np.tanh(a.high)
+    flattest = np.where(a.low * a.high > 0.0, np.minimum(np.abs(a.low), np.abs(a.high)), 0.0)
+    slope = 1.0 - np.tanh(np.maximum(flattest - a.error, 0.0)) ** 2
+    return _function(low, high, slope * a.error)
+
+
+def _logistic(a: Rounded) -> Rounded:
+    low, high = (0.5 + 0.5 * np.tanh(0.5 * part) for part in (a.low, a.high))
+    return _function(low, high, 0.25 * a.error)
 
 
 def _rounding(terms: int) -> float:
@@ -197,10 +192,26 @@ def _function(low: np.ndarray, high: np.ndarray, passed: np.ndarray) -> Rounded:
     return Rounded(low, high, passed + FUNCTION_UNITS * UNIT * size)
 
 
-def _wave(function, a: Rounded) -> Rounded:
+def _wave(function: Callable[[np.ndarray], np.ndarray], a: Rounded) -> Rounded:
     middle, radius = 0.5 * (a.low + a.high), 0.5 * (a.high - a.low)
     value = function(middle)
     return _function(np.maximum(value - radius, -1.0), np.minimum(value + radius, 1.0), a.error)
+
+
+_RULES: dict[str, Callable[..., Rounded]] = {
+    "add": _add,
+    "sub": _sub,
+    "mul": _mul,
+    "div": _div,
+    "neg": _neg,
+    "square": _square,
+    "exp": _exp,
+    "log1p": _log1p,
+    "sin": partial(_wave, np.sin),
+    "cos": partial(_wave, np.cos),
+    "tanh": _tanh,
+    "logistic": _logistic,
+}
 
 
 def largest_errors(

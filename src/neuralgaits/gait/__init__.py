@@ -4,7 +4,7 @@ from neuralgaits.gait.bezier import BezierPolicy
 from neuralgaits.gait.hybrid_invariant import HybridInvariantPolicy
 from neuralgaits.gait.mlp import MLPPolicy
 from neuralgaits.gait.network import Network
-from neuralgaits.gait.poincare import Orbit, poincare
+from neuralgaits.gait.orbit import Orbit
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import (
     AbstractPolicy,
@@ -28,7 +28,6 @@ __all__ = [
     "Residuals",
     "ZeroDynamics",
     "output_jet",
-    "poincare",
     "posture_path",
     "walking_posture",
 ]

@@ -13,11 +13,11 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
 
-Activation = Callable[[Float[Array, " k"]], Float[Array, " k"]]
+Activation = Callable[[Float[Array, "*k"]], Float[Array, "*k"]]
 
 
 @jax.custom_jvp
-def tanh(x: Float[Array, " k"]) -> Float[Array, " k"]:
+def tanh(x: Float[Array, "*k"]) -> Float[Array, "*k"]:
     """Hyperbolic tangent, derivative 1 - tanh^2."""
     return jnp.tanh(x)
 
@@ -29,7 +29,7 @@ def _tanh_rule(primals, tangents):
 
 
 @jax.custom_jvp
-def logistic(x: Float[Array, " k"]) -> Float[Array, " k"]:
+def logistic(x: Float[Array, "*k"]) -> Float[Array, "*k"]:
     """Logistic function 1 / (1 + exp(-x)), derivative s (1 - s)."""
     return jax.lax.logistic(x)
 
@@ -41,7 +41,7 @@ def _logistic_rule(primals, tangents):
 
 
 @jax.custom_jvp
-def softplus(x: Float[Array, " k"]) -> Float[Array, " k"]:
+def softplus(x: Float[Array, "*k"]) -> Float[Array, "*k"]:
     """Softplus log(1 + exp x), derivative the logistic function."""
     return jnp.log1p(jnp.exp(x))
 
@@ -51,7 +51,7 @@ def _softplus_rule(primals, tangents):
     return softplus(primals[0]), logistic(primals[0]) * tangents[0]
 
 
-def relu(x: Float[Array, " k"]) -> Float[Array, " k"]:
+def relu(x: Float[Array, "*k"]) -> Float[Array, "*k"]:
     """Rectifier max(x, 0): the paper's activation; trains, but is not provable."""
     return jax.nn.relu(x)
 

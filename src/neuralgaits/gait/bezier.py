@@ -1,21 +1,16 @@
 """Bezier virtual constraints: the classical parametrisation, y_d a function of z1 alone."""
 
 from math import comb
-from typing import TYPE_CHECKING
 
 import jax
 import numpy as np
 
-from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Float, ZeroState
 from neuralgaits.errors import InputError
-from neuralgaits.gait.policy import AbstractPolicy
-from neuralgaits.gait.reset_residual import AbstractResetResidual
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.policy import FreePolicy
 
 
-class BezierPolicy(AbstractPolicy):
+class BezierPolicy(FreePolicy):
     """Desired outputs as a Bezier curve of the phase (z1 - start) / (guard - start).
 
     Inside the phase interval the outputs stay in the convex hull of the coefficients.
@@ -50,19 +45,6 @@ class BezierPolicy(AbstractPolicy):
         for k in range(monomials.shape[1] - 2, -1, -1):
             value = monomials[:, k] + phase * value
         return value
-
-    @property
-    def z1_range(self) -> tuple[Scalar, Scalar]:
-        """z1 at the start of a step and at the guard (m)."""
-        # The ellipsis keeps NumPy from returning bare scalars.
-        return self.start_and_guard[0, ...], self.start_and_guard[1, ...]
-
-    def matched(
-        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
-    ) -> "BezierPolicy":
-        """Nothing follows from the robot: the policy itself."""
-        del robot, reset_residual
-        return self
 
     def trainable(self) -> "BezierPolicy":
         """The control points may move; the z1 interval is fixed."""

@@ -7,7 +7,6 @@ docs/full_order.md; Westervelt et al. (2007), section 5.
 """
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
 
@@ -15,9 +14,7 @@ from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, Zero
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots import PlanarBiped
 
 
 class FullPoint(Point):
@@ -29,7 +26,7 @@ class FullPoint(Point):
 
     def __init__(
         self,
-        robot: "PlanarBiped",
+        robot: PlanarBiped,
         policy: AbstractPolicy,
         z: ZeroState,
         eta: Float[Array, " two_m"],

@@ -7,18 +7,17 @@ import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Float, ZeroState
 from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.network import Network, scaled_inputs
-from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.policy import FreePolicy
 from neuralgaits.gait.posture import walking_posture
-from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 
-class MLPPolicy(AbstractPolicy):
+class MLPPolicy(FreePolicy):
     """Desired outputs y_d = lower + (upper - lower) logistic(N(z)).
 
     Attributes:
@@ -61,25 +60,19 @@ class MLPPolicy(AbstractPolicy):
         lower, upper = (posture.lower, posture.upper) if bounds is None else bounds
         scale, shift = (posture.input_scale, posture.input_shift) if inputs is None else inputs
         ends = np.array([-posture.z_guard, posture.z_guard])
-        return cls(network, lower, upper, scale, shift, ends)
+        return cls(
+            network=network,
+            lower=lower,
+            upper=upper,
+            input_scale=scale,
+            input_shift=shift,
+            start_and_guard=ends,
+        )
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
         share = logistic(self.network(scaled_inputs(z, self.input_scale, self.input_shift)))
         return self.lower + (self.upper - self.lower) * share
-
-    @property
-    def z1_range(self) -> tuple[Scalar, Scalar]:
-        """Nominal z1 at the start of a step and at the guard (m)."""
-        # The ellipsis keeps NumPy from returning bare scalars.
-        return self.start_and_guard[0, ...], self.start_and_guard[1, ...]
-
-    def matched(
-        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
-    ) -> "MLPPolicy":
-        """Nothing follows from the robot: the policy itself."""
-        del robot, reset_residual
-        return self
 
     def trainable(self) -> "MLPPolicy":
         """The network may move; bounds and scales are fixed."""

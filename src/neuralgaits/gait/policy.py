@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Actuated, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 
@@ -49,6 +49,29 @@ class AbstractPolicy(eqx.Module):
     @abstractmethod
     def trainable(self) -> "AbstractPolicy":
         """A tree of booleans like this policy: True where training may move a leaf."""
+
+
+class FreePolicy(AbstractPolicy):
+    """A policy of which nothing follows from a robot.
+
+    Attributes:
+        start_and_guard: nominal z1 at the start of a step and at the guard [m]. [2]
+    """
+
+    start_and_guard: eqx.AbstractVar[Float[Array, "2"]]
+
+    @property
+    def z1_range(self) -> tuple[Scalar, Scalar]:
+        """Nominal z1 at the start of a step and at the guard (m)."""
+        # The ellipsis keeps NumPy from returning bare scalars.
+        return self.start_and_guard[0, ...], self.start_and_guard[1, ...]
+
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+    ) -> "AbstractPolicy":
+        """The policy itself."""
+        del robot, reset_residual
+        return self
 
 
 class OutputJet(NamedTuple):

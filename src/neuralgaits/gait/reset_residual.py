@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 
-from neuralgaits._types import Actuated, Coordinates, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
+from neuralgaits.gait.activations import tanh
+from neuralgaits.gait.network import scaled_inputs
 from neuralgaits.robots.dynamics import angular_momentum
 
 if TYPE_CHECKING:
@@ -39,6 +42,40 @@ class AbstractResetResidual(eqx.Module):
     @abstractmethod
     def centre(self) -> ZeroState:
         """State before the impact that stands for all: where a policy is matched to it. [2]."""
+
+
+class ResetResidual(AbstractResetResidual):
+    """Corrections bound * tanh(W (z / scale - shift) + b), per unit of z2 before the impact.
+
+    Attributes:
+        weight, offset: W and b. [1 + m, 2], [1 + m]
+        scale, shift: of z. [2]
+        bound: of the correction of z2 [-], and of the joint rates [rad/(kg m^2)]. [1 + m]
+    """
+
+    weight: Float[Array, "k 2"]
+    offset: Float[Array, " k"]
+    scale: Float[Array, "2"]
+    shift: Float[Array, "2"]
+    bound: Float[Array, " k"]
+
+    def __call__(self, z: ZeroState) -> ImpactCorrection:
+        """Correction at z, just before the impact."""
+        inputs = scaled_inputs(z, self.scale, self.shift)
+        size = jnp.asarray(self.bound) * tanh(self.weight @ inputs + self.offset)
+        return ImpactCorrection(size[0], size[1:])
+
+    @property
+    def centre(self) -> ZeroState:
+        """Mean of the states it was learned from (m, kg m^2/s). [2]."""
+        return self.shift * self.scale
+
+    @classmethod
+    def like(cls, joints: int) -> "ResetResidual":
+        """The structure for a robot with so many actuated joints, to read a stored one into."""
+        size = 1 + joints
+        zeros = np.zeros(size)
+        return cls(np.zeros((size, 2)), zeros, np.ones(2), np.zeros(2), zeros)
 
 
 class Residuals(NamedTuple):

@@ -7,7 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Float, Scalar, ZeroState
+from neuralgaits._types import Array, Float, Scalar
+
+State = Float[Array, " k"]
 
 
 class Tableau(NamedTuple):
@@ -43,10 +45,8 @@ DOPRI5 = Tableau(
 """Fifth order. Source: Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26."""
 
 
-def step(
-    method: Tableau, rate: Callable[[ZeroState], ZeroState], z: ZeroState, span: Scalar
-) -> ZeroState:
-    """The state after a time `span` (s). Returns: [2]."""
+def step(method: Tableau, rate: Callable[[State], State], z: State, span: Scalar) -> State:
+    """The state after a `span` of what the rate is per, as of time (s). Returns: [k]."""
 
     def stage(slopes, given):
         number, taken = given

@@ -7,7 +7,7 @@ and passes it to every call of `evaluate`.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from neuralgaits.programs.program import Operation, Program
 V = TypeVar("V")
 
 
+@runtime_checkable
 class Algebra(Protocol[V]):
     """Rules for the operations of `ops.KINDS` on vectors of type V.
 
@@ -53,56 +54,11 @@ class Algebra(Protocol[V]):
         """Row-wise inner products of a and b as [size, ...]."""
         ...
 
-    def add(self, a: V, b: V) -> V:
-        """Sum."""
-        ...
+    def elementwise(self, kind: str, *operands: V) -> V:
+        """Any of the others: one element of each operand for each of the result.
 
-    def sub(self, a: V, b: V) -> V:
-        """Difference."""
-        ...
-
-    def mul(self, a: V, b: V) -> V:
-        """Product."""
-        ...
-
-    def div(self, a: V, b: V) -> V:
-        """Quotient."""
-        ...
-
-    def neg(self, a: V) -> V:
-        """Negative."""
-        ...
-
-    def square(self, a: V) -> V:
-        """Square."""
-        ...
-
-    def sqrt(self, a: V) -> V:
-        """Square root."""
-        ...
-
-    def exp(self, a: V) -> V:
-        """Exponential."""
-        ...
-
-    def log1p(self, a: V) -> V:
-        """Logarithm of 1 + a."""
-        ...
-
-    def sin(self, a: V) -> V:
-        """Sine of radians."""
-        ...
-
-    def cos(self, a: V) -> V:
-        """Cosine of radians."""
-        ...
-
-    def tanh(self, a: V) -> V:
-        """Hyperbolic tangent."""
-        ...
-
-    def logistic(self, a: V) -> V:
-        """Logistic function 1 / (1 + exp(-a))."""
+        Raises: SpecError if the algebra has no rule for this kind.
+        """
         ...
 
 
@@ -167,10 +123,12 @@ def _apply(algebra: Algebra[V], operation: Operation, values: Mapping[int, V]) -
         case "affine":
             offset = operands[2] if len(operands) == 3 else None
             return algebra.affine(operands[0], operands[1], offset, operation.columns)
-        case "sum" | "inner":
-            return getattr(algebra, operation.kind)(*operands, operation.size)
-        case _:
-            return getattr(algebra, operation.kind)(*operands)
+        case "sum":
+            return algebra.sum(operands[0], operation.size)
+        case "inner":
+            return algebra.inner(operands[0], operands[1], operation.size)
+        case kind:
+            return algebra.elementwise(kind, *operands)
 
 
 def _last_uses(program: Program) -> dict[int, int]:

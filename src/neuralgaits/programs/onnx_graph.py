@@ -14,10 +14,26 @@ from onnx import GraphProto, NodeProto, TensorProto, ValueInfoProto, helper, num
 from neuralgaits.errors import SpecError
 from neuralgaits.programs.algebras.point import POINT
 from neuralgaits.programs.evaluation import evaluate, fold
+from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Input, Output, Program
 
 OPERATOR_SET = 17
 _TYPES = {np.dtype(np.float64): TensorProto.DOUBLE, np.dtype(np.float32): TensorProto.FLOAT}
+_OPERATORS = {
+    "add": "Add",
+    "sub": "Sub",
+    "mul": "Mul",
+    "div": "Div",
+    "neg": "Neg",
+    "square": "Mul",
+    "sqrt": "Sqrt",
+    "exp": "Exp",
+    "log1p": "Log",
+    "sin": "Sin",
+    "cos": "Cos",
+    "tanh": "Tanh",
+    "logistic": "Sigmoid",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +114,7 @@ class OnnxAlgebra:
         if columns == 1:
             turned = self._read(matrix, (rows, inner), turned=True)
             product = self._note("MatMul", [self._read(right), turned], rows)
-            return product if offset is None else self.add(product, offset)
+            return product if offset is None else self.elementwise("add", product, offset)
         factors = [self._read(matrix, (rows, inner)), self._read(right, (inner, columns))]
         product = self._note("MatMul", factors, rows * columns)
         if offset is not None:
@@ -113,63 +129,17 @@ class OnnxAlgebra:
 
     def inner(self, a: Tensor, b: Tensor, size: int) -> Tensor:
         """Row-wise inner products."""
-        return self.sum(self.mul(a, b), size)
+        return self.sum(self.elementwise("mul", a, b), size)
 
-    def add(self, a: Tensor, b: Tensor) -> Tensor:
-        """Sum."""
-        return self._elementwise("Add", a, b)
-
-    def sub(self, a: Tensor, b: Tensor) -> Tensor:
-        """Difference."""
-        return self._elementwise("Sub", a, b)
-
-    def mul(self, a: Tensor, b: Tensor) -> Tensor:
-        """Product."""
-        return self._elementwise("Mul", a, b)
-
-    def div(self, a: Tensor, b: Tensor) -> Tensor:
-        """Quotient."""
-        return self._elementwise("Div", a, b)
-
-    def neg(self, a: Tensor) -> Tensor:
-        """Negative."""
-        return self._elementwise("Neg", a)
-
-    def square(self, a: Tensor) -> Tensor:
-        """Square."""
-        return self._elementwise("Mul", a, a)
-
-    def sqrt(self, a: Tensor) -> Tensor:
-        """Square root."""
-        return self._elementwise("Sqrt", a)
-
-    def exp(self, a: Tensor) -> Tensor:
-        """Exponential."""
-        return self._elementwise("Exp", a)
-
-    def log1p(self, a: Tensor) -> Tensor:
-        """Logarithm of 1 + a, to rounding of 1 + a: ONNX has no operator of its own for it."""
-        return self._elementwise("Log", self.add(self.named("one", np.ones(1)), a))
-
-    def sin(self, a: Tensor) -> Tensor:
-        """Sine."""
-        return self._elementwise("Sin", a)
-
-    def cos(self, a: Tensor) -> Tensor:
-        """Cosine."""
-        return self._elementwise("Cos", a)
-
-    def tanh(self, a: Tensor) -> Tensor:
-        """Hyperbolic tangent."""
-        return self._elementwise("Tanh", a)
-
-    def logistic(self, a: Tensor) -> Tensor:
-        """Logistic function."""
-        return self._elementwise("Sigmoid", a)
-
-    def _elementwise(self, operator: str, *operands: Tensor) -> Tensor:
+    def elementwise(self, kind: str, *operands: Tensor) -> Tensor:
+        """One operator, but for 1 + a: ONNX has none for log1p, to rounding of 1 + a."""
+        if kind == "log1p":
+            operands = (self.elementwise("add", self.named("one", np.ones(1)), *operands),)
+        if kind == "square":
+            operands *= 2
         names = [self._read(operand) for operand in operands]
-        return self._note(operator, names, max(operand.size for operand in operands))
+        size = max(operand.size for operand in operands)
+        return self._note(rule(_OPERATORS, kind, "ONNX graphs"), names, size)
 
     def _shaped(self, value: Tensor, shape: tuple[int, ...]) -> Tensor:
         target = self._whole(np.array(shape, dtype=np.int64), "shape")

@@ -5,9 +5,14 @@ have the size of the result, or size 1, which then stands for every element. An 
 needs one rule for each line of this table and nothing else.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TypeVar
+
+from neuralgaits.errors import SpecError
+
+R = TypeVar("R")
 
 ANY = -1
 """Number of operands of an operation that takes one or more."""
@@ -18,7 +23,7 @@ class Kind:
     """One operation.
 
     Attributes:
-        name: as it stands in a Program; the name of the method of an algebra.
+        name: as it stands in a Program.
         operands: how many it takes, `ANY` for one or more.
         formula: the result y, with n its size, in terms of operands a, b, c.
         elementwise: whether result i depends on element i of the operands only.
@@ -64,6 +69,24 @@ _TABLE = (
 )
 
 KINDS = MappingProxyType({kind.name: kind for kind in _TABLE})
+
+
+def rule(rules: Mapping[str, R], kind: str, values: str) -> R:
+    """The rule of an algebra for an elementwise operation.
+
+    Args:
+        rules: of the algebra, by kind.
+        kind: of the operation.
+        values: what the algebra computes with, for the message.
+
+    Raises: SpecError if it has none.
+    """
+    if kind not in rules:
+        raise SpecError(
+            f"expected one of the operations {', '.join(rules)}, found {kind}: {values} have no"
+            " rule for it; write the formula without it"
+        )
+    return rules[kind]
 
 
 def complaint(

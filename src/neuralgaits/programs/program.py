@@ -20,6 +20,8 @@ from neuralgaits.programs.ops import complaint
 
 FORMAT = "neuralgaits-program"
 VERSION = 1
+MOST_AXES = 8
+"""Elements of an input that boxes may be given for: a model has a coefficient for each pair."""
 
 
 @dataclass(frozen=True)
@@ -165,19 +167,22 @@ class Program:
         )
 
 
-def fibre_input(program: Program, given: Collection[str]) -> Input:
-    """The input of a Program of the chart point u that is in the unit ball over every box of u.
+def box_and_ball(program: Program, given: Collection[str]) -> tuple[Input, Input | None]:
+    """The input that boxes are given for; and the other, anywhere in the unit ball, if any.
 
-    Raises: InputError if there is not one, or if more than u is given.
+    Raises: InputError if there are other inputs, or the first is no vector of a few elements.
     """
     shapes = {item.name: item.shape for item in program.inputs}
-    beside = [item for item in program.inputs if item.name != "u"]
-    if list(given) != ["u"] or shapes.get("u") != (2,) or len(beside) != 1:
+    boxes = [item for item in program.inputs if item.name in given]
+    others = [item for item in program.inputs if item.name not in given]
+    one = len(boxes) == len(given) == 1 and len(others) <= 1
+    if not one or len(boxes[0].shape) != 1 or not 1 <= boxes[0].shape[0] <= MOST_AXES:
         raise InputError(
-            f"expected u of shape (2,) and one more input, u given, found {shapes} and values for "
-            f"{sorted(given)}: trace a function of u and xi"
+            f"expected boxes of one input of shape (n,), n from 1 to {MOST_AXES}, and at most one"
+            f" more input, found inputs {shapes} and boxes of {sorted(given)}: trace a function of"
+            " u, or of u and xi"
         )
-    return beside[0]
+    return boxes[0], others[0] if others else None
 
 
 def _row(operation: Operation) -> list:

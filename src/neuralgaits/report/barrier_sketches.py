@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Wedge
 
+from neuralgaits.analysis.data import GaitData
+from neuralgaits.analysis.skeleton import hip_index
 from neuralgaits.report import skeleton
-from neuralgaits.report.data import GaitData
 from neuralgaits.report.style import BLACK, BLUE, GREEN, GREY, RED, new_figure, panel, styled
 
 TITLE = "The rules of the gait"
@@ -41,8 +42,8 @@ def _torso(axes: Axes, data: GaitData) -> None:
     low, high = _limits(data, "torso_angle")
     panel(axes, "a", "torso" if data.torso else "pose at mid-step")
     if data.torso:
-        hip = points[skeleton.hip_index(len(points), True)]
-        top = points[skeleton.hip_index(len(points), True) + 1]
+        hip = points[hip_index(len(points), True)]
+        top = points[hip_index(len(points), True) + 1]
         size = 1.12 * float(np.linalg.norm(top - hip))
         if low is not None and high is not None:
             # Up-angles are positive backwards: to the left.
@@ -183,7 +184,7 @@ def _joints(axes: Axes, data: GaitData) -> None:
     panel(axes, "d", "hip and knees")
     row = _row(data, 0.8)
     points, torso = data["orbit/skeleton"][row], data.torso
-    hip_row = skeleton.hip_index(len(points), torso)
+    hip_row = hip_index(len(points), torso)
     hip, tall = points[hip_row], float(points[:, 1].max())
     skeleton.draw(axes, points, torso)
     path = data["orbit/skeleton"][:, hip_row]
@@ -231,7 +232,7 @@ def _knee(
     axes: Axes, data: GaitData, points: np.ndarray, joint: int, side: float, count: int, row: int
 ) -> None:
     """The straight leg at a knee, and by how much it is bent."""
-    hip = skeleton.hip_index(len(points), data.torso)
+    hip = hip_index(len(points), data.torso)
     swing = joint >= count / 2
     # Actuated joints run up the stance leg and down the swing leg; hips stand between.
     at = len(points) - 1 - (count - joint) if swing else joint + 1

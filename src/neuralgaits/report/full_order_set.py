@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from neuralgaits.report.data import GaitData
+from neuralgaits.analysis.data import GaitData
 from neuralgaits.report.phase_portrait import X_LABEL, Y_LABEL
 from neuralgaits.report.style import BLACK, BLUE, RED, new_figure, panel, series, styled
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from neuralgaits.report.data import GaitData
+from neuralgaits.analysis.data import GaitData
 from neuralgaits.report.style import (
     BLACK,
     BLUE,

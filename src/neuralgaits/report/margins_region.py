@@ -6,7 +6,7 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap, TwoSlopeN
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from neuralgaits.report.data import GaitData
+from neuralgaits.analysis.data import GaitData
 from neuralgaits.report.phase_portrait import X_LABEL, Y_LABEL
 from neuralgaits.report.style import BLACK, RED, new_figure, panel, styled
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Patch
 
-from neuralgaits.report.data import GaitData, MeasuredWalk
+from neuralgaits.analysis.data import GaitData, MeasuredWalk
 from neuralgaits.report.style import (
     BLACK,
     BLUE,

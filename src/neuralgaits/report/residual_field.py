@@ -1,6 +1,6 @@
 """What was learned of the robot beyond its model: the field, and the flow before and after."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,30 +9,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from neuralgaits._types import Float
-from neuralgaits.report.data import GaitData
+from neuralgaits.analysis.data import GaitData, ResidualData
 from neuralgaits.report.phase_portrait import X_LABEL, Y_LABEL, flow
 from neuralgaits.report.style import BLACK, BLUE, GREY, new_figure, panel, styled
 
 TITLE = "What the robot taught the model"
 SHADES = 11
-
-
-@dataclass(frozen=True)
-class ResidualData:
-    """A learned residual over the plane.
-
-    Attributes:
-        gait: of the policy that walked or was trained with it.
-        epsilon: residual of dz on the gait's plane (m/s, N m). [B, A, 2]
-        visited: logged states it was learned from; none if the logs are gone. [K, 2]
-        trained: whether the policy was trained with it.
-    """
-
-    gait: GaitData
-    epsilon: Float[np.ndarray, "B A 2"]
-    visited: Float[np.ndarray, "K 2"]
-    trained: bool
 
 
 def caption(data: ResidualData) -> str:

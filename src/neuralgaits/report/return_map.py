@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits._types import Float
-from neuralgaits.report.data import GaitData
+from neuralgaits.analysis.data import GaitData
 from neuralgaits.report.style import BLACK, BLUE, GREEN, GREY, RED, new_figure, panel, styled
 
 TITLE = "Why the gait settles"

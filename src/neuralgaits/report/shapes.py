@@ -18,16 +18,6 @@ _TEXTS = list_of(TEXT)
 _PAIR = list_of(NUMBER, 2)
 _DISTURB = may(table_of(may(NUMBER)))
 
-TRAINED: Shape = {
-    "steps": COUNT,
-    "loss": may(NUMBER),
-    "wall_s": NUMBER,
-    "conditions": table_of(
-        {"mean_violation": NUMBER, "max_violation": NUMBER, "min_margin": NUMBER}
-    ),
-}
-"""`summary.json` of a run."""
-
 CERTIFIED: Shape = {
     "verdict": _VERDICT,
     "level": one_of(1, 2, 3, 4),

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from neuralgaits.report.data import GaitData, MeasuredWalk
+from neuralgaits.analysis.data import GaitData, MeasuredWalk
 from neuralgaits.report.style import BLACK, BLUE, GREY, RED, new_figure, panel, series, styled
 
 TITLE = "One step: angles, torques, forces"

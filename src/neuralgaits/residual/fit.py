@@ -19,9 +19,9 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Windows
 from neuralgaits.residual.nero import balanced, nero
-from neuralgaits.residual.network import Residual
 from neuralgaits.residual.shooting import model_rate, shoot
 from neuralgaits.residual.trajectories import missed
 

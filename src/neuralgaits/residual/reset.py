@@ -12,11 +12,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits._types import Array, Float, ZeroState
+from neuralgaits._types import Array, Float
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.activations import tanh
-from neuralgaits.gait.network import scaled_inputs
-from neuralgaits.gait.reset_residual import AbstractResetResidual, ImpactCorrection
+from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.logs import Touchdowns
 from neuralgaits.residual.shooting import Rate, model_rate, shoot
 
@@ -30,40 +28,6 @@ LEAST_BOUND = 1e-6
 """Per unit of z2: a bound of zero has no inverse."""
 SHRINKAGE = 1.0
 """Touchdowns' worth of belief that corrections do not depend on z."""
-
-
-class ResetResidual(AbstractResetResidual):
-    """Corrections bound * tanh(W (z / scale - shift) + b), per unit of z2 before the impact.
-
-    Attributes:
-        weight, offset: W and b. [1 + m, 2], [1 + m]
-        scale, shift: of z. [2]
-        bound: of the correction of z2 [-], and of the joint rates [rad/(kg m^2)]. [1 + m]
-    """
-
-    weight: Float[Array, "k 2"]
-    offset: Float[Array, " k"]
-    scale: Float[Array, "2"]
-    shift: Float[Array, "2"]
-    bound: Float[Array, " k"]
-
-    def __call__(self, z: ZeroState) -> ImpactCorrection:
-        """Correction at z, just before the impact."""
-        inputs = scaled_inputs(z, self.scale, self.shift)
-        size = jnp.asarray(self.bound) * tanh(self.weight @ inputs + self.offset)
-        return ImpactCorrection(size[0], size[1:])
-
-    @property
-    def centre(self) -> ZeroState:
-        """Mean of the states it was learned from (m, kg m^2/s). [2]."""
-        return self.shift * self.scale
-
-    @classmethod
-    def like(cls, joints: int) -> "ResetResidual":
-        """The structure for a robot with so many actuated joints, to read a stored one into."""
-        size = 1 + joints
-        zeros = np.zeros(size)
-        return cls(np.zeros((size, 2)), zeros, np.ones(2), np.zeros(2), zeros)
 
 
 class Landings(NamedTuple):

@@ -6,64 +6,60 @@ one cosine and one sine of the same angle table. No linear solve, no symbolic ge
 Source: docs/notation.md; any text on planar manipulators in absolute angles.
 """
 
-from typing import TYPE_CHECKING
-
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
+from neuralgaits.robots.constants import BipedConstants
 from neuralgaits.robots.linear import solve
 
-if TYPE_CHECKING:
-    from neuralgaits.robots.biped import PlanarBiped
 
-
-def relative_angles(robot: "PlanarBiped", theta: Coordinates) -> Float[Array, "n n"]:
+def relative_angles(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
     """Angle table theta_k - theta_l + phase_kl. Returns: [n, n] (rad)."""
     table = theta[:, None] - theta[None, :]
     return table if robot.coupling_phase is None else table + robot.coupling_phase
 
 
-def moment_angles(robot: "PlanarBiped", theta: Coordinates) -> Coordinates:
+def moment_angles(robot: BipedConstants, theta: Coordinates) -> Coordinates:
     """Direction of each link's share of the centre of mass. Returns: [n] (rad)."""
     phase = robot.mass_moment_phase
     return theta if phase is None else theta + phase
 
 
-def link_mass_matrix(robot: "PlanarBiped", theta: Coordinates) -> Float[Array, "n n"]:
+def link_mass_matrix(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
     """Mass matrix in absolute link angles, without rotors. Returns: [n, n] (kg m^2)."""
     table = relative_angles(robot, theta)
     return robot.coupling * jnp.cos(table) + jnp.diag(robot.inertia)
 
 
-def mass_matrix(robot: "PlanarBiped", q: Coordinates) -> Float[Array, "n n"]:
+def mass_matrix(robot: BipedConstants, q: Coordinates) -> Float[Array, "n n"]:
     """Mass matrix in generalised coordinates. Returns: [n, n] (kg m^2)."""
     turn = robot.link_angles
     links = link_mass_matrix(robot, turn @ q)
     return turn.T @ links @ turn + jnp.diag(robot.armature)
 
 
-def link_bias(robot: "PlanarBiped", theta: Coordinates, dtheta: Coordinates) -> Coordinates:
+def link_bias(robot: BipedConstants, theta: Coordinates, dtheta: Coordinates) -> Coordinates:
     """Centrifugal and gravity terms per absolute link angle. Returns: [n] (N m)."""
     centrifugal = (robot.coupling * jnp.sin(relative_angles(robot, theta))) @ (dtheta * dtheta)
     weight = robot.gravity * robot.mass_moment * jnp.sin(moment_angles(robot, theta))
     return centrifugal - weight
 
 
-def bias(robot: "PlanarBiped", q: Coordinates, dq: Coordinates) -> Coordinates:
+def bias(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
     """Coriolis, gravity and damping terms. Returns: [n] (N m)."""
     turn = robot.link_angles
     return turn.T @ link_bias(robot, turn @ q, turn @ dq) + robot.damping * dq
 
 
 def acceleration(
-    robot: "PlanarBiped", q: Coordinates, dq: Coordinates, torque: Actuated
+    robot: BipedConstants, q: Coordinates, dq: Coordinates, torque: Actuated
 ) -> Coordinates:
     """Forward dynamics D ddq = (0, torque) - H. Returns: [n] (rad/s^2)."""
     force = jnp.concatenate([jnp.zeros(1, dtype=torque.dtype), torque])
     return solve(mass_matrix(robot, q), force - bias(robot, q, dq))
 
 
-def angular_momentum(robot: "PlanarBiped", q: Coordinates, dq: Coordinates) -> Scalar:
+def angular_momentum(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Scalar:
     """Angular momentum about the pinned stance foot, positive forward.
 
     Returns: scalar z2 (kg m^2/s). Rotors turn with the joints and add nothing.
@@ -90,34 +86,34 @@ def _point_acceleration(
     return jnp.stack([spun @ sine - turned @ cosine, -(turned @ sine) - spun @ cosine])
 
 
-def swing_foot(robot: "PlanarBiped", q: Coordinates) -> Planar:
+def swing_foot(robot: BipedConstants, q: Coordinates) -> Planar:
     """Swing-foot position from the stance foot, (x, z). Returns: [2] (m)."""
     return _point(robot.foot, robot.link_angles @ q)
 
 
-def swing_foot_velocity(robot: "PlanarBiped", q: Coordinates, dq: Coordinates) -> Planar:
+def swing_foot_velocity(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Planar:
     """Swing-foot velocity, (x, z). Returns: [2] (m/s)."""
     turn = robot.link_angles
     return _point_velocity(robot.foot, turn @ q, turn @ dq)
 
 
-def hip_position(robot: "PlanarBiped", q: Coordinates) -> Planar:
+def hip_position(robot: BipedConstants, q: Coordinates) -> Planar:
     """Hip position from the stance foot, (x, z). Returns: [2] (m)."""
     return _point(robot.hip, robot.link_angles @ q)
 
 
-def hip_velocity(robot: "PlanarBiped", q: Coordinates, dq: Coordinates) -> Planar:
+def hip_velocity(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Planar:
     """Hip velocity, (x, z). Returns: [2] (m/s)."""
     turn = robot.link_angles
     return _point_velocity(robot.hip, turn @ q, turn @ dq)
 
 
-def centre_of_mass(robot: "PlanarBiped", q: Coordinates) -> Planar:
+def centre_of_mass(robot: BipedConstants, q: Coordinates) -> Planar:
     """Centre of mass from the stance foot, (x, z). Returns: [2] (m)."""
     return _point(robot.mass_moment, moment_angles(robot, robot.link_angles @ q)) / robot.mass
 
 
-def centre_of_mass_velocity(robot: "PlanarBiped", q: Coordinates, dq: Coordinates) -> Planar:
+def centre_of_mass_velocity(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Planar:
     """Centre-of-mass velocity, (x, z). Returns: [2] (m/s)."""
     turn = robot.link_angles
     angles = moment_angles(robot, turn @ q)
@@ -125,7 +121,7 @@ def centre_of_mass_velocity(robot: "PlanarBiped", q: Coordinates, dq: Coordinate
 
 
 def ground_reaction_force(
-    robot: "PlanarBiped", q: Coordinates, dq: Coordinates, ddq: Coordinates
+    robot: BipedConstants, q: Coordinates, dq: Coordinates, ddq: Coordinates
 ) -> Planar:
     """Ground force on the stance foot: the total mass times (acceleration + gravity).
 

@@ -7,11 +7,12 @@ D(q+) dq+ = D(q+) R dq- + B(q+)^T v_foot with B the coupling of joint rates to t
 translation of the foot. Source: Westervelt et al. (2007), section 3.4.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import jax.numpy as jnp
 
 from neuralgaits._types import Coordinates, Planar
+from neuralgaits.robots.constants import BipedConstants
 from neuralgaits.robots.dynamics import (
     centre_of_mass_velocity,
     link_mass_matrix,
@@ -19,9 +20,6 @@ from neuralgaits.robots.dynamics import (
     swing_foot_velocity,
 )
 from neuralgaits.robots.linear import solve
-
-if TYPE_CHECKING:
-    from neuralgaits.robots.biped import PlanarBiped
 
 
 class Impact(NamedTuple):
@@ -35,7 +33,7 @@ class Impact(NamedTuple):
     """Impulse of the ground on the new stance foot, (tangential, normal) [N s]. [2]"""
 
 
-def momentum_after(robot: "PlanarBiped", q: Coordinates, dq: Coordinates) -> Coordinates:
+def momentum_after(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
     """Generalised momentum about the new stance foot, which the impact conserves.
 
     Returns: [n] (kg m^2/s), conjugate to the relabelled coordinates; minus its first entry
@@ -51,7 +49,7 @@ def momentum_after(robot: "PlanarBiped", q: Coordinates, dq: Coordinates) -> Coo
     return turn.T @ momentum + robot.armature * dq_new
 
 
-def impact(robot: "PlanarBiped", q: Coordinates, dq: Coordinates) -> Impact:
+def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
     """State after the swing foot's plastic impact, legs relabelled. See `Impact`."""
     turn = robot.link_angles
     q_new = robot.relabel @ q

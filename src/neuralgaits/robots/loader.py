@@ -17,7 +17,8 @@ import numpy as np
 from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import derive, registry
 from neuralgaits.robots.actuation import refuse_other_actuators
-from neuralgaits.robots.biped import MjcfLayout, PlanarBiped
+from neuralgaits.robots.biped import PlanarBiped
+from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.link_names import coordinate_names, paired_names, role_names

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from neuralgaits.robots.biped import MjcfLayout
+from neuralgaits.robots.constants import MjcfLayout
 
 Numbers = np.ndarray
 
@@ -107,7 +107,7 @@ class StateMap:
         theta = self._leg_angles(leg, sensors.pitch, sensors.joints)
         dtheta = self._leg_angles(leg, sensors.dpitch, sensors.djoints)
         lengths = np.array(self.layout.leg_lengths)
-        arm, swept = self._root_to_hip(sensors.pitch)
+        arm, swept = self.layout.hip_arm(np.asarray(sensors.pitch) - self.layout.root_angle, np)
         position = sensors.base + arm - _along(lengths, theta).sum(-2)
         turned = (_across(lengths, theta) * dtheta[..., None]).sum(-2)
         return position, sensors.base_velocity + swept * sensors.dpitch[..., None] - turned
@@ -148,14 +148,6 @@ class StateMap:
         qpos[..., self.root[:2]] = np.asarray(foot_xz) - foot - np.array(layout.root_origin)
         qvel[..., self.root[:2]] = np.asarray(foot_velocity) - velocity
         return qpos, qvel
-
-    def _root_to_hip(self, pitch: Numbers) -> tuple[Numbers, Numbers]:
-        """Vector from the pitch axis to the hip, and its derivative by pitch. [..., 2] (m)."""
-        x, z = self.layout.root_to_hip
-        turn = np.asarray(pitch) - self.layout.root_angle
-        sine, cosine = np.sin(turn), np.cos(turn)
-        arm = np.stack([x * cosine - z * sine, x * sine + z * cosine], axis=-1)
-        return arm, np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
 
     def _lowest(self, pitch: Numbers, joints: Numbers) -> Numbers:
         """Up-angle of the lowest link of both legs (or their rates). [..., 2]."""

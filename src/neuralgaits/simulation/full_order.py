@@ -11,17 +11,15 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.barriers import Gait
 from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.gait.runge_kutta import RK4, step
 from neuralgaits.robots import PlanarBiped
 
 NODES = 80
 """Fourth-order steps from the start of a step to near the guard: z2 is then right to 1e-8."""
-STAGES = np.array([[0.0, 1.0 / 6.0], [0.5, 1.0 / 3.0], [0.5, 1.0 / 3.0], [1.0, 1.0 / 6.0]])
-"""Where each stage of such a step looks, and its weight."""
 LAST_PHASE = 0.97
 """Phase from which the guard is looked for."""
 SECANTS = 8
@@ -74,24 +72,15 @@ class ExactOutputs(eqx.Module):
     def advance(self, state: "_Swing", to: Scalar) -> "_Swing":
         """Integrate to a phase by one step of the classical fourth-order method."""
 
-        def slope(phase, moving):
-            z = jnp.stack([self._z1(phase), moving[0]])
-            point = self.point(z, self.outputs(state.eta, moving[1]))
+        def slope(y):
+            phase, z2, time = y
+            point = self.point(jnp.stack([self._z1(phase), z2]), self.outputs(state.eta, time))
             start, guard = self.gait.span
-            return jnp.stack([point.dz[1], jnp.ones(())]) * (guard - start) / point.dz[0]
+            pace = point.dz[0] / (guard - start)
+            return jnp.stack([jnp.ones(()), point.dz[1] / pace, 1.0 / pace])
 
-        h = to - state.phase
-        y = jnp.stack([state.z2, state.time])
-
-        def stage(slopes, numbers):
-            # A loop over the stages: the dynamics are compiled once and not four times.
-            (last, total), (share, weight) = slopes, numbers
-            here = slope(state.phase + share * h, y + share * h * last)
-            return (here, total + weight * here), None
-
-        zero = jnp.zeros_like(y)
-        (_, total), _ = jax.lax.scan(stage, (zero, zero), jnp.asarray(STAGES))
-        z2, time = y + h * total
+        y = jnp.stack([state.phase, state.z2, state.time])
+        _, z2, time = step(RK4, slope, y, to - state.phase)
         return _Swing(to, z2, time, state.eta)
 
     def state(self, at: "_Swing") -> tuple[ZeroState, Float[Array, " two_m"]]:

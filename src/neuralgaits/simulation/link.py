@@ -45,9 +45,7 @@ def pack_reading(layout: MjcfLayout, measurement: Measurement, sequence: int) ->
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
     turn = float(measurement.pitch) - layout.root_angle
     dpitch = float(measurement.dpitch)
-    x, z = layout.root_to_hip
-    sine, cosine = np.sin(turn), np.cos(turn)
-    swept = np.array([-(x * sine + z * cosine), x * cosine - z * sine])
+    _, swept = layout.hip_arm(turn, np)
     numbers = np.concatenate(
         [
             [layout.pitch_sign * turn, layout.pitch_sign * dpitch],

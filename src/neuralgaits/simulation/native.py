@@ -1,6 +1,6 @@
 """Walks by compiled code: the exported controller and `mj_step` in one loop, no Python in a tick.
 
-`c/walk.c` is compiled together with the C of a gait (see `workflows.native_walk`). What a tick
+`c/walk.c` is compiled together with the C of a gait (see `simulation.native_walk`). What a tick
 means is that of `tick` and `lockstep`, number for number but for rounding; tests compare them.
 """
 

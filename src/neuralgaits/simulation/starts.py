@@ -6,9 +6,10 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
+from neuralgaits.analysis.orbit import poincare
 from neuralgaits.barriers import Gait
 from neuralgaits.errors import InputError
-from neuralgaits.gait import Orbit, ZeroDynamics, poincare
+from neuralgaits.gait import Orbit, ZeroDynamics
 
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.

@@ -21,7 +21,7 @@ from neuralgaits.simulation import gauge as gauges
 from neuralgaits.simulation.falls import FallConfig, ending
 from neuralgaits.simulation.gauge import Gauge
 from neuralgaits.simulation.plant import Plant
-from neuralgaits.simulation.wiring import controls, hip_arm, measure
+from neuralgaits.simulation.wiring import controls, measure
 
 
 class Carry(NamedTuple):
@@ -180,7 +180,7 @@ def sense(scene: Scene, reading: Reading) -> Sensed:
     time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
     # Written for NumPy, but with nothing that JAX arrays cannot do.
     sensors = wires.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
-    arm, swept = hip_arm(wires, sensors.pitch)
+    arm, swept = wires.layout.hip_arm(sensors.pitch - wires.layout.root_angle, jnp)
     truth = measure(sensors, swept, time, reading.touch)
     seen = _rounded(_noisy(truth, reading.noise, scene.noise), scene.encoder_step)
     return Sensed(truth, seen, sensors.base + arm)

@@ -18,7 +18,7 @@ def measure(
 
     Args:
         sensors: of the plant's state, without batch axes.
-        swept: derivative of the root-to-hip vector by pitch, from `hip_arm` (m). [2]
+        swept: derivative of the root-to-hip vector by pitch, from `MjcfLayout.hip_arm` (m). [2]
         time: of the reading (s).
         normal: force on each foot (N).
     """
@@ -31,15 +31,6 @@ def measure(
         hip_velocity=sensors.base_velocity + sensors.dpitch * swept,
         normal_force=normal,
     )
-
-
-def hip_arm(wires: StateMap, pitch: Scalar) -> tuple[Planar, Planar]:
-    """Vector from the root's pitch axis to the hip (m), and its derivative by pitch."""
-    x, z = wires.layout.root_to_hip
-    turn = pitch - wires.layout.root_angle
-    sine, cosine = jnp.sin(turn), jnp.cos(turn)
-    arm = jnp.stack([x * cosine - z * sine, x * sine + z * cosine])
-    return arm, jnp.stack([-arm[1], arm[0]])
 
 
 def controls(wires: StateMap, torque: Float[Array, "2 k"]) -> Float[Array, " u"]:

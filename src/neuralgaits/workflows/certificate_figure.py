@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.report.certificate_map import PROVED, REFUTED, UNDECIDED, draw_file
 from neuralgaits.runs import write_arrays
-from neuralgaits.workflows.run import Run
 
 DATA, FIGURE = "map.safetensors", "map.png"
 
@@ -23,12 +23,12 @@ def write_map(
     chart = trace(lambda u: {"z": run.gait.z(u)}, {"u": (2,)})
     parts = []
     for state in states:
-        cells, leaf = state.cells, state.cells.is_leaf
-        low, high = cells.low[leaf], cells.high[leaf]
+        tree, leaf = state.tree, state.tree.is_leaf
+        low, high = tree.low[leaf], tree.high[leaf]
         corners = [low, np.stack([high[:, 0], low[:, 1]], 1), high]
         corners.append(np.stack([low[:, 0], high[:, 1]], 1))
         z = evaluate(chart, {"u": np.concatenate(corners)}, POINT)["z"]
-        lower, upper = cells.lower[leaf], cells.upper[leaf]
+        lower, upper = tree.lower[leaf], tree.upper[leaf]
         answer = np.where(np.all(lower >= 0.0, axis=1), PROVED, UNDECIDED)
         answer = np.where(np.any(upper < 0.0, axis=1), REFUTED, answer)
         parts.append((z.reshape(4, -1, 2).swapaxes(0, 1), answer, lower.min(axis=1)))

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from neuralgaits._digits import at_least
+from neuralgaits.analysis.run import Run
 from neuralgaits.report.certificate import PROOF, proved_level
 from neuralgaits.runs.commands import command, named
 from neuralgaits.viewer import markdown
 from neuralgaits.workflows.certificate_reader import read_certificate
-from neuralgaits.workflows.run import Run
 
 
 class Sureness(NamedTuple):

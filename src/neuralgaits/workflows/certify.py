@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from neuralgaits._settings import check_budget, check_disturbance
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.levels.conclusions import Conclusion, conclude, proved_bounds
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.levels.conditions.verdicts import (
@@ -43,8 +46,6 @@ from neuralgaits.runs import plain
 from neuralgaits.workflows.certificate_reader import MAP, hashes
 from neuralgaits.workflows.certify_full_order import FILE, certify_full_order
 from neuralgaits.workflows.proof_of import proof_of
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import check_budget, check_disturbance
 
 FOLDER = "certificate"
 PROOF, SUMMARY = f"{FOLDER}/proof.json", f"{FOLDER}/summary.json"
@@ -180,7 +181,9 @@ def _problems(run: Run, program: Program) -> list[Problem]:
         names = tuple(condition.name for condition in conditions)
         scales = tuple(float(condition.scale) for condition in conditions)
         part = prune(program, names)
-        problems += [Problem(region, box.low, box.high, names, scales, part) for box in boxes]
+        problems += [
+            Problem(region, *PLAIN.whole(box.low, box.high), names, scales, part) for box in boxes
+        ]
     return problems
 
 

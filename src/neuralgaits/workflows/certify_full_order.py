@@ -4,6 +4,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.conclusions import Conclusion
 from neuralgaits.certificate.levels.full_order.conclude import LEVEL
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH, FullOrderModel
@@ -14,7 +15,6 @@ from neuralgaits.certificate.proof_file.writer import Proof
 from neuralgaits.certificate.search.schedule import Progress
 from neuralgaits.errors import SpecError
 from neuralgaits.workflows.proof_of import proof_of
-from neuralgaits.workflows.run import Run
 
 FILE = "certificate/full-order.json"
 

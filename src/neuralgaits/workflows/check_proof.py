@@ -12,6 +12,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file.check import (
     ASSUMPTIONS,
     DERIVED_ELSEWHERE,
@@ -26,7 +27,6 @@ from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.errors import RunError
 from neuralgaits.runs import resolve
-from neuralgaits.workflows import retrace
 
 Progress = Callable[[int, int], None]
 
@@ -118,5 +118,5 @@ def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
 
 def _rejected(claims: Claims, wrong: list[str]) -> Report:
     """A file that is not about the run."""
-    statements = tuple(line for one in claims.statements for line in in_words(one, claims.program))
+    statements = tuple(line for one in claims.statements for line in in_words(one, claims))
     return Report("rejected", "; ".join(wrong), statements, (), (), 0)

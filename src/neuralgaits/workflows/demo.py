@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-import neuralgaits
 from neuralgaits.errors import RunError
 from neuralgaits.runs.commands import LATEST, command
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.viewer import page
 from neuralgaits.workflows.view import LiveView, view
 
-FOLDER = Path(neuralgaits.__file__).parent / "demo_run"
+FOLDER = Path(__file__).parents[1] / "demo_run"
 """A run folder like any other, to be read only; `tools/make_demo.py` makes it."""
 
 

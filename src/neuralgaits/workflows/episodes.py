@@ -11,24 +11,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._settings import check_rounds, check_seed
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.report.rounds import draw_file
 from neuralgaits.report.shapes import ERRORS, WALKED
 from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.rounds.folder import SUMMARY, EpisodeFolder, read, write
+from neuralgaits.rounds.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.folder import CONFIG
+from neuralgaits.runs.names import FIT
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
 from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.workflows import fit as fitting
-from neuralgaits.workflows.episode_folder import SUMMARY, EpisodeFolder, read, write
-from neuralgaits.workflows.episode_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.refine import refine
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import check_rounds, check_seed
 from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
@@ -272,7 +272,7 @@ class _Session:
         return found
 
     def _learn(self, number: int, run: Run, walked: dict[str, Any]) -> dict[str, Any]:
-        summary = run.path / fitting.SUMMARY
+        summary = run.path / FIT
         if summary.is_file():
             return read(summary, ERRORS)
         self.tell(number, "learning")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._version import __version__
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
 from neuralgaits.export.c_check import check_controller
@@ -19,7 +20,6 @@ from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.workflows.certificate_reader import read_certificate
-from neuralgaits.workflows.run import Run, open_run
 
 PROOF, FULL_ORDER = "certificate/proof.json", "certificate/full-order.json"
 FORMATS = ("c", "onnx")

@@ -1,84 +1,15 @@
 """All figures of a run, drawn from what lies in its folder."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any
 
-from matplotlib.figure import Figure
-
-from neuralgaits.errors import InputError, RunError
-from neuralgaits.report import (
-    again,
-    barrier_sketches,
-    certificate_map,
-    full_order_set,
-    gait_tiles,
-    loss_curves,
-    margins_orbit,
-    margins_region,
-    phase_portrait,
-    residual_field,
-    return_map,
-    rounds,
-    stride,
-)
-from neuralgaits.report.data import GaitData, MeasuredWalk
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.errors import InputError
 from neuralgaits.report.drawn import Drawn, Missing
-from neuralgaits.report.shapes import ROUNDS
+from neuralgaits.report.makers import MAKERS, Absent, Source
 from neuralgaits.report.two_pens import Sheet, second_pen, write_all
-from neuralgaits.runs.commands import command, learning, named
-from neuralgaits.runs.folder import refuse_misshapen
-from neuralgaits.workflows.certificate_figure import DATA as MAP
-from neuralgaits.workflows.gait_data import gait_data
-from neuralgaits.workflows.proved import Certificate, certificate_of
-from neuralgaits.workflows.residual_data import residual_data
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.walk_log import measured_walk
+from neuralgaits.workflows.proved import certificate_of
 
 FOLDER = "figures"
-EPISODES, SUMMARY = "episodes.json", "summary.json"
-"""Files of the folder that the rounds of episodes lie in."""
-
-
-@dataclass(frozen=True)
-class Source:
-    """What figures are drawn from. Attributes: run: opened."""
-
-    run: Run
-
-    @cached_property
-    def data(self) -> GaitData:
-        """The gait in arrays."""
-        return gait_data(self.run)
-
-    @cached_property
-    def walk(self) -> MeasuredWalk | None:
-        """A logged walk, if the run has one."""
-        return measured_walk(self.run)
-
-    @cached_property
-    def certificate(self) -> Certificate:
-        """What is proved of the run."""
-        return certificate_of(self.run)
-
-    @property
-    def path(self) -> str:
-        """The run's folder as an argument."""
-        return named(self.run.path)
-
-
-@dataclass(frozen=True)
-class Absent(Exception):
-    """Why a figure cannot be drawn, and the command that changes that."""
-
-    reason: str
-    command: str
-
-
-Made = tuple[str, Figure]
-"""Caption and figure."""
 
 
 def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn | Missing]:
@@ -91,12 +22,13 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
     Returns: one entry a figure, always in the same order; `Missing` names what makes the figure.
     Raises: RunError with one line if the run is missing or damaged, InputError if `out` is a file.
     """
-    source = Source(open_run(run))
-    folder = source.run.path / FOLDER if out is None else Path(out)
+    run = open_run(run)
+    folder = run.path / FOLDER if out is None else Path(out)
     if folder.exists() and not folder.is_dir():
         raise InputError(
             f"expected a folder for the figures, found a file at {folder}: name another"
         )
+    source = Source(run, certificate_of(run))
     found: list[tuple[str, str] | Missing] = []
     sheets = []
     with second_pen() as pen:
@@ -117,121 +49,3 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
             sheet, paths = next(files)
             drawn.append(Drawn(sheet.name, *entry, *paths))
     return drawn
-
-
-def _phase_portrait(source: Source) -> Made:
-    data, walk = source.data, source.walk
-    words = phase_portrait.caption(data, walk, source.certificate.level)
-    return words, phase_portrait.draw(data, walk)
-
-
-def _barrier_sketches(source: Source) -> Made:
-    return barrier_sketches.CAPTION, barrier_sketches.draw(_periodic(source))
-
-
-def _gait_tiles(source: Source) -> Made:
-    data = _periodic(source)
-    figure = gait_tiles.draw(data["orbit/skeleton"], data["orbit/t"], data.torso)
-    return gait_tiles.CAPTION, figure
-
-
-def _walk_tiles(source: Source) -> Made:
-    walk = source.walk
-    if walk is None:
-        log = source.run.path / "simulation" / "walk.csv"
-        line = command("simulate", source.path, "--log", named(log))
-        raise Absent("the run has no log of a walk", line)
-    rows = walk.last_step
-    figure = gait_tiles.draw(
-        walk.skeleton[rows], walk.t[rows] - walk.t[rows[0]], source.run.robot.torso is not None
-    )
-    return gait_tiles.measured_caption(walk.source), figure
-
-
-def _margins_orbit(source: Source) -> Made:
-    return margins_orbit.CAPTION, margins_orbit.draw(source.data, source.certificate.margins)
-
-
-def _margins_region(source: Source) -> Made:
-    return margins_region.CAPTION, margins_region.draw(source.data)
-
-
-def _certificate_map(source: Source) -> Made:
-    path = source.run.path / "certificate" / MAP
-    if source.certificate.reason is not None or not source.certificate.map_fits:
-        missing = f"{path.name} is missing in the certificate, or another one's"
-        reason = source.certificate.reason or missing
-        raise Absent(reason, command("certify", source.path))
-    return certificate_map.CAPTION, certificate_map.draw_saved(path)
-
-
-def _return_map(source: Source) -> Made:
-    data, proved = _periodic(source), source.certificate.orbit
-    return return_map.caption(data, proved), return_map.draw(data, proved)
-
-
-def _full_order_set(source: Source) -> Made:
-    certificate = source.certificate
-    if certificate.full is None:
-        raise Absent(certificate.no_full, again.certifying(source.run.path, 4))
-    return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
-
-
-def _stride(source: Source) -> Made:
-    return stride.caption(source.walk), stride.draw(_periodic(source), source.walk)
-
-
-def _loss(source: Source) -> Made:
-    rows = source.run.folder.read_metrics()
-    if not rows:
-        raise Absent("the run took no training step", again.longer(source.run.folder))
-    if absent := [name for name in loss_curves.WHOLE if name not in rows[0]]:
-        raise RunError(
-            f"expected a column {absent[0]} in the metrics.csv of {source.run.path}, found none: "
-            "restore the file, or train again"
-        )
-    return loss_curves.CAPTION, loss_curves.draw(rows)
-
-
-def _residual_field(source: Source) -> Made:
-    data = residual_data(source.run)
-    if data is None:
-        raise Absent("nothing was learned from logs of this gait", learning(source.run.folder))
-    return residual_field.caption(data), residual_field.draw(data)
-
-
-def _rounds(source: Source) -> Made:
-    folder = source.run.path.parent
-    if not all((folder / file).is_file() for file in (EPISODES, SUMMARY)):
-        heavier = ("--plant", again.robot_word(source.run.folder), "--disturb", "mass_scale=1.05")
-        line = command("episodes", *heavier, "--resume", source.path)
-        raise Absent("the run is no round of episodes, as with a robot 5 % heavier", line)
-    found = source.run.folder.read_json(f"../{SUMMARY}")
-    refuse_misshapen(found, ROUNDS, folder / SUMMARY)
-    return rounds.CAPTION, rounds.draw(found)
-
-
-def _periodic(source: Source) -> GaitData:
-    """The data of a gait with a periodic orbit."""
-    if not source.data.periodic:
-        line = again.longer(source.run.folder)
-        raise Absent("the gait has no periodic orbit between its fences: train longer", line)
-    return source.data
-
-
-MAKERS: tuple[tuple[str, str, Callable[[Source], Any]], ...] = (
-    ("gait-tiles", gait_tiles.TITLE, _gait_tiles),
-    ("walk-tiles", gait_tiles.MEASURED_TITLE, _walk_tiles),
-    ("phase-portrait", phase_portrait.TITLE, _phase_portrait),
-    ("barrier-sketches", barrier_sketches.TITLE, _barrier_sketches),
-    ("stride", stride.TITLE, _stride),
-    ("margins-orbit", margins_orbit.TITLE, _margins_orbit),
-    ("margins-region", margins_region.TITLE, _margins_region),
-    ("certificate-map", certificate_map.TITLE, _certificate_map),
-    ("return-map", return_map.TITLE, _return_map),
-    ("full-order-set", full_order_set.TITLE, _full_order_set),
-    ("loss", loss_curves.TITLE, _loss),
-    ("residual-field", residual_field.TITLE, _residual_field),
-    ("rounds", rounds.TITLE, _rounds),
-)
-"""Name, title and maker of every figure, in the order of a report."""

@@ -10,25 +10,23 @@ from typing import Any
 import numpy as np
 
 from neuralgaits import logs as walks
+from neuralgaits._settings import check_seed
 from neuralgaits._types import Float
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Split, Stride, Windows
-from neuralgaits.residual import stored
 from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer, Progress
 from neuralgaits.residual.fit import fit as fit_flow
 from neuralgaits.residual.floor import floor
-from neuralgaits.residual.network import Residual
 from neuralgaits.residual.reset import fit_reset
-from neuralgaits.residual.stored import Learned
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 from neuralgaits.residual.trust import landing_errors
 from neuralgaits.runs import plain
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import check_seed
+from neuralgaits.runs.names import FIT, FITTED
 
-FOLDER = "residual"
-FILE, SUMMARY = f"{FOLDER}/residual.safetensors", f"{FOLDER}/summary.json"
 SAMPLES, STEP_S = 3, 0.01
 """Windows that are learned from: three samples 10 ms apart (as in the paper's code)."""
 JUDGED_SAMPLES = 11
@@ -93,8 +91,8 @@ def fit(
     # Pairs of samples reach further into a stride's end than the windows of the fit.
     pairs = walks.windows(parts.heldout, samples=2, step=STEP_S)
     learned = Learned(flow, reset, largest_defects(missed(zd, flow, pairs)))
-    path = trained.path / FILE
-    stored.write(path, learned)
+    path = trained.path / FITTED
+    learned.write(path)
     summary = {
         "run": str(trained.path),
         "residual": str(path),
@@ -114,7 +112,7 @@ def fit(
         "wall_s": time.perf_counter() - began,
     }
     summary = plain(summary)
-    trained.folder.write_json(SUMMARY, summary)
+    trained.folder.write_json(FIT, summary)
     return Fit(path, learned, summary)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, ZeroState
+from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.conclude import tightening
 from neuralgaits.certificate.levels.full_order.margins import (
     FullOrderModel,
@@ -29,7 +30,6 @@ from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.tick import Record
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.certify_full_order import model_of
-from neuralgaits.workflows.run import Run
 
 WALKS, STEPS = 10_000, 3
 """Walks of the model, and impacts in each."""

@@ -4,11 +4,12 @@ import hashlib
 from collections.abc import Mapping
 from typing import Any
 
+from neuralgaits.analysis.run import Run
+from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Proof, Statement
 from neuralgaits.programs import Program
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
-from neuralgaits.workflows.run import Run
 
 
 def proof_of(
@@ -25,6 +26,7 @@ def proof_of(
         {"name": config["spec"], "sha256": config["copies"][SPEC]},
         hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
         program,
+        PLAIN,
         statements,
         theorems=theorems.tables(),
         model=model,

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array
+from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
 from neuralgaits.robots import PlanarBiped
@@ -24,7 +25,6 @@ from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
 from neuralgaits.training.gradient_steps import GradientSteps
 from neuralgaits.workflows.certify import FOLDER, certify
-from neuralgaits.workflows.run import Run
 
 ROUNDS = 10
 """Repairs after which a training gives up."""

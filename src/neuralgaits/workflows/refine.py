@@ -4,22 +4,21 @@ import time
 from pathlib import Path
 from typing import Literal
 
-from neuralgaits.errors import RunError
-from neuralgaits.residual import stored
-from neuralgaits.runs import RUNS_ROOT, RunFolder
-from neuralgaits.runs.commands import learning
-from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
-from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.workflows import fit
-from neuralgaits.workflows.proof_rounds import Watch
-from neuralgaits.workflows.run import Run, open_run
-from neuralgaits.workflows.settings import (
+from neuralgaits._settings import (
     check_disturbance,
     check_proof_budget,
     check_seed,
     check_steps,
 )
-from neuralgaits.workflows.training_session import TrainingSession
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.errors import RunError
+from neuralgaits.runs import RUNS_ROOT, RunFolder
+from neuralgaits.runs.commands import learning
+from neuralgaits.runs.names import FITTED, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.workflows.proof_rounds import Watch
+from neuralgaits.workflows.train import train_to_the_end
 
 STEPS_SHARE = 0.7
 """Gradient steps, as a share of the recipe's: the gait is nearly there."""
@@ -65,13 +64,13 @@ def refine(
     """
     began = time.perf_counter()
     parent = open_run(run)
-    file = parent.path / fit.FILE if residual is None else Path(residual)
+    file = parent.path / FITTED if residual is None else Path(residual)
     if residual is None and not file.is_file():
         raise RunError(
-            f"expected a residual of {parent.path}, found no {fit.FILE} in it: learn one from a "
+            f"expected a residual of {parent.path}, found no {FITTED} in it: learn one from a "
             f"robot's logs, or as in `{learning(parent.folder)}`, or give --residual FILE"
         )
-    learned = stored.read(file, parent.robot)
+    learned = Learned.read(file, parent.robot)
     if disturbance == "learned":
         disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))
     if disturbance is not None:
@@ -99,6 +98,5 @@ def refine(
     folder = RunFolder.create(
         config, copies, name=parent.robot.name, seed=seed, root=root, out=place
     )
-    session = TrainingSession(folder, parent.robot, parent.spec, progress, watch or Watch(), began)
-    gait = session.run(root, parent.gait)
-    return Run(folder, parent.robot, parent.spec, gait)
+    child = Run(folder, parent.robot, parent.spec, parent.gait)
+    return train_to_the_end(child, progress=progress, watch=watch, root=root, began=began)

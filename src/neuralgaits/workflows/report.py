@@ -6,20 +6,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from neuralgaits.analysis.run import Run, asked_of, open_run
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import MOST_BYTES, document
 from neuralgaits.report.page.saved import Contents, Saved, read
+from neuralgaits.report.shown_walk import shown_walk
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve, write_text
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.run import Run, asked_of, open_run
-from neuralgaits.workflows.shown_walk import shown_walk
 
 FILE = "report.html"
 

@@ -12,6 +12,7 @@ import jax
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot, registry
@@ -19,16 +20,16 @@ from neuralgaits.runs import plain, write_text
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
+from neuralgaits.simulation.connect import connected
 from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.link_config import LinkConfig, parse_link
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_scene import knows
+from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_run
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, law_named, walk
-from neuralgaits.workflows.connect import connected
-from neuralgaits.workflows.native_walk import Choice, Engine, engine_of_run
-from neuralgaits.workflows.run import Run, open_run
+from neuralgaits.workflows.export import design_of
 
 SUMMARY, PLANT = "simulation/summary.json", "simulation/plant.xml"
 _ALL = 2**31 - 1
@@ -100,7 +101,8 @@ def simulate(
     files = [] if log is None else log_files(Path(log), episodes)
     walks = _engine(trained, controller, engine)
     wire = parse_link(link) if controller == REMOTE else _no_link(link)
-    with nullcontext() if wire is None else connected(trained, wire, episodes, seed) as remote:
+    wired = nullcontext() if wire is None else connected(design_of(trained), wire, episodes, seed)
+    with wired as remote:
         walked = walk(
             robot,
             gait.policy,

@@ -1,23 +1,34 @@
 """Train a gait and leave a run folder that can be continued, checked and simulated."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import jax
+import numpy as np
 
+from neuralgaits._settings import check_proof_budget, check_seed, check_steps
+from neuralgaits.analysis.run import Run, asked_of, open_parts, untrained
 from neuralgaits.barriers import Gait, GaitSpec, specs, user_code
 from neuralgaits.barriers.spec import Init
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.errors import InputError, Interrupted, RunError
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RUNS_ROOT, RunFolder, resolve_unfinished
+from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished, write_text
 from neuralgaits.runs.commands import command, resuming
-from neuralgaits.runs.names import ROBOT, SPEC
+from neuralgaits.runs.names import PROGRAM, ROBOT, SPEC, WEIGHTS
 from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.workflows.proof_rounds import Watch
-from neuralgaits.workflows.provable import refuse_untraceable, why_not_provable
-from neuralgaits.workflows.run import Run, asked_of, open_parts, untrained
-from neuralgaits.workflows.settings import check_proof_budget, check_seed, check_steps
-from neuralgaits.workflows.training_session import TrainingSession
+from neuralgaits.training.session import Session, take_all_steps
+from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
+from neuralgaits.workflows.provable import (
+    after_impact,
+    refuse_untraceable,
+    trace_spec,
+    why_not_provable,
+)
+
+FRESH_SAMPLES_SEED = 2**31
+"""Seed of the samples the summary is measured on; no run can have it."""
 
 
 def train(
@@ -97,9 +108,74 @@ def train(
         copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
         place = None if out is None else Path(out)
         folder = RunFolder.create(config, copies, name=robot.name, seed=seed, root=root, out=place)
-    session = TrainingSession(folder, robot, loaded, progress, watch or Watch(), began)
-    gait = session.run(root, gait)
-    return Run(folder, robot, loaded, gait)
+    run = Run(folder, robot, loaded, gait)
+    return train_to_the_end(run, progress=progress, watch=watch, root=root, began=began)
+
+
+def train_to_the_end(
+    run: Run, *, progress: Progress | None, watch: Watch | None, root: Path, began: float
+) -> Run:
+    """Train from the last checkpoint, or from the untrained gait of a run, and finish its folder.
+
+    Args:
+        run: unfinished; its gait is the untrained one.
+        progress: of `train`.
+        watch: of `train`.
+        root: folder of the runs.
+        began: when the command did (s, of `time.perf_counter`).
+
+    Raises: NonFiniteError; Interrupted for KeyboardInterrupt.
+    """
+    try:
+        session = take_all_steps(run, progress)
+        gait, proof = session.gait, None
+        if run.folder.config.get("certify") is None:
+            run.folder.write_tree(WEIGHTS, gait)
+        else:
+            rounds = ProofRounds(run.folder, run.robot, run.spec, session.steps, watch or Watch())
+            gait, proof = rounds.run(session.trainer, gait)
+        done = replace(run, gait=gait)
+        finish(run.folder, _summary(done, session, proof, began), root)
+        return done
+    except KeyboardInterrupt as stop:
+        raise Interrupted(resuming(run.path)) from stop
+
+
+def _summary(
+    run: Run, session: Session, proof: dict[str, Any] | None, began: float
+) -> dict[str, Any]:
+    """What a training says of itself; its Program, which other interpreters read, is saved."""
+    config, report = run.folder.config, session.trainer.report(run.gait, seed=FRESH_SAMPLES_SEED)
+    program = None
+    if config["not_provable_because"] is None:
+        program = trace_spec(run.spec, run.robot, run.gait, run.residuals)
+        write_text(run.path / PROGRAM, program.to_json())
+    return {
+        "run": str(run.path),
+        "robot": config["robot"],
+        "spec": config["spec"],
+        "seed": config["seed"],
+        "steps": int(session.state.step) + (0 if proof is None else proof["repair_steps"]),
+        "loss": report.loss,
+        "conditions": {name: violations(margins) for name, margins in report.margins.items()},
+        "provable": program is not None,
+        "program_hash": None if program is None else program.hash,
+        "after_impact": after_impact(run.robot, run.gait, run.residuals),
+        "certificate": proof,
+        "compile_s": session.compile_s,
+        "train_s": session.train_s,
+        "wall_s": time.perf_counter() - began,
+    }
+
+
+def violations(margins: np.ndarray) -> dict[str, float]:
+    """Mean and largest violation of margins >= 0, and the smallest margin."""
+    below = np.maximum(-margins, 0.0)
+    return {
+        "mean_violation": float(np.mean(below)),
+        "max_violation": float(np.max(below)),
+        "min_margin": float(np.min(margins)),
+    }
 
 
 def _resumed(

@@ -8,15 +8,15 @@ import numpy as np
 import viser
 
 from neuralgaits.analysis.quantities import Look, quantities
+from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
 from neuralgaits.viewer import markdown, page
+from neuralgaits.viewer.live_gait import LiveGait
 from neuralgaits.viewer.panel import Panel
+from neuralgaits.viewer.phase_plane import portrait
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.stage import Stage
 from neuralgaits.viewer.walker import Walker
-from neuralgaits.workflows.live_gait import LiveGait
-from neuralgaits.workflows.phase_plane import portrait
-from neuralgaits.workflows.run import Run, open_run
 
 
 class LiveView:

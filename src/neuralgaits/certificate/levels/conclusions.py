@@ -13,8 +13,8 @@ import numpy as np
 from flint import arb
 
 from neuralgaits._digits import at_least, at_most
+from neuralgaits.certificate.levels.chart import PLANE, Corner
 from neuralgaits.certificate.levels.theorems import (
-    Corner,
     Orbit,
     Premise,
     WalkingSet,
@@ -92,11 +92,9 @@ class Claim(Protocol):
 
 
 def proved_bounds(statements: Sequence[Claim]) -> Bounds:
-    """What statements say, each bound rounded down."""
+    """What statements say, each bound rounded down. Their roots are whole in the parameters."""
     return {
-        (name, (s.low[0], s.low[1]), (s.high[0], s.high[1])): np.nextafter(
-            bound * s.scales[name], -np.inf
-        )
+        (name, s.low[:PLANE], s.high[:PLANE]): np.nextafter(bound * s.scales[name], -np.inf)
         for s in statements
         for name, bound in s.bounds.items()
     }
@@ -105,7 +103,7 @@ def proved_bounds(statements: Sequence[Claim]) -> Bounds:
 def level_one_boxes(statements: Sequence[Claim]) -> list[tuple[str, Corner, Corner]]:
     """(condition, low, high) of the statements about the spec's own conditions and boxes."""
     return [
-        (name, (s.low[0], s.low[1]), (s.high[0], s.high[1]))
+        (name, s.low[:PLANE], s.high[:PLANE])
         for s in statements
         for name in s.bounds
         if "/" not in name and 0.0 <= s.low[0] and s.high[0] <= 1.0

@@ -9,12 +9,12 @@ from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.certificate.levels.chart import PLAIN, Chart, Corner
 from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
 from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_orbit
 from neuralgaits.certificate.levels.theorems import (
     SET,
-    Corner,
     Orbit,
     WalkingSet,
     labelled_premises,
@@ -162,7 +162,9 @@ def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
     ]
 
 
-def premise_problems(spec: GaitSpec, sets: Sets, program: Program) -> list[Problem]:
+def premise_problems(
+    spec: GaitSpec, sets: Sets, program: Program, chart: Chart = PLAIN
+) -> list[Problem]:
     """Root boxes of levels 2 and 3 with what must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}
     roots: dict[tuple[str, Corner, Corner], list[str]] = {}
@@ -174,8 +176,7 @@ def premise_problems(spec: GaitSpec, sets: Sets, program: Program) -> list[Probl
     return [
         Problem(
             region,
-            low,
-            high,
+            *chart.whole(low, high),
             tuple(names),
             tuple(scales.get(name, 1.0) for name in names),
             prune(program, names),

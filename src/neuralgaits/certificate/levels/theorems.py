@@ -10,7 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-Corner = tuple[float, float]
+from neuralgaits.certificate.levels.chart import Corner
+
 Attraction = Literal["contraction", "nested tubes"]
 """Why the orbit attracts all of the walking set: see `conclusions.attraction`."""
 

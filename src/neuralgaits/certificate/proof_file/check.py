@@ -25,7 +25,6 @@ from neuralgaits.certificate.proof_file.coverage import (
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import series
-from neuralgaits.programs.program import Program
 
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]
 Progress = Callable[[int, int], None]
@@ -95,7 +94,7 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
     report = Report(
         verdict="consistent",
         reason=NOT_TIED,
-        statements=tuple(line for s in claims.statements for line in in_words(s, claims.program)),
+        statements=tuple(line for s in claims.statements for line in in_words(s, claims)),
         levels=(),
         unclaimed=_unclaimed(claims),
         boxes=0,
@@ -220,16 +219,13 @@ def _why_incomplete(claims: Claims) -> str | None:
     )
 
 
-def in_words(statement: Statement, program: Program) -> Iterator[str]:
+def in_words(statement: Statement, claims: Claims) -> Iterator[str]:
     """One sentence for each condition of a statement."""
-    fibre = f", and {FIBRE} of the unit ball" if len(program.inputs) > 1 else ""
+    fibre = f", and {FIBRE} of the unit ball" if len(claims.program.inputs) > 1 else ""
+    ends = zip(claims.chart.axes, statement.low, statement.high, strict=True)
+    where = " and ".join(f"{axis.name} in [{low!r}, {high!r}]" for axis, low, high in ends)
     for name in statement.conditions:
         yield (
             f"{name}: the margin is at least {statement.bounds[name]!r} of its scale "
-            f"{statement.scales[name]!r} at every phase in {_interval(statement, 0)} and level in "
-            f"{_interval(statement, 1)}{fibre} (region {statement.region})"
+            f"{statement.scales[name]!r} at every {where}{fibre} (region {statement.region})"
         )
-
-
-def _interval(statement: Statement, axis: int) -> str:
-    return f"[{statement.low[axis]!r}, {statement.high[axis]!r}]"

@@ -9,15 +9,16 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from neuralgaits._names import why_no_name
+from neuralgaits.certificate.levels.chart import PLANE, Corner
 from neuralgaits.certificate.levels.conclusions import Claim
 from neuralgaits.certificate.levels.full_order.theorem import REGION
 from neuralgaits.certificate.levels.full_order.theorem import premises as full_order_premises
 from neuralgaits.certificate.levels.theorems import labelled_premises
-from neuralgaits.certificate.proof_file.json_fields import Corner, box_of, number_of, text_of
+from neuralgaits.certificate.proof_file.json_fields import box_of, number_of, text_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 
 Root = tuple[str, Corner, Corner]
-"""An output and the box that a statement about it has for its root: (name, low, high)."""
+"""An output and a box of (phase, level), for all values of the parameters: (name, low, high)."""
 SHOWN = 3
 """Boxes or names that are named where more of them are wrong."""
 
@@ -110,7 +111,7 @@ def stated_roots(statements: Iterable[Stated]) -> Iterator[tuple[Root, Stated]]:
     """Every output and root box that a statement is about, with the statement."""
     for statement in statements:
         for name in statement.scales:
-            yield (name, statement.low, statement.high), statement
+            yield (name, statement.low[:PLANE], statement.high[:PLANE]), statement
 
 
 def contradictions(

@@ -8,8 +8,8 @@ import math
 from collections.abc import Collection
 from typing import Any
 
-Corner = tuple[float, float]
-"""One corner of a box of the chart: (phase, level)."""
+Corner = tuple[float, ...]
+"""One corner of a box."""
 
 
 def parse(text: str, *, fractions: bool = True) -> Any:
@@ -81,20 +81,22 @@ def number_of(value: Any, what: str) -> float:
     return float(value)
 
 
-def corner_of(value: Any, *, decimals: bool = False) -> Corner:
-    """Two hexadecimal numbers; or, if that is said, two numbers as JSON has them."""
-    if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"the corner {value!r} instead of two numbers")
-    first, second = (
+def corner_of(value: Any, size: int = 2, *, decimals: bool = False) -> Corner:
+    """So many hexadecimal numbers; or, if that is said, numbers as JSON has them."""
+    if not isinstance(value, list) or len(value) != size:
+        raise ValueError(f"the corner {value!r} instead of {size} numbers")
+    return tuple(
         number_of(end, "ends of a corner")
         if decimals and not isinstance(end, str)
         else float.fromhex(text_of(end, "a corner"))
         for end in value
     )
-    return first, second
 
 
-def box_of(table: Any, what: str, *, decimals: bool = False) -> tuple[Corner, Corner]:
-    """The corners of a box of the chart, see `corner_of`."""
+def box_of(
+    table: Any, what: str, size: int = 2, *, decimals: bool = False
+) -> tuple[Corner, Corner]:
+    """The corners of a box in so many dimensions, see `corner_of`."""
     ends = exactly(table, what, ("low", "high"))
-    return corner_of(ends["low"], decimals=decimals), corner_of(ends["high"], decimals=decimals)
+    low, high = (corner_of(ends[end], size, decimals=decimals) for end in ("low", "high"))
+    return low, high

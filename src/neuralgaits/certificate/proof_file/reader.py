@@ -5,7 +5,6 @@ field by field; what it does not know may change the meaning of what it knows.
 """
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from neuralgaits._names import LONGEST_NAME, why_no_name
+from neuralgaits.certificate.levels.chart import Chart, Corner
 from neuralgaits.certificate.proof_file.coverage import Asked, premise_names
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
@@ -27,21 +27,21 @@ from neuralgaits.programs.program import Program
 
 FIBRE = "xi"
 """Second input of a Program at full order: statements are about all of its unit ball."""
-FORMAT, KIND, CHART = 2, "neuralgaits certificate", "u = (phase, level)"
+FORMAT, KIND = 3, "neuralgaits certificate"
 FIELDS = frozenset(
     "format kind robot weights_sha256 spec program program_hash chart statements theorems"
     " model".split()
 )
 STATEMENT_FIELDS = frozenset("conditions region scales bounds degree root tree".split())
-FIRST_PHASE, LAST_PHASE = -0.05, 1.05
-"""Root boxes may reach this far: strips before the start of a step and behind its guard."""
 MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
 """What a Program may have: elements of xi, of one value, and products of one matrix product."""
-MAX_DEPTH = 48
-"""Deepest tree: further halving would exhaust the digits of a double."""
+MAX_CUTS = 48
+"""Halvings of one axis: more would exhaust the digits of a double."""
+LEAF, DIGITS = "-", "01234567"
+"""What a tree is written with: a leaf, and the axis that is halved."""
 
 Corners = tuple[np.ndarray, np.ndarray]
-"""Boxes by their lower and upper corners. [boxes, 2] each."""
+"""Boxes by their lower and upper corners. [boxes, n] each."""
 
 
 class InconsistentError(Exception):
@@ -59,8 +59,8 @@ class Statement:
         region: its name in the spec.
         scales, bounds: by condition; scales > 0, bounds of a spec's conditions >= 0.
         degree: of the Taylor models, 1 or 2.
-        low, high: corners of the root box. [2] each
-        tree: the splits, depth first: 1 split, 0 leaf.
+        low, high: corners of the root box. [n] each
+        tree: depth first: the axis that is halved, lower half first, or `-` for a leaf.
     """
 
     conditions: tuple[str, ...]
@@ -68,29 +68,30 @@ class Statement:
     scales: dict[str, float]
     bounds: dict[str, float]
     degree: int
-    low: tuple[float, float]
-    high: tuple[float, float]
+    low: Corner
+    high: Corner
     tree: str
 
     def leaves(self) -> Corners:
         """Boxes that cover the root box. Raises: InconsistentError if the tree is not one."""
         lows, highs = [], []
-        bits = iter(self.tree)
-        stack = [(self.low, self.high, 0)]
+        signs = iter(self.tree)
+        stack = [(self.low, self.high, (0,) * len(self.low))]
         while stack:
-            low, high, depth = stack.pop()
-            bit = next(bits, None)
-            if bit is None:
+            low, high, cuts = stack.pop()
+            sign = next(signs, None)
+            if sign is None:
                 raise InconsistentError(f"the tree of {self.region} ends before its last leaf")
-            if bit == "0":
+            if sign == LEAF:
                 lows.append(low)
                 highs.append(high)
                 continue
-            parts = list(children(low, high))
-            if depth == MAX_DEPTH or not parts:
+            axis = DIGITS.index(sign)
+            if axis >= len(low) or low[axis] == high[axis] or cuts[axis] == MAX_CUTS:
                 raise InconsistentError(f"the tree of {self.region} splits what has no width")
-            stack += [(*part, depth + 1) for part in reversed(parts)]
-        if next(bits, None) is not None:
+            more = tuple(count + (place == axis) for place, count in enumerate(cuts))
+            stack += [(*part, more) for part in reversed(halves(low, high, axis))]
+        if next(signs, None) is not None:
             raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
         return np.array(lows), np.array(highs)
 
@@ -102,6 +103,7 @@ class Claims:
     Attributes:
         robot, spec: name and sha256 of the file.
         weights_sha256: of the policy's weights file.
+        chart: the axes of the Program's input u.
         program: what the statements are about.
         program_hash: the hash that the file gives for it.
         statements: in the order of the file.
@@ -113,6 +115,7 @@ class Claims:
     robot: tuple[str, str]
     spec: tuple[str, str]
     weights_sha256: str
+    chart: Chart
     program: Program
     program_hash: str
     statements: tuple[Statement, ...]
@@ -121,19 +124,14 @@ class Claims:
     asked: Asked | None
 
 
-def children(
-    low: tuple[float, float], high: tuple[float, float]
-) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
-    """Halves of a box along every axis that has a width, the first axis fastest."""
-    axes = []
-    for a, b in zip(low, high, strict=True):
-        middle = a + (b - a) * 0.5
-        axes.append([(a, b)] if a == b else [(a, middle), (middle, b)])
-    if len(axes[0]) == len(axes[1]) == 1:
-        return
-    for second in axes[1]:
-        for first in axes[0]:
-            yield (first[0], second[0]), (first[1], second[1])
+def halves(low: Corner, high: Corner, axis: int) -> tuple[tuple[Corner, Corner], ...]:
+    """Both halves of a box along an axis, the lower one first."""
+    middle = low[axis] + (high[axis] - low[axis]) * 0.5
+
+    def moved(corner: Corner) -> Corner:
+        return (*corner[:axis], middle, *corner[axis + 1 :])
+
+    return (low, moved(high)), (moved(low), high)
 
 
 def read_claims(path: Path) -> Claims:
@@ -157,10 +155,10 @@ def _claims(table: Any) -> Claims:
         if type(found) is not int or found != FORMAT:
             raise ValueError(f"format {found!r}")
     fields = exactly(table, "the file", FIELDS)
-    for name, known in (("kind", KIND), ("chart", CHART)):
-        if fields[name] != known:
-            raise ValueError(f"{name} {fields[name]!r} instead of {known!r}")
-    program, theorems = _program(fields["program"]), Theorems.read(fields["theorems"])
+    if fields["kind"] != KIND:
+        raise ValueError(f"kind {fields['kind']!r} instead of {KIND!r}")
+    chart, theorems = Chart.read(fields["chart"]), Theorems.read(fields["theorems"])
+    program = _program(fields["program"], chart.size)
     outputs = {output.name for output in program.outputs}
     _refuse_names(outputs, premise_names(theorems))
     if (theorems.full is not None) is not (len(program.inputs) > 1):
@@ -175,9 +173,10 @@ def _claims(table: Any) -> Claims:
         robot=_named_hash(fields["robot"], "robot"),
         spec=_named_hash(fields["spec"], "spec"),
         weights_sha256=text_of(fields["weights_sha256"], "weights_sha256"),
+        chart=chart,
         program=program,
         program_hash=text_of(fields["program_hash"], "program_hash"),
-        statements=tuple(_statement(entry, outputs) for entry in entries),
+        statements=tuple(_statement(entry, outputs, chart) for entry in entries),
         theorems=theorems,
         model=model,
         # A file of level 4 alone has a model to derive the dynamics from, and states no condition.
@@ -200,7 +199,7 @@ def _asked(model: dict[str, Any], outputs: set[str]) -> Asked:
     return asked
 
 
-def _program(given: Any) -> Program:
+def _program(given: Any, axes: int) -> Program:
     """A Program, written in its canonical form and no other."""
     text = given if isinstance(given, str) else json.dumps(given)
     table = parse(text, fractions=False)
@@ -212,8 +211,8 @@ def _program(given: Any) -> Program:
     if program.to_json() != canonical:
         raise ValueError("a Program with fields that this version does not know")
     names, shapes = [item.name for item in program.inputs], [item.shape for item in program.inputs]
-    if names not in (["u"], ["u", FIBRE]) or shapes[0] != (2,) or len(shapes[-1]) != 1:
-        raise ValueError(f"a Program that is no function of u, or of u and {FIBRE}")
+    if names not in (["u"], ["u", FIBRE]) or shapes[0] != (axes,) or len(shapes[-1]) != 1:
+        raise ValueError(f"a Program that is no function of {axes} axes u, or of u and {FIBRE}")
     if any(0 in output.shape for output in program.outputs):
         raise ValueError("a Program with an output without elements")
     _refuse_large(program)
@@ -232,7 +231,7 @@ def _refuse_large(program: Program) -> None:
             raise ValueError(f"a product of {known[row.operands[0]]} and more elements")
 
 
-def _statement(entry: Any, outputs: set[str]) -> Statement:
+def _statement(entry: Any, outputs: set[str], chart: Chart) -> Statement:
     fields = exactly(entry, "a statement", STATEMENT_FIELDS)
     names = fields["conditions"]
     if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
@@ -242,14 +241,10 @@ def _statement(entry: Any, outputs: set[str]) -> Statement:
     if type(fields["degree"]) is not int or fields["degree"] not in (1, 2):
         raise ValueError(f"degree {fields['degree']!r} instead of 1 or 2")
     tree = text_of(fields["tree"], "tree")
-    if not tree or set(tree) - {"0", "1"}:
-        raise ValueError("a tree that is no string of 0 and 1")
-    low, high = box_of(fields["root"], "a root box")
-    chart = (FIRST_PHASE, 0.0), (LAST_PHASE, 1.0)
-    if not all(
-        first <= a <= b <= last
-        for first, a, b, last in zip(chart[0], low, high, chart[1], strict=True)
-    ):
+    if not tree or set(tree) - {LEAF, *DIGITS}:
+        raise ValueError(f"a tree that is no text of axes and {LEAF}")
+    low, high = box_of(fields["root"], "a root box", chart.size)
+    if not chart.spans(low, high):
         raise ValueError(f"a root box from {low} to {high}, which is no box of the chart")
     return Statement(
         conditions=tuple(names),

@@ -13,9 +13,8 @@ from typing import Any, Literal
 import numpy as np
 from flint import arb
 
-from neuralgaits.certificate.proof_file.reader import Corners, Statement, children
+from neuralgaits.certificate.proof_file.reader import Corners, Statement, halves
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.ball_fibre import FibreBallAlgebra
 from neuralgaits.programs.evaluation import evaluate, fold
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import prune
@@ -24,8 +23,10 @@ Verdict = Literal["holds", "rejected", "undecided"]
 
 BATCH = 64
 """Boxes bounded at a time."""
-MORE_SPLITS = 6
-"""How often a leaf may be split before the check gives up on it."""
+MORE_CUTS = 6
+"""How often every axis of a leaf may be halved before the check gives up on it."""
+MOST_CORNERS = 64
+"""Corners of a box at which a violation is looked for."""
 
 
 class StatementCheck:
@@ -33,13 +34,14 @@ class StatementCheck:
 
     def __init__(self, program: Program, statement: Statement):
         self.program, self.statement = program, statement
-        kind: type = BallAlgebra if len(program.inputs) == 1 else FibreBallAlgebra
-        self.algebra = kind(statement.degree)
+        self.algebra = BallAlgebra(statement.degree)
         self.folded = fold(program, self.algebra)
         self.least = {
             name: arb(statement.bounds[name]) * arb(statement.scales[name])
             for name in statement.conditions
         }
+        ends = zip(statement.low, statement.high, strict=True)
+        self.wide = [axis for axis, (low, high) in enumerate(ends) if low < high]
         self.boxes = 0
         self.verdict: Verdict = "holds"
         self.reason: str | None = None
@@ -72,20 +74,28 @@ class StatementCheck:
             if wrong is not None:
                 self.verdict, self.reason = "rejected", wrong
                 return
-            parts = [part for a, b in zip(low, high, strict=True) for part in _split(a, b)]
-            if depth == MORE_SPLITS or not parts:
+            if depth == MORE_CUTS * len(self.wide):
                 box = f"from {low[0].tolist()} to {high[0].tolist()}"
                 names = ", ".join(self.statement.conditions)
                 self.verdict = "undecided"
                 self.reason = (
                     f"the box {box} of region {self.statement.region} ({names}) does not reach "
-                    f"its bound after {depth} more splits, and no point of it breaks it"
+                    f"its bound after {depth} more halvings, and no point of it breaks it"
                 )
                 return
-            for start in range(0, len(parts), BATCH):
-                some = parts[start : start + BATCH]
-                lows, highs = np.array([p[0] for p in some]), np.array([p[1] for p in some])
-                stack.append((lows, highs, depth + 1))
+            lows, highs = self._halved(low, high)
+            for start in range(0, len(lows), BATCH):
+                some = slice(start, start + BATCH)
+                stack.append((lows[some], highs[some], depth + 1))
+
+    def _halved(self, low: np.ndarray, high: np.ndarray) -> Corners:
+        """Halves of boxes, each along the axis on which it is the largest part of the root."""
+        size = np.array(self.statement.high) - np.array(self.statement.low)
+        parts = []
+        for a, b in zip(low, high, strict=True):
+            axis = max(self.wide, key=lambda axis: (b - a)[axis] / size[axis])
+            parts += halves(tuple(a.tolist()), tuple(b.tolist()), axis)
+        return np.array([part[0] for part in parts]), np.array([part[1] for part in parts])
 
     def _ranges(self, low: np.ndarray, high: np.ndarray) -> dict[str, np.ndarray]:
         models = evaluate(self.program, {"u": (low, high)}, self.algebra, self.folded)
@@ -103,7 +113,11 @@ class StatementCheck:
 
     def _counterexample(self, low: np.ndarray, high: np.ndarray) -> str | None:
         """A centre or corner of the boxes at which a condition certainly misses its bound."""
-        shares = [np.array([0.5, 0.5]), *map(np.array, itertools.product((0.0, 1.0), repeat=2))]
+        corners = itertools.product((0.0, 1.0), repeat=low.shape[1])
+        shares = [
+            np.full(low.shape[1], 0.5),
+            *map(np.array, itertools.islice(corners, MOST_CORNERS)),
+        ]
         points = np.concatenate([low + (high - low) * share for share in shares])
         points = np.clip(points, self.statement.low, self.statement.high)
         for name, values in self._ranges(points, points).items():
@@ -116,10 +130,6 @@ class StatementCheck:
                     f"less than {least.str(6, radius=False)}"
                 )
         return None
-
-
-def _split(low: np.ndarray, high: np.ndarray) -> list:
-    return list(children(tuple(low.tolist()), tuple(high.tolist())))
 
 
 def _where(certain: Callable[[arb], bool], balls: np.ndarray) -> np.ndarray:

@@ -13,16 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.certificate.search.box_tree import Cells
+from neuralgaits.certificate.levels.chart import Chart
+from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
-from neuralgaits.certificate.search.halving import to_bits
+from neuralgaits.certificate.search.halving import LEAF, to_text
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import Program
 from neuralgaits.runs import write_text
 
-FORMAT = 2
+FORMAT = 3
 KIND = "neuralgaits certificate"
-CHART = "u = (phase, level)"
 SIMILAR = 4.0
 """Conditions whose numbers of boxes differ by about this factor or less share a statement."""
 
@@ -36,8 +36,8 @@ class Statement:
         region: the box's name in the spec.
         scales, bounds: by condition; the bound of a spec's condition is not negative.
         degree: of the Taylor models it was found with.
-        low, high: corners of the root in (phase, level).
-        tree: see `tree`.
+        low, high: corners of the root in the chart. [n]
+        tree: see `search.halving`.
     """
 
     conditions: tuple[str, ...]
@@ -45,14 +45,14 @@ class Statement:
     scales: Mapping[str, float]
     bounds: Mapping[str, float]
     degree: int
-    low: tuple[float, float]
-    high: tuple[float, float]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
     tree: str
 
     @property
     def boxes(self) -> int:
         """Number of leaves."""
-        return self.tree.count("0")
+        return self.tree.count(LEAF)
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,7 @@ class Proof:
         robot, spec: name and sha256 of the text of each.
         weights_sha256: of the weights file.
         program: whose outputs the statements are about.
+        chart: the axes of u.
         statements: what is claimed.
         theorems: level and parameters of each statement about trajectories; the statements above
             are their premises.
@@ -74,6 +75,7 @@ class Proof:
     spec: Mapping[str, str]
     weights_sha256: str
     program: Program
+    chart: Chart
     statements: tuple[Statement, ...]
     theorems: tuple[Mapping[str, Any], ...] = ()
     model: Mapping[str, Any] | None = None
@@ -86,7 +88,7 @@ class Proof:
             "robot": dict(self.robot),
             "weights_sha256": self.weights_sha256,
             "spec": dict(self.spec),
-            "chart": CHART,
+            "chart": self.chart.table(),
             "program_hash": self.program.hash,
             "statements": [_row(statement) for statement in self.statements],
             "theorems": [dict(theorem) for theorem in self.theorems],
@@ -104,20 +106,20 @@ def prove(problem: Problem, state: Search) -> list[Statement]:
     Conditions that need about as many boxes share a statement: a reader then shares most of the
     work between them, and does not bound the easy ones on the boxes of the hard ones.
     """
-    cells = state.cells
-    proved = np.all((cells.lower >= 0.0) | ~cells.is_leaf[:, None], axis=0)
+    tree = state.tree
+    proved = np.all((tree.lower >= 0.0) | ~tree.is_leaf[:, None], axis=0)
     groups: dict[int, list[int]] = {}
     for column, name in enumerate(problem.names):
         if proved[column] and name not in state.refuted:
-            boxes = _statement(problem, cells, [column]).boxes
+            boxes = _statement(problem, tree, [column]).boxes
             groups.setdefault(round(math.log(boxes, SIMILAR)), []).append(column)
-    return [_statement(problem, cells, columns) for _, columns in sorted(groups.items())]
+    return [_statement(problem, tree, columns) for _, columns in sorted(groups.items())]
 
 
-def _statement(problem: Problem, cells: Cells, columns: list[int]) -> Statement:
+def _statement(problem: Problem, tree: BoxTree, columns: list[int]) -> Statement:
     """The statement about some columns, all proved on every leaf."""
-    margins = problem.claimed * cells.lower[cells.is_leaf][:, columns].min(axis=0)
-    enough = np.all(cells.lower[:, columns] >= margins, axis=1)
+    margins = problem.claimed * tree.lower[tree.is_leaf][:, columns].min(axis=0)
+    enough = np.all(tree.lower[:, columns] >= margins, axis=1)
     bounds = margins + np.array(problem.least or [0.0] * len(problem.names))[columns]
     names = tuple(problem.names[column] for column in columns)
     return Statement(
@@ -128,7 +130,7 @@ def _statement(problem: Problem, cells: Cells, columns: list[int]) -> Statement:
         problem.degree,
         problem.low,
         problem.high,
-        to_bits(cells.first, enough, 2 ** len(cells.axes)),
+        to_text(tree.first, tree.axis, enough),
     )
 
 

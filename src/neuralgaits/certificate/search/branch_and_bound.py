@@ -1,9 +1,9 @@
 """Branch and bound over the boxes of one root, a round at a time.
 
-A round halves every leaf on which a condition falls short of its target and bounds the
-children. First every target is 0, which decides; then it is a share of the smallest margin seen
-at points, which makes the proved margin meaningful. A condition found negative at a point is
-refuted; its boxes are halved a little further, for the map, and no more.
+A round halves every leaf on which a condition falls short of its target, along the axis that
+promises most, and bounds the halves. First every target is 0, which decides; then it is a share of
+the smallest margin seen at points, which makes the proved margin meaningful. A condition found
+negative at a point is refuted; its boxes are halved a little further, for the map, and no more.
 """
 
 import time
@@ -15,21 +15,23 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
-from neuralgaits.certificate.search.box_tree import Cells
+from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.problem import Problem
 
 Confirm = Callable[[str, np.ndarray], Counterexample | None]
 """(condition, u) to the counterexample there, if the Python functions find the margin negative."""
 Phase = Literal["decide", "tighten"]
 
+START_CUTS, MOST_AT_START = 3, 5
+"""The search starts with every axis halved so often, in turn, and no more halvings in all."""
 MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
-"""How deep boxes are split to decide, to raise a margin, and around a refutation."""
+"""Halvings an axis to decide, to raise a margin, and around a refutation."""
 MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Boxes added by one search of a root without a deadline, to decide and to raise margins."""
-TIGHT = 0.7
+TIGHT = 0.95
 """Share of the smallest margin seen that is worth proving: the rest would cost more boxes."""
-GRID = 33
-"""Points along an edge of the root at which margins are looked at first."""
+POINTS = 33 * 33
+"""About as many points of the root are looked at first."""
 
 
 @dataclass(frozen=True)
@@ -37,35 +39,41 @@ class Search:
     """State of one root: everything a later call needs to go on.
 
     Attributes:
-        cells: boxes so far, all bounded but the first few.
+        tree: boxes so far, all bounded but the first.
         seen: smallest margin seen at a point, in scales; inf if none. [C]
         refuted: counterexamples by condition.
     """
 
-    cells: Cells
+    tree: BoxTree
     seen: Float[np.ndarray, " C"]
     refuted: Mapping[str, Counterexample] = field(default_factory=dict)
 
     @classmethod
     def untouched(cls, problem: Problem) -> "Search":
-        """The first grid of boxes, about which nothing is known."""
-        cells = Cells.start(problem.low, problem.high, len(problem.names))
-        return cls(cells, np.full(len(problem.names), np.inf))
+        """The root box, about which nothing is known."""
+        tree = BoxTree.root(problem.low, problem.high, len(problem.names))
+        return cls(tree, np.full(len(problem.names), np.inf))
 
     @property
     def begun(self) -> bool:
         """Whether anything was looked at."""
-        return bool(np.any(self.cells.lower > -np.inf) or np.any(self.seen < np.inf))
+        return bool(np.any(self.tree.lower > -np.inf) or np.any(self.seen < np.inf))
 
 
 def start(problem: Problem, confirm: Confirm) -> Search:
     """Bound the first boxes, large and small, and look at points."""
     state = Search.untouched(problem)
-    # All levels of the grid: where one box is enough, a proof says so with one.
-    cells, grid = state.cells, np.arange(len(state.cells.first))
-    for batch in np.split(grid, range(problem.batch, len(grid), problem.batch)):
-        cells = cells.with_bounds(batch, *problem.bounds(cells.low[batch], cells.high[batch]))
-    return _look(problem, replace(state, cells=cells), problem.grid(GRID), confirm)
+    tree = state.tree
+    for depth in range(min(START_CUTS * len(tree.axes), MOST_AT_START)):
+        parents = np.flatnonzero(tree.depth == depth)
+        axis = tree.best_axis(parents)
+        unknown = np.full((2 * len(parents), len(problem.names)), np.inf)
+        tree = tree.with_halves(parents, axis, tree.halves_of(parents, axis), -unknown, unknown)
+    # Large ones as well: where one box is enough, a proof says so with one.
+    every = np.arange(len(tree.first))
+    for batch in np.split(every, range(problem.batch, len(every), problem.batch)):
+        tree = tree.with_bounds(batch, *problem.bounds(tree.low[batch], tree.high[batch]))
+    return _look(problem, replace(state, tree=tree), problem.grid(POINTS), confirm)
 
 
 def search(
@@ -93,53 +101,62 @@ def search(
         work = to_split(problem, state, phase, most)
         if not len(work):
             break
-        state = _round(problem, state, work, confirm, deadline)
+        lacking = missing(problem, state, phase)[work]
+        state = _round(problem, state, work, lacking, confirm, deadline)
         if progress is not None:
             progress(state)
     return state
 
 
 def to_split(problem: Problem, state: Search, phase: Phase, most: int) -> np.ndarray:
-    """Numbers of the leaves that the next round splits; none if there is no room for more."""
-    work = np.flatnonzero(np.any(open_on(problem, state, phase), axis=1))
-    room = (most - len(state.cells.first)) // 2 ** len(state.cells.axes)
-    return work[: max(room, 0)]
+    """Numbers of the leaves that the next round halves; none if there is no room for more."""
+    work = np.flatnonzero(np.any(missing(problem, state, phase) > 0.0, axis=1))
+    return work[: max((most - len(state.tree.first)) // 2, 0)]
 
 
-def open_on(problem: Problem, state: Search, phase: Phase) -> np.ndarray:
-    """Which leaves are to be split for the sake of which condition. [N, C] bool."""
-    cells = state.cells
+def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, "B C"]:
+    """By how much bounds on leaves fall short of what is worth halving for; 0 elsewhere."""
+    tree = state.tree
+    if not tree.axes or (phase == "tighten" and not problem.tighten):
+        return np.zeros_like(tree.lower)
     refuted = np.array([name in state.refuted for name in problem.names])
     with np.errstate(invalid="ignore"):
         # A condition that is not decided yet has no margin to raise.
-        decided = np.all((cells.lower >= 0.0) | ~cells.is_leaf[:, None], axis=0)
+        decided = np.all((tree.lower >= 0.0) | ~tree.is_leaf[:, None], axis=0)
         worth = np.where(np.isfinite(state.seen), TIGHT * state.seen, 0.0)
     if phase == "decide":
         targets, depth = np.zeros(len(problem.names)), np.where(refuted, MAP_DEPTH, MAX_DEPTH)
     else:
         targets, depth = np.where(decided, np.maximum(worth, 0.0), -np.inf), TIGHTEN_DEPTH
-    short = ~(cells.lower >= targets) & (cells.depth[:, None] < depth)
-    if not cells.axes or (phase == "tighten" and not problem.tighten):
-        return np.zeros_like(short)
+    short = ~(tree.lower >= targets) & (tree.depth[:, None] < depth * len(tree.axes))
     # Where every point violates a condition there is nothing left to find.
-    return short & cells.is_leaf[:, None] & ~(cells.upper < 0.0)
+    short &= tree.is_leaf[:, None] & ~(tree.upper < 0.0)
+    with np.errstate(invalid="ignore"):
+        return np.where(short, targets - tree.lower, 0.0)
 
 
 def _round(
-    problem: Problem, state: Search, work: np.ndarray, confirm: Confirm, deadline: float
+    problem: Problem,
+    state: Search,
+    work: np.ndarray,
+    lacking: np.ndarray,
+    confirm: Confirm,
+    deadline: float,
 ) -> Search:
-    """Split the leaves `work`, as many as there is time for."""
-    family = 2 ** len(state.cells.axes)
-    done, parts = 0, []
-    size = problem.batch // family
-    for batch in np.split(work, range(size, len(work), size)):
-        low, high = state.cells.children_of(batch)
+    """Halve the leaves `work`, as many as there is time for."""
+    tree, done, parts = state.tree, 0, []
+    axis = tree.best_axis(work)
+    size = problem.batch // 2
+    for start in range(0, len(work), size):
+        batch = slice(start, start + size)
+        low, high = tree.halves_of(work[batch], axis[batch])
         parts.append((low, high, *problem.bounds(low, high)))
-        done += len(batch)
+        done += len(low) // 2
         if time.monotonic() >= deadline:
             break
     low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
-    state = replace(state, cells=state.cells.with_children(work[:done], low, high, lower, upper))
+    tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, lacking[:done])
+    state = replace(state, tree=tree)
     unsure = np.any(~(lower >= 0.0) | (lower < TIGHT * state.seen), axis=1)
     points = (low + (high - low) * 0.5)[unsure]
     return _look(problem, state, points, confirm) if len(points) else state

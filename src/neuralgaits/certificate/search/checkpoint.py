@@ -3,25 +3,25 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
 from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
-from neuralgaits.certificate.search.box_tree import Cells
+from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 
-_FIELDS = ("low", "high", "first", "depth", "lower", "upper")
+_FIELDS = tuple(item.name for item in fields(BoxTree))
 
 
 def save(path: Path, problem: Problem, state: Search) -> None:
     """Write one root's boxes, whole or not at all."""
-    arrays = {name: getattr(state.cells, name) for name in _FIELDS} | {"seen": state.seen}
+    arrays = {name: getattr(state.tree, name) for name in _FIELDS} | {"seen": state.seen}
     refuted = {
         name: {"u": point.u, "z": point.z, "margin": point.margin}
         for name, point in state.refuted.items()
@@ -48,8 +48,8 @@ def load(path: Path, problem: Problem) -> Search:
         name: Counterexample(tuple(row["u"]), tuple(row["z"]), row["margin"])
         for name, row in json.loads(metadata["refuted"]).items()
     }
-    cells = Cells(**{name: np.asarray(arrays[name]) for name in _FIELDS})
-    return Search(cells, arrays["seen"], points)
+    tree = BoxTree(**{name: np.asarray(arrays[name]) for name in _FIELDS})
+    return Search(tree, arrays["seen"], points)
 
 
 def _refuse_unsigned(path: Path, metadata: Mapping[str, str]) -> None:
@@ -66,7 +66,7 @@ class OpenBoxes:
 
     Attributes:
         region: of the root.
-        low, high: corners in (phase, level). [n, 2]
+        low, high: corners in the chart. [B, n]
         failing: how many of them each condition has, if any.
     """
 

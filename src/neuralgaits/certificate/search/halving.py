@@ -1,56 +1,54 @@
-"""How a box is halved, and the tree of halvings as a string of bits.
+"""How boxes are halved, and the tree of halvings as text.
 
-A split halves every axis whose width is not zero, at low + (high - low) / 2 in float64, which
-every reader computes alike. Children stand in the order (low, low), (high, low), (low, high),
-(high, high) of (phase, level), or low, high on a curve. The tree is written depth first: 1 for a
-split, 0 for a leaf. So leaves cover their root by construction: there is no list to be trusted.
+A split halves one axis, at low + (high - low) / 2 in float64, which every reader computes alike.
+The tree is written depth first, the lower half before the upper one: a digit is the axis that is
+halved, from 0 on, and `-` a leaf. So leaves cover their root by construction: there is no list to
+be trusted.
 """
 
 import numpy as np
 
-from neuralgaits._types import Float
+from neuralgaits._types import Float, Int
 
-Corners = Float[np.ndarray, "n 2"]
-
-
-def split_axes(low: np.ndarray, high: np.ndarray) -> tuple[int, ...]:
-    """Axes along which a box is split: those of positive width, (0, 1), (0,), (1,) or ()."""
-    return tuple(axis for axis in (0, 1) if high[axis] > low[axis])
+Corners = Float[np.ndarray, "B n"]
+"""One corner of each of B boxes in n dimensions."""
+LEAF = "-"
 
 
-def halves(low: Corners, high: Corners, axes: tuple[int, ...]) -> tuple[Corners, Corners]:
-    """Children of boxes, those of one box together. Returns: corners. [n 2^axes, 2]."""
-    middle = low + (high - low) * 0.5
-    lows, highs = [], []
-    for child in range(2 ** len(axes)):
-        child_low, child_high = low.copy(), high.copy()
-        for place, axis in enumerate(axes):
-            if child >> place & 1:
-                child_low[:, axis] = middle[:, axis]
-            else:
-                child_high[:, axis] = middle[:, axis]
-        lows.append(child_low)
-        highs.append(child_high)
-    return np.stack(lows, axis=1).reshape(-1, 2), np.stack(highs, axis=1).reshape(-1, 2)
+def wide_axes(low: np.ndarray, high: np.ndarray) -> tuple[int, ...]:
+    """Axes along which a box can be halved: those of positive width."""
+    return tuple(int(axis) for axis in np.flatnonzero(np.asarray(high) > np.asarray(low)))
 
 
-def to_bits(first: np.ndarray, leaf: np.ndarray, children: int) -> str:
-    """The bit string of a tree cut at its first leaves.
+def halves(
+    low: Corners, high: Corners, axis: Int[np.ndarray, " B"]
+) -> tuple[Float[np.ndarray, "B2 n"], Float[np.ndarray, "B2 n"]]:
+    """Both halves of boxes, each along its axis, the lower half first. [2B, n]."""
+    rows = np.arange(len(low))
+    middle = (low + (high - low) * 0.5)[rows, axis]
+    lows, highs = np.repeat(low, 2, axis=0), np.repeat(high, 2, axis=0)
+    highs[2 * rows, axis] = middle
+    lows[2 * rows + 1, axis] = middle
+    return lows, highs
+
+
+def to_text(first: np.ndarray, axis: np.ndarray, leaf: np.ndarray) -> str:
+    """The text of a tree cut at its first leaves.
 
     Args:
-        first: number of each node's first child, the others following it; -1 without. [N]
-        leaf: where to stop. Every node without children must be one. [N]
-        children: how many a node has.
+        first: number of each node's lower half, the upper one following it; -1 without. [N]
+        axis: along which each node is halved. [N]
+        leaf: where to stop. Every node without halves must be one. [N]
     """
-    bits, stack = [], [0]
+    text, stack = [], [0]
     while stack:
         node = stack.pop()
         if leaf[node]:
-            bits.append("0")
+            text.append(LEAF)
         elif first[node] < 0:
             raise ValueError(f"expected every end of the tree to be a leaf, found node {node} open")
         else:
-            bits.append("1")
+            text.append(str(axis[node]))
             start = int(first[node])
-            stack.extend(range(start + children - 1, start - 1, -1))
-    return "".join(bits)
+            stack += (start + 1, start)
+    return "".join(text)

@@ -3,21 +3,22 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.search.halving import Corners
-from neuralgaits.programs import POINT, Algebra, Program, evaluate, fold
-from neuralgaits.programs.algebras.taylor import TERMS, TaylorAlgebra
-from neuralgaits.programs.algebras.taylor_fibre import FibreAlgebra
+from neuralgaits.certificate.search.halving import Corners, wide_axes
+from neuralgaits.programs import POINT, Program, evaluate, fold
+from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_model import terms
 
 LEAST_BATCH, MOST_BATCH = 64, 512
 """Boxes bounded at once: fewer waste time in calls, more exhaust the processor's cache."""
 CACHE_BYTES = 2**22
 """What the largest result of an operation may take, over a batch: about a core's own cache."""
 INPUT = "u"
+MOST_ALONG = 33
+"""Points along an axis of a grid at most."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Problem:
 
     Attributes:
         region: name of the spec's region the box belongs to.
-        low, high: corners in (phase, level).
+        low, high: corners in the chart. [n]
         names: of the conditions, outputs of the Program.
         scales: of the conditions. [C]
         program: margins by condition name as a function of u; more outputs cost time only. A
@@ -40,8 +41,8 @@ class Problem:
     """
 
     region: str
-    low: tuple[float, float]
-    high: tuple[float, float]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
     names: tuple[str, ...]
     scales: tuple[float, ...]
     program: Program
@@ -54,7 +55,7 @@ class Problem:
     def batch(self) -> int:
         """Boxes to bound at once."""
         largest = max((operation.size for operation in self.program.operations), default=1)
-        one = TERMS[self.degree] * largest * np.dtype(np.float64).itemsize
+        one = terms(self.degree, len(self.low)) * largest * np.dtype(np.float64).itemsize
         return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
 
     def bounds(
@@ -82,13 +83,15 @@ class Problem:
             values = evaluate(self.program, inputs, POINT)
         return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
 
-    def grid(self, size: int) -> Corners:
-        """Points that cover the box, its edges included. [n, 2]."""
+    def grid(self, points: int) -> Corners:
+        """About so many points that cover the box, its edges included. [B, n]."""
+        wide = wide_axes(np.array(self.low), np.array(self.high))
+        size = min(max(round(points ** (1.0 / max(len(wide), 1))), 3), MOST_ALONG)
         lines = [
-            np.linspace(self.low[k], self.high[k], size if self.high[k] > self.low[k] else 1)
-            for k in (0, 1)
+            np.linspace(low, high, size if axis in wide else 1)
+            for axis, (low, high) in enumerate(zip(self.low, self.high, strict=True))
         ]
-        return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+        return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))
 
     def _smallest(self, elements: Sequence[np.ndarray], boxes: np.ndarray) -> np.ndarray:
         """Smallest of each condition's elements [n, B] from its least, in scales; NaN wins."""
@@ -97,9 +100,8 @@ class Problem:
         return np.stack(rows, axis=1) / np.array(self.scales) - least
 
     @cached_property
-    def _algebra(self) -> Algebra[Any]:
-        one = len(self.program.inputs) == 1
-        return TaylorAlgebra(self.degree) if one else FibreAlgebra(self.degree)
+    def _algebra(self) -> TaylorAlgebra:
+        return TaylorAlgebra(self.degree)
 
     @cached_property
     def _folded(self):

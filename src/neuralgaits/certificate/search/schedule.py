@@ -98,7 +98,7 @@ def _explore(
     more_to_decide = MAX_BOXES if deadline == np.inf else room
     phases: list[tuple[Phase, int]] = [("decide", more_to_decide), ("tighten", TIGHTEN_BOXES)]
     for phase, more in phases:
-        most = [min(len(state.cells.first) + more, room) for state in current]
+        most = [min(len(state.tree.first) + more, room) for state in current]
         left = list(range(len(problems)))
         while left and time.monotonic() < deadline:
             for number in left:
@@ -116,15 +116,13 @@ def _explore(
 
 def _boxes_in_memory(problems: Sequence[Problem]) -> int:
     """Boxes that each root may have so that all of them fit."""
-    fields = (Search.untouched(problem).cells for problem in problems)
-    one = sum(cells.nbytes / len(cells.first) for cells in fields)
-    return int(MEMORY_BYTES / one)
+    return int(MEMORY_BYTES / sum(Search.untouched(problem).tree.nbytes for problem in problems))
 
 
 def proved_share(problems: Sequence[Problem], states: Sequence[Search]) -> float:
     """Mean over roots and conditions of the share of the root that is proved."""
     shares = [
-        state.cells.share(state.cells.lower[:, column] >= 0.0)
+        state.tree.share(state.tree.lower[:, column] >= 0.0)
         for problem, state in zip(problems, states, strict=True)
         for column in range(len(problem.names))
     ]
@@ -133,4 +131,4 @@ def proved_share(problems: Sequence[Problem], states: Sequence[Search]) -> float
 
 def box_count(states: Sequence[Search]) -> int:
     """Boxes of all searches."""
-    return sum(len(state.cells.first) for state in states)
+    return sum(len(state.tree.first) for state in states)

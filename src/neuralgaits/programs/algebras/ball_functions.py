@@ -22,8 +22,7 @@ def each(function: Callable[[Any], arb]) -> Callable[[np.ndarray], np.ndarray]:
 _sqrt = each(arb.sqrt)
 _exp = each(arb.exp)
 _log1p = each(arb.log1p)
-_sin = each(arb.sin)
-_cos = each(arb.cos)
+_sin_cos: Any = np.frompyfunc(arb.sin_cos, 1, 2)
 _tanh = each(arb.tanh)
 
 
@@ -57,13 +56,13 @@ def log1p(x: np.ndarray) -> Jet:
 
 def sin(x: np.ndarray) -> Jet:
     """Sine of radians."""
-    sine, cosine = _sin(x), _cos(x)
+    sine, cosine = _sin_cos(x)
     return sine, cosine, -sine, -cosine
 
 
 def cos(x: np.ndarray) -> Jet:
     """Cosine of radians."""
-    sine, cosine = _sin(x), _cos(x)
+    sine, cosine = _sin_cos(x)
     return cosine, -sine, -cosine, sine
 
 
@@ -79,3 +78,15 @@ def logistic(x: np.ndarray) -> Jet:
     s = 1 / (1 + _exp(-x))
     slope = s * (1 - s)
     return s, slope, slope * (1 - 2 * s), slope * (1 - 6 * slope)
+
+
+FUNCTIONS = {
+    "sqrt": sqrt,
+    "exp": exp,
+    "log1p": log1p,
+    "sin": sin,
+    "cos": cos,
+    "tanh": tanh,
+    "logistic": logistic,
+}
+"""By kind of operation."""

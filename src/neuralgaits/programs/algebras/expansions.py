@@ -97,6 +97,24 @@ def tanh(c: Values, r: Values, degree: int) -> Expanded:
     return Expanded((t, slope, second), error, most * _power(r, degree))
 
 
+def logistic(c: Values, r: Values, degree: int) -> Expanded:
+    """1/2 + tanh(x/2)/2: halving is exact."""
+    (t, first, second), error, remainder = tanh(0.5 * c, 0.5 * r, degree)
+    return Expanded((0.5 + 0.5 * t, 0.25 * first, 0.125 * second), 0.5 + error, 0.5 * remainder)
+
+
+EXPANSIONS = {
+    "sqrt": sqrt,
+    "log1p": log1p,
+    "exp": exp,
+    "sin": sin,
+    "cos": cos,
+    "tanh": tanh,
+    "logistic": logistic,
+}
+"""By kind of operation."""
+
+
 def _within(nearest: Values, farthest: Values) -> Values:
     """The argument nearest to the singularity; NaN where it or the farthest is out of range."""
     inside = (nearest >= LEAST) & (farthest <= MOST)

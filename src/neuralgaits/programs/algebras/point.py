@@ -4,12 +4,13 @@ Inside, a value is [size, batch], so that a batch is contiguous in memory and no
 loops over it. Outside, the batch axis leads, as in `jax.vmap`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from neuralgaits.errors import InputError
+from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program
 
 
@@ -88,59 +89,32 @@ class PointAlgebra:
         """Row-wise inner products."""
         return self.sum(a * b, size)
 
-    def add(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Sum."""
-        return a + b
+    def elementwise(self, kind: str, *operands: np.ndarray) -> np.ndarray:
+        """What NumPy has for it."""
+        return rule(_RULES, kind, "points")(*operands)
 
-    def sub(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Difference."""
-        return a - b
 
-    def mul(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Product."""
-        return a * b
+def _logistic(a: np.ndarray) -> np.ndarray:
+    """1 / (1 + exp(-a)), without overflow for large negative arguments."""
+    small = np.exp(-np.abs(a))
+    return np.where(a >= 0.0, 1.0, small) / (1.0 + small)
 
-    def div(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Quotient."""
-        return a / b
 
-    def neg(self, a: np.ndarray) -> np.ndarray:
-        """Negative."""
-        return -a
-
-    def square(self, a: np.ndarray) -> np.ndarray:
-        """Square."""
-        return a * a
-
-    def sqrt(self, a: np.ndarray) -> np.ndarray:
-        """Square root."""
-        return np.sqrt(a)
-
-    def exp(self, a: np.ndarray) -> np.ndarray:
-        """Exponential."""
-        return np.exp(a)
-
-    def log1p(self, a: np.ndarray) -> np.ndarray:
-        """Logarithm of 1 + a."""
-        return np.log1p(a)
-
-    def sin(self, a: np.ndarray) -> np.ndarray:
-        """Sine."""
-        return np.sin(a)
-
-    def cos(self, a: np.ndarray) -> np.ndarray:
-        """Cosine."""
-        return np.cos(a)
-
-    def tanh(self, a: np.ndarray) -> np.ndarray:
-        """Hyperbolic tangent."""
-        return np.tanh(a)
-
-    def logistic(self, a: np.ndarray) -> np.ndarray:
-        """Logistic function, without overflow for large negative arguments."""
-        small = np.exp(-np.abs(a))
-        return np.where(a >= 0.0, 1.0, small) / (1.0 + small)
-
+_RULES: dict[str, Callable[..., np.ndarray]] = {
+    "add": np.add,
+    "sub": np.subtract,
+    "mul": np.multiply,
+    "div": np.divide,
+    "neg": np.negative,
+    "square": np.square,
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "log1p": np.log1p,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tanh": np.tanh,
+    "logistic": _logistic,
+}
 
 POINT = PointAlgebra()
 

@@ -15,7 +15,7 @@ import numpy as np
 from neuralgaits.errors import SpecError
 from neuralgaits.programs.algebras.point import POINT
 from neuralgaits.programs.c99.layout import lay_out
-from neuralgaits.programs.c99.nodes import Node
+from neuralgaits.programs.c99.nodes import LOOPED, Node
 from neuralgaits.programs.c99.tables import Tables, identifier
 from neuralgaits.programs.c99.writer import Emitted, Writer
 from neuralgaits.programs.evaluation import evaluate, fold
@@ -70,58 +70,11 @@ class C99Algebra:
         """Row-wise inner products."""
         return self._note("inner", (a, b), size)
 
-    def add(self, a: Node, b: Node) -> Node:
-        """Sum."""
-        return self._note("add", (a, b), max(a.size, b.size))
-
-    def sub(self, a: Node, b: Node) -> Node:
-        """Difference."""
-        return self._note("sub", (a, b), max(a.size, b.size))
-
-    def mul(self, a: Node, b: Node) -> Node:
-        """Product."""
-        return self._note("mul", (a, b), max(a.size, b.size))
-
-    def div(self, a: Node, b: Node) -> Node:
-        """Quotient."""
-        return self._note("div", (a, b), max(a.size, b.size))
-
-    def neg(self, a: Node) -> Node:
-        """Negative."""
-        return self._note("neg", (a,), a.size)
-
-    def square(self, a: Node) -> Node:
-        """Square."""
-        return self._note("square", (a,), a.size)
-
-    def exp(self, a: Node) -> Node:
-        """Exponential."""
-        return self._note("exp", (a,), a.size)
-
-    def log1p(self, a: Node) -> Node:
-        """Logarithm of 1 + a."""
-        return self._note("log1p", (a,), a.size)
-
-    def sin(self, a: Node) -> Node:
-        """Sine."""
-        return self._note("sin", (a,), a.size)
-
-    def cos(self, a: Node) -> Node:
-        """Cosine."""
-        return self._note("cos", (a,), a.size)
-
-    def tanh(self, a: Node) -> Node:
-        """Hyperbolic tangent."""
-        return self._note("tanh", (a,), a.size)
-
-    def logistic(self, a: Node) -> Node:
-        """Logistic function."""
-        return self._note("logistic", (a,), a.size)
-
-    def sqrt(self, a: Node) -> Node:
-        """Refused: no policy of the package needs it, and libm stays out. Raises: SpecError."""
-        del a
-        raise SpecError("cannot write the operation sqrt in C: write the policy without it")
+    def elementwise(self, kind: str, *operands: Node) -> Node:
+        """One of the operations that share loops. Raises: SpecError on another: no libm."""
+        if kind not in LOOPED:
+            raise SpecError(f"cannot write the operation {kind} in C: write the policy without it")
+        return self._note(kind, operands, max(operand.size for operand in operands))
 
     def _note(self, kind: str, operands: tuple[Node, ...], size: int, **about: Any) -> Node:
         node = Node(len(self.nodes), kind, operands, size, **about)

@@ -26,6 +26,14 @@ _INPUT, _CONSTANT = "input", "constant"
 
 @dataclass(frozen=True)
 class _Node:
+    """One vector: an input, a constant or the result of an operation.
+
+    Attributes:
+        digest: hash of what it is, operands included: equal vectors have equal ones, whatever
+            the order in which they were met.
+        varies: whether it depends on an input.
+    """
+
     kind: str
     operands: tuple[int, ...]
     size: int
@@ -49,14 +57,17 @@ class Builder:
 
     def __init__(self):
         """Start with no inputs, constants or operations."""
+        # Node i owns the elements from _starts[i] on, as many as its size; _end is the next free.
         self._nodes: list[_Node] = []
         self._starts: list[int] = []
-        self._start_table = np.zeros(0, dtype=np.int64)
         self._end = 0
-        self._known: dict[bytes, int] = {}
+        self._known: dict[bytes, int] = {}  # Nodes by digest.
+        # Element -1 - k is the constant _values[k]; elements by the bits of their value.
         self._values: list[float] = []
-        self._value_table = np.zeros(0)
         self._bits: dict[int, int] = {}
+        # The two lists as arrays, for looking up many elements at once.
+        self._start_table = np.zeros(0, dtype=np.int64)
+        self._value_table = np.zeros(0)
 
     def input(self, name: str, shape: tuple[int, ...]) -> Elements:
         """Declare an input. Returns: its elements, of that shape."""
@@ -73,6 +84,7 @@ class Builder:
     def constant(self, array: np.ndarray) -> Elements:
         """Constants without a name, known by their values. Returns: elements, same shape."""
         data = np.array(array, dtype=np.float64)
+        # By bits, not by value: 0.0 and -0.0 are two constants.
         bits, inverse = np.unique(data.reshape(-1).view(np.int64), return_inverse=True)
         table = np.empty(bits.size, dtype=np.int64)
         for i, key in enumerate(bits.tolist()):
@@ -185,6 +197,8 @@ class Builder:
         sources = self._owners(elements[elements >= 0])
         if len(sources) == 1 and self._is_whole(elements, sources[0]):
             return sources[0]
+        # A move from all vectors that own an element: `offset` is where each begins when they
+        # are joined, in the order of first appearance, constants last.
         index = np.empty(elements.size, dtype=np.int64)
         offset = 0
         for source in sources:
@@ -217,6 +231,8 @@ class Builder:
         """Depth-first post-order from the roots: every node after its operands."""
         order: list[int] = []
         seen: set[int] = set()
+        # A stack instead of recursion, which long Programs would exhaust; True once all operands
+        # of a node have been put before it.
         stack = [(root, False) for root in reversed(list(roots))]
         while stack:
             number, expanded = stack.pop()

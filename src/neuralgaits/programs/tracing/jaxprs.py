@@ -56,6 +56,13 @@ def calls_library(equation: Any) -> bool:
     return function_file(equation).startswith(str(Path(jax.__file__).parent))
 
 
+def contracts_nothing(product: Any) -> bool:
+    """Whether a `dot_general` sums over no element at all."""
+    (axes, _), _ = product.params["dimension_numbers"]
+    shape = product.invars[0].aval.shape
+    return any(shape[axis] == 0 for axis in axes)
+
+
 def frames(equation: Any) -> list[tuple[str, int]]:
     """Where an equation was made, (file, line) innermost first; empty if JAX does not say."""
     traceback = getattr(getattr(equation, "source_info", None), "traceback", None)

@@ -13,6 +13,7 @@ import numpy as np
 from neuralgaits.programs.tracing.builder import Builder, Elements
 
 _UNSET = np.iinfo(np.int64).max
+"""Stands in a result for elements that still need an operation."""
 
 
 def unary(build: Builder, kind: str, a: Elements) -> Elements:
@@ -21,6 +22,7 @@ def unary(build: Builder, kind: str, a: Elements) -> Elements:
     if flat.size == 0:
         return a
     if kind == "neg" and np.all(flat < 0):
+        # All are constants without a name, and a change of sign rounds nothing.
         return build.constant(-build.values(a))
     exact = _exact_unary(build, kind, flat)
     todo = exact == _UNSET
@@ -31,7 +33,7 @@ def unary(build: Builder, kind: str, a: Elements) -> Elements:
 
 
 def _exact_unary(build: Builder, kind: str, flat: Elements) -> Elements:
-    """Elements that need no operation: functions with an exact value at 0."""
+    """Elements that need no operation: functions of a constant 0, where their value is exact."""
     result = np.full(flat.size, _UNSET)
     at_zero = {"sin": 0.0, "tanh": 0.0, "square": 0.0, "sqrt": 0.0, "log1p": 0.0, "logistic": 0.5}
     at_zero |= {"cos": 1.0, "exp": 1.0, "neg": 0.0}
@@ -54,6 +56,11 @@ def binary(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
 
 
 def _exact_binary(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
+    """Elements that are an operand, its negative, its square or a constant; the rest unset.
+
+    Values are NaN for what is no constant, so comparisons pick constants only; where several
+    rules fit, the last one stands.
+    """
     result = np.full(a.size, _UNSET)
     left, right = build.values(a), build.values(b)
     zero = build.constant(np.zeros(1))[0]
@@ -81,16 +88,21 @@ def _exact_binary(build: Builder, kind: str, a: Elements, b: Elements) -> Elemen
 
 
 def _once(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
-    """One operation on the distinct pairs, in an order that leaves an operand unmoved."""
+    """One operation on the distinct pairs, in an order that leaves an operand unmoved.
+
+    The order of elements inside a vector is free: results are handed out as elements, wherever
+    they stand. A good one needs no `move` to put the operands together.
+    """
     if a.size == 1:
         return build.apply(kind, [a, b], 1)
+    # x + y and y + x are one pair.
     one, other = (np.minimum(a, b), np.maximum(a, b)) if kind in ("add", "mul") else (a, b)
     # A pair as one number: sorting numbers is many times faster than sorting columns.
     least = other.min()
     keys = one * (other.max() - least + 1) + (other - least)
     _, first, inverse = np.unique(keys, return_index=True, return_inverse=True)
     a, b = a[first], b[first]
-    # An order in which an operand need not be moved: a transposed array then costs nothing.
+    # As they first came, or sorted by one operand: a transposed array then costs nothing.
     order, unmoved = np.zeros(0, dtype=np.int64), -1
     for sort in (lambda: np.argsort(first), lambda: np.lexsort((b, a)), lambda: np.lexsort((a, b))):
         tried = sort()
@@ -99,6 +111,7 @@ def _once(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
             order, unmoved = tried, score
         if unmoved == 2:
             break
+    # Where each pair went, to give every element the result of its pair.
     place = np.empty(order.size, dtype=np.int64)
     place[order] = np.arange(order.size)
     return build.apply(kind, [a[order], b[order]], order.size)[place[inverse]]
@@ -134,9 +147,11 @@ def product(build: Builder, a: Elements, b: Elements) -> Elements:
 
     A constant matrix gives `affine`; one whose rows are unit vectors or zero moves data only.
     """
+    # Either side may be the matrix: a b' is the transpose of b a'.
     for left, right, turned in ((a, b, False), (b, a, True)):
         chosen = _selection(build, left)
         if chosen is not None:
+            # A column of zeros more, for the rows that choose none.
             wide = np.concatenate([right, np.full((right.shape[0], 1), _zero(build))], axis=1)
             result = wide[:, chosen].T
             return result.T if turned else result
@@ -164,7 +179,11 @@ def _selection(build: Builder, matrix: Elements) -> Elements | None:
 
 
 def _without(build: Builder, vanishing: np.ndarray, *tables: Elements) -> list[Elements]:
-    """Drop vanishing terms from rows [rows, terms], filling up with zeros at the end."""
+    """Drop vanishing terms from rows [rows, terms], filling up with zeros at the end.
+
+    All tables lose the same terms, and what is left keeps its order: every row gets as wide as
+    the row with the most terms left, and at least one wide.
+    """
     keep = np.argsort(vanishing, axis=1, kind="stable")
     width = max(int(np.max(np.sum(~vanishing, axis=1), initial=0)), 1)
     if vanishing.shape[1] == 0:

@@ -198,6 +198,8 @@ class _Tracer:
         real = isinstance(operands[0], _Real) if operands else False
         if name == "convert_element_type":
             return [self._convert(equation, operands[0], calls)]
+        if name == "dot_general" and jaxprs.contracts_nothing(equation):
+            raise self._refusal(calls, refusals.EMPTY, "a product along an axis without elements")
         if name in ARITHMETIC and real:
             return [_Real(self._arithmetic(name, params, operands))]
         if name in MOVEMENT or name in INDEXED:

@@ -13,12 +13,13 @@ from neuralgaits.report.certificate import (
     proved_level,
 )
 from neuralgaits.report.drawn import Drawn, Missing
-from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, TRAINED, WALKED
+from neuralgaits.report.shapes import LEARNED, ROUNDS, SIMULATED, WALKED
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.commands import command, learning, named, resuming
+from neuralgaits.runs.commands import command, learning, named
 from neuralgaits.runs.folder import NAN, file_hashes, refuse_misshapen
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.shape import COUNT, TEXT, Shape, list_of
+from neuralgaits.runs.trained import trained
 
 Json = Mapping[str, Any]
 LEARNING, WALK = "residual/summary.json", "simulation/summary.json"
@@ -92,7 +93,7 @@ class Contents:
     Attributes:
         saved: files of the run.
         robot: as `inspect` describes it.
-        walk: of `workflows.shown_walk`; None if there is none.
+        walk: of `report.shown_walk`; None if there is none.
         no_walk: why there is none, in a sentence.
         figures: drawn and missing.
         assumptions: of a proof, as `check-proof` lists them.
@@ -190,17 +191,3 @@ def _nan(found: Json | None) -> str:
         f"The training ended in NaN at step {found['step']}: its loss or its weights were no "
         f"longer finite (conditions: {names})."
     )
-
-
-def trained(folder: RunFolder) -> dict[str, Any]:
-    """The summary of a finished training.
-
-    Raises: RunError if it is damaged; the last checkpoint can be finished again.
-    """
-    try:
-        found = folder.summary
-        refuse_misshapen(found, TRAINED, folder.path / "summary.json")
-    except RunError as error:
-        again = resuming(folder.path)
-        raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
-    return found

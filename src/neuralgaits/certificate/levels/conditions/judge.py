@@ -21,13 +21,13 @@ def judge(
     """
     proved, area, boxes, unknown, found = 0.0, 0.0, 0, 0, None
     for problem, state in roots:
-        column, cells = problem.names.index(name), state.cells
-        holds = cells.is_leaf & (cells.lower[:, column] >= 0.0)
-        size = float(np.prod([problem.high[k] - problem.low[k] for k in cells.axes]))
-        proved, area = proved + size * cells.share(holds), area + size
+        column, tree = problem.names.index(name), state.tree
+        holds = tree.is_leaf & (tree.lower[:, column] >= 0.0)
+        size = float(np.prod([problem.high[k] - problem.low[k] for k in tree.axes]))
+        proved, area = proved + size * tree.share(holds), area + size
         boxes += visited(state, column)
-        violates = cells.upper[:, column] < 0.0
-        unknown += int(np.sum(cells.is_leaf & ~holds & ~violates))
+        violates = tree.upper[:, column] < 0.0
+        unknown += int(np.sum(tree.is_leaf & ~holds & ~violates))
         found = found or state.refuted.get(name)
     verdict: Verdict = "undecided"
     if found is not None:
@@ -43,7 +43,7 @@ def judge(
 
 def visited(state: Search, column: int) -> int:
     """Boxes that were bounded while the condition was not yet proved around them."""
-    cells = state.cells
-    parents = np.flatnonzero(cells.first >= 0)
-    waiting = parents[~(cells.lower[parents, column] >= 0.0)]
-    return 1 + len(waiting) * 2 ** len(cells.axes)
+    tree = state.tree
+    parents = np.flatnonzero(tree.first >= 0)
+    waiting = parents[~(tree.lower[parents, column] >= 0.0)]
+    return 1 + 2 * len(waiting)

@@ -30,17 +30,19 @@ from neuralgaits.gait import Point
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.robots import PlanarBiped
 
-Vector = Float[Array, " k"]
-Quantities = dict[str, Vector]
+Vector = Float[Array, " _"]
+"""Of any length."""
+Outputs = Float[Array, " two_m"]
+Quantities = dict[str, Float[Array, "..."]]
 
 
-def output_coordinates(xi: Vector, bandwidth: float | Scalar) -> Vector:
+def output_coordinates(xi: Outputs, bandwidth: float | Scalar) -> Outputs:
     """Outputs eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
     rate, mixed = jnp.split(xi, 2)
     return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
 
 
-def scaled_coordinates(eta: Vector, bandwidth: float | Scalar) -> Vector:
+def scaled_coordinates(eta: Outputs, bandwidth: float | Scalar) -> Outputs:
     """The inverse of `output_coordinates`. Returns: [2m] (rad)."""
     y, dy = jnp.split(eta, 2)
     rate = dy / bandwidth
@@ -85,7 +87,7 @@ class FullOrderModel:
             found += alone if size == 1 else [f"{condition.name}[{k}]" for k in range(size)]
         return found
 
-    def point(self, u: Float[Array, "2"], xi: Vector) -> FullPoint:
+    def point(self, u: Float[Array, "2"], xi: Outputs) -> FullPoint:
         """The robot at a chart point with scaled outputs."""
         eta = output_coordinates(xi, self.bandwidth)
         return FullPoint(self.robot, self.gait.policy, self.gait.z(u), eta, self.bandwidth)
@@ -158,7 +160,7 @@ class FullOrderModel:
         found, slopes = jax.jvp(moved, (u[0],), (jnp.ones_like(u[0]),))
         return found, slopes["after"]
 
-    def guard_slopes(self, u: Float[Array, "2"], xi: Vector) -> "GuardSlopes":
+    def guard_slopes(self, u: Float[Array, "2"], xi: Outputs) -> "GuardSlopes":
         """d/d xi of `at_impact` along the guard: the phase gives way so that the foot stays."""
         phase, level = u
 
@@ -184,7 +186,7 @@ class GuardSlopes(NamedTuple):
 
 
 def margins(
-    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Vector
+    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """All margins of the theorem at one chart point and one xi of the unit ball."""
     its = _Numbers.of(shape, model.names)
@@ -234,7 +236,7 @@ def _step_margins(model: FullOrderModel, its: _Numbers, point: FullPoint) -> Qua
 
 
 def _decay_margins(
-    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Vector
+    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Between impacts: what keeps h - sigma V from becoming negative."""
     centre = model.point(u, jnp.zeros_like(xi))
@@ -252,7 +254,7 @@ def _decay_margins(
 
 
 def _guard_margins(
-    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Vector
+    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """In the guard's strip: the guard is met once, and how far an impact moves the state."""
     point = model.point(u, xi)

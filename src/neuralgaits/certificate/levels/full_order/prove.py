@@ -8,6 +8,7 @@ import jax
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.levels.conclusions import Conclusion, proved_bounds
 from neuralgaits.certificate.levels.conditions.verdicts import Counterexample
 from neuralgaits.certificate.levels.full_order.conclude import LEVEL, conclude_full_order
@@ -151,8 +152,7 @@ def premise_problems(shape: FullOrder, program: Program) -> list[Problem]:
     return [
         Problem(
             REGION,
-            low,
-            high,
+            *PLAIN.whole(low, high),
             tuple(names),
             (1.0,) * len(names),
             prune(program, names),

@@ -1,0 +1,157 @@
+"""What figures of a gait are drawn from: computed once, kept in the run. See `analysis.data`."""
+
+import hashlib
+import json
+
+import numpy as np
+
+from neuralgaits.analysis.data import GaitData
+from neuralgaits.analysis.flow import MOTION, Mesh, swing
+from neuralgaits.analysis.orbit import cycle, sampled_map
+from neuralgaits.analysis.phase_plane import plane
+from neuralgaits.analysis.quantities import Chart, Look, quantities
+from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.skeleton import skeleton
+from neuralgaits.barriers import Barrier
+from neuralgaits.errors import RunError
+from neuralgaits.runs import read_arrays, write_arrays
+from neuralgaits.runs.arrays import SHA256
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, WEIGHTS
+
+FILE = "figures/data.safetensors"
+VERSION = 1
+"""Of the arrays and their meaning: data of another version are computed again."""
+PHASES, LEVELS = 81, 41
+COLUMNS, ROWS = 61, 41
+WALK_STEPS, WALK_NODES = 4, 30
+AROUND = 0.12
+"""How far the plane's grid reaches beyond the tube, in lengths of a step and heights."""
+
+
+def gait_data(run: Run) -> GaitData:
+    """Read what was computed for this very gait, or compute and save it."""
+    of, path = fingerprint(run), run.path / FILE
+    if path.is_file():
+        try:
+            arrays, words = read_arrays(path)
+        except RunError:
+            words: dict[str, str] = {}
+        if SHA256 in words and words.get("of") == of:
+            return _with_names(run, arrays)
+    arrays = compute(run)
+    write_arrays(path, arrays, {"of": of})
+    return _with_names(run, arrays)
+
+
+def fingerprint(run: Run) -> str:
+    """Hash of everything the data depend on."""
+    parts = [f"{VERSION}"]
+    for file in (ROBOT, SPEC, WEIGHTS, RESIDUAL):
+        path = run.path / file
+        parts.append(hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "-")
+    parts.append(json.dumps(run.folder.config["described"], sort_keys=True))
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
+def _with_names(run: Run, arrays: dict[str, np.ndarray]) -> GaitData:
+    conditions = run.spec.conditions
+    return GaitData(
+        arrays,
+        tuple(condition.name for condition in conditions),
+        tuple(condition.name for condition in conditions if isinstance(condition, Barrier)),
+        tuple(run.folder.config["described"]["conditions"]),
+        run.robot.joint_names[1:],
+        run.robot.torso is not None,
+        run.residuals.flow is not None,
+    )
+
+
+def compute(run: Run) -> dict[str, np.ndarray]:
+    """All arrays of `analysis.data`. Raises: SpecError if the gait cannot be evaluated."""
+    look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
+    motion, tube = look.only(*MOTION), Chart(run.gait, run.spec)
+    with np.errstate(all="ignore"):
+        found = _chart(look, tube) | _plane(look, tube) | _orbit(run, look, motion, tube)
+        found |= _walks(motion, tube)
+    robot = run.robot
+    found |= {
+        "robot/torque_limit": np.asarray(robot.torque_limit),
+        "robot/mass": np.asarray(robot.mass),
+        "robot/gravity": np.asarray(robot.gravity),
+        "robot/friction": np.asarray(robot.friction),
+        "robot/leg_length": np.asarray(robot.leg_length),
+    }
+    return {name: np.asarray(array, dtype=np.float64) for name, array in found.items()}
+
+
+def _chart(look: Look, tube: Chart) -> dict[str, np.ndarray]:
+    phase, level = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
+    at_phase, at_level = np.meshgrid(phase, level)
+    z = tube.z(at_phase, at_level)
+    found = look(z.reshape(-1, 2))
+    return {
+        "chart/phase": phase,
+        "chart/level": level,
+        "chart/z": z,
+        "chart/margins": tube.margins(found, at_phase, at_level),
+        "chart/barriers": tube.barriers(found, at_phase.shape),
+        "fences/z1": z[0, :, 0],
+        "fences/z2": tube.fences(phase),
+        "guard/z": z[:, -1],
+        "guard/z_after": found["z_after"].reshape(*at_phase.shape, 2)[:, -1],
+    }
+
+
+def _plane(look: Look, tube: Chart) -> dict[str, np.ndarray]:
+    around = plane(tube, phases=PHASES, lines=(COLUMNS, ROWS), beyond=(AROUND, AROUND))
+    found = look(around.states)
+    return {
+        "plane/z1": around.z1,
+        "plane/z2": around.z2,
+        "plane/dz": around.laid_out(found["dz"]),
+        "plane/nominal_dz": around.laid_out(found["nominal_dz"]),
+        "plane/foot": around.laid_out(found["foot"][:, 1]),
+        "plane/barriers": tube.barriers(found, (ROWS, COLUMNS)),
+    }
+
+
+def _orbit(run: Run, look: Look, motion: Look, tube: Chart) -> dict[str, np.ndarray]:
+    """The sampled map, and one step from landing to landing; without an orbit, of no nodes."""
+    mapped, robot = sampled_map(motion, tube), run.robot
+    orbit = mapped.orbit
+    path = cycle(motion, orbit, Mesh.of_gait(tube.start, tube.guard))
+    z, t = path.z[:, 0], path.t[:, 0]
+    found = look(z) if len(z) else look(np.array([[0.0, 1.0]]))
+    found = {name: array[: len(z)] for name, array in found.items()}
+    phase, level = tube.chart(z)
+    kept = ("q", "dq", "torque", "force", "foot", "foot_velocity")
+    return {
+        "map/z2": mapped.z2,
+        "map/z2_after": mapped.after,
+        "orbit/t": t,
+        "orbit/z": z,
+        **{f"orbit/{name}": found[name] for name in kept},
+        "orbit/skeleton": skeleton(found["theta"], np.asarray(robot.foot), robot.torso),
+        "orbit/margins": tube.margins(found, phase, level),
+        "orbit/barriers": tube.barriers(found, phase.shape),
+        "orbit/numbers": np.array(
+            [orbit.fixed_point[1], orbit.multiplier, orbit.period_s, orbit.step_length_m]
+        ),
+    }
+
+
+def _walks(motion: Look, tube: Chart) -> dict[str, np.ndarray]:
+    """Walks that start after an impact near either fence."""
+    phase, mesh = np.zeros(2), Mesh.of_gait(tube.start, tube.guard, WALK_NODES)
+    state, pieces = tube.z(phase, np.array([0.05, 0.95])), []
+    for _ in range(WALK_STEPS):
+        path = swing(motion, state, mesh)
+        if not path.landed.all():
+            break
+        pieces.append(path.z)
+        state = np.array(motion(path.z[-1])["z_after"])
+        # One line for both needs one z1; resets differ by what a free policy leaves.
+        state[:, 0] = state[:, 0].mean()
+    gap = np.full((1, 2), np.nan)
+    found = [part for side in (0, 1) for piece in pieces for part in (piece[:, side], gap)]
+    return {"walks/z": np.concatenate(found) if found else gap}

@@ -1,0 +1,70 @@
+"""What was learned of a robot, as one file: residuals of flow and reset, and how far to trust them.
+
+Sizes of the networks are read off the arrays' names and shapes, so a file needs no other.
+"""
+
+from pathlib import Path
+
+import equinox as eqx
+import numpy as np
+
+from neuralgaits._types import Array, Float
+from neuralgaits.errors import RunError
+from neuralgaits.gait import Residuals
+from neuralgaits.gait.flow_residual import Residual
+from neuralgaits.gait.reset_residual import ResetResidual
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs import read_arrays, read_tree, write_tree
+
+_LAYER = "flow.network.biases[{}]"
+
+
+class Learned(eqx.Module):
+    """What was learned of a robot beyond its model.
+
+    Attributes:
+        flow: residual of dz.
+        reset: residual of the reset map; None if too few touchdowns were seen.
+        error_bound: what dz may still be off by, from held-out strides (m/s, N m). [2]
+    """
+
+    flow: Residual
+    reset: ResetResidual | None
+    error_bound: Float[Array, "2"]
+
+    @property
+    def residuals(self) -> Residuals:
+        """Both, as zero dynamics take them."""
+        return Residuals(self.flow, self.reset)
+
+    def write(self, path: Path) -> None:
+        """Save, whole or not at all."""
+        write_tree(path, self)
+
+    @classmethod
+    def read(cls, path: Path, robot: PlanarBiped) -> "Learned":
+        """Read a file of `write` for a robot.
+
+        Raises: RunError if it is missing, damaged, no residual, or of a robot with other joints.
+        """
+        try:
+            arrays, _ = read_arrays(path)
+        except RunError:
+            found = "another file" if path.is_file() else "a folder" if path.is_dir() else "none"
+            raise RunError(
+                f"expected a residual in {path}, found {found}: give a file that `fit` wrote"
+            ) from None
+        sizes: list[int] = []
+        while _LAYER.format(len(sizes)) in arrays:
+            sizes.append(arrays[_LAYER.format(len(sizes))].size)
+        if not sizes:
+            raise RunError(
+                f"expected a residual in {path}, found other arrays: give a file that `fit` wrote"
+            )
+        has_reset = any(name.startswith("reset.") for name in arrays)
+        like = cls(
+            Residual.like(tuple(sizes[:-1])),
+            ResetResidual.like(robot.n - 1) if has_reset else None,
+            np.zeros(2),
+        )
+        return read_tree(path, like)

@@ -1,0 +1,56 @@
+"""The plane of the zero dynamics around a gait: fences, and a grid that reaches beyond them."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.analysis.quantities import Chart
+
+LEAST = 0.02
+"""Of the lowest fence: no grid reaches below this share of it, where the hip stands still."""
+
+
+class Plane(NamedTuple):
+    """P phases, A and B grid lines."""
+
+    fence_z1: Float[np.ndarray, " P"]
+    """[m]"""
+    fence_z2: Float[np.ndarray, "2 P"]
+    """Lower and upper fence [kg m^2/s]."""
+    z1: Float[np.ndarray, " A"]
+    """[m]"""
+    z2: Float[np.ndarray, " B"]
+    """[kg m^2/s]"""
+
+    @property
+    def states(self) -> Float[np.ndarray, "BA 2"]:
+        """Of the grid, row by row."""
+        return np.stack(np.meshgrid(self.z1, self.z2), axis=-1).reshape(-1, 2)
+
+    def laid_out(self, values: np.ndarray) -> np.ndarray:
+        """What belongs to the states, as they lie: [B * A, ...] to [B, A, ...]."""
+        return values.reshape(len(self.z2), len(self.z1), *values.shape[1:])
+
+
+def plane(
+    chart: Chart, *, phases: int, lines: tuple[int, int], beyond: tuple[float, float]
+) -> Plane:
+    """Lay a grid around the tube.
+
+    Args:
+        chart: of the gait.
+        phases: points along the fences.
+        lines: of the grid, in z1 and z2.
+        beyond: how far it reaches past the tube, in lengths of a step and heights of the tube.
+    """
+    phase = np.linspace(0.0, 1.0, phases)
+    fences, length = chart.fences(phase), chart.guard - chart.start
+    aside, above = beyond[0] * length, beyond[1] * float(np.ptp(fences))
+    low = float(fences.min())
+    return Plane(
+        chart.start + phase * length,
+        fences,
+        np.linspace(chart.start - aside, chart.guard + aside, lines[0]),
+        np.linspace(max(low - above, LEAST * low), float(fences.max()) + above, lines[1]),
+    )

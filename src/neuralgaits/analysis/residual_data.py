@@ -1,0 +1,84 @@
+"""The residual of a run on the plane of its gait, computed once and kept in the run."""
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from neuralgaits import logs
+from neuralgaits.analysis.data import ResidualData
+from neuralgaits.analysis.gait_data import fingerprint, gait_data
+from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.quantities import Look
+from neuralgaits.analysis.run import Run
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.runs import from_json, read_arrays, write_arrays
+from neuralgaits.runs.arrays import SHA256
+from neuralgaits.runs.names import FIT, FITTED, RESIDUAL
+from neuralgaits.runs.shape import TEXT, complaint, list_of
+
+FILE = "figures/residual.safetensors"
+LOGS, STATES = 4, 2500
+"""Logs that are read, and states kept, at most: the picture needs no more."""
+
+
+def residual_data(run: Run) -> ResidualData | None:
+    """What the run was trained with, else what was learned from its logs; None if neither."""
+    trained = run.learned is not None
+    path = run.path / (RESIDUAL if trained else FITTED)
+    if not path.is_file():
+        return None
+    gait = gait_data(run)
+    of = hashlib.sha256(fingerprint(run).encode() + path.read_bytes()).hexdigest()
+    kept = run.path / FILE
+    if kept.is_file():
+        try:
+            arrays, words = read_arrays(kept)
+        except RunError:
+            arrays, words = {}, {}
+        if SHA256 in words and words.get("of") == of:
+            return ResidualData(gait, arrays["epsilon"], arrays["visited"], trained)
+    flow = Learned.read(path, run.robot).flow
+    look = Look(lambda z: {"epsilon": flow(z)})
+    z1, z2 = gait["plane/z1"], gait["plane/z2"]
+    grid = np.stack(np.meshgrid(z1, z2), axis=-1)
+    epsilon = look(grid.reshape(-1, 2))["epsilon"].reshape(grid.shape)
+    visited = _visited(run, trained)
+    write_arrays(kept, {"epsilon": epsilon, "visited": visited}, {"of": of})
+    return ResidualData(gait, epsilon, visited, trained)
+
+
+def _visited(run: Run, trained: bool) -> np.ndarray:
+    """States of the logs that the residual is from, as far as they are still there. [K, 2]."""
+    parent = run.folder.config.get("parent")
+    places = [run.path.parent / Path(parent).name, Path(parent)] if trained and parent else []
+    for place in places or [run.path]:
+        summary = place / FIT
+        try:
+            found = from_json(summary.read_bytes())
+            if complaint(found, {"logs": list_of(TEXT)}) is None:
+                return _states(run, found["logs"], place)
+        except (OSError, ValueError):
+            # Without it the picture has no dots.
+            continue
+    return np.zeros((0, 2))
+
+
+def _states(run: Run, paths: list[str], place: Path) -> np.ndarray:
+    found = []
+    for name in paths:
+        path = Path(name)
+        moved = [path, *place.glob(f"*/{path.name}"), *place.glob(f"*/*/{path.name}")]
+        path = next((candidate for candidate in moved if candidate.is_file()), None)
+        if path is None:
+            continue
+        try:
+            z = logs.read(path, run.robot).log.z
+        except InputError:
+            continue
+        if z is not None:
+            found.append(z)
+        if len(found) == LOGS:
+            break
+    states = np.concatenate(found) if found else np.zeros((0, 2))
+    return states[:: max(len(states) // STATES, 1)]

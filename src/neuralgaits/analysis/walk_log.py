@@ -1,0 +1,61 @@
+"""The walk that a run has a log of, ready to be drawn."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from neuralgaits import logs
+from neuralgaits.analysis.data import MeasuredWalk
+from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.skeleton import skeleton
+from neuralgaits.errors import InputError
+from neuralgaits.logs import Log
+from neuralgaits.runs import from_json
+from neuralgaits.runs.shape import TEXT, complaint, list_of
+
+SIMULATED, WALKED = "simulation", "walks/logs"
+"""Folders of a run that logs lie in: of `simulate`, and of a round of episodes."""
+
+
+def measured_walk(run: Run) -> MeasuredWalk | None:
+    """The first log of the run that holds a finished step; None if there is none."""
+    for path, simulated in _candidates(run.path):
+        try:
+            log = logs.read(path, run.robot).log
+        except InputError:
+            # A walk that fell at once, or a file of something else: the next may do.
+            continue
+        if log.z is not None:
+            return _walk(run, log, f"{'MuJoCo' if simulated else 'log'}, {path.name}")
+    return None
+
+
+def _candidates(run: Path) -> Iterator[tuple[Path, bool]]:
+    """Logs of the run, those of the last simulation first, and whether `simulate` wrote them."""
+    summary = run / SIMULATED / "summary.json"
+    named: list[Path] = []
+    if summary.is_file():
+        try:
+            found = from_json(summary.read_bytes())["logs"]
+        except (ValueError, KeyError, TypeError):
+            found = None
+        # A run that was moved keeps its logs, but not their names.
+        if not isinstance(found, list) or complaint(found, list_of(TEXT)) is not None:
+            found = []
+        for path in map(Path, found):
+            named += [path, run / SIMULATED / path.name]
+    of_simulations = dict.fromkeys([*named, *sorted((run / SIMULATED).glob("*.csv"))])
+    yield from ((path, True) for path in of_simulations if path.is_file())
+    yield from ((path, False) for path in sorted((run / WALKED).glob("*.csv")))
+
+
+def _walk(run: Run, log: Log, source: str) -> MeasuredWalk:
+    robot = run.robot
+    assert log.z is not None
+    theta = log.q @ np.asarray(robot.link_angles).T
+    step = np.concatenate([[0], np.cumsum(log.stance[1:] != log.stance[:-1])])
+    points = skeleton(theta, np.asarray(robot.foot), robot.torso)
+    return MeasuredWalk(
+        source, log.t, log.z, log.q[:, 1:], log.qd, log.tau, points, step.astype(int)
+    )

@@ -1,0 +1,99 @@
+"""The axes of the chart that statements are about: phase, level, and a gait's parameters.
+
+What is asked of a gait is asked on boxes of (phase, level), for every value of its parameters:
+commands, masses and whatever else its Program takes. Needs no JAX.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from neuralgaits._names import why_no_name
+
+Corner = tuple[float, ...]
+"""One corner of a box of the chart, or of its plane (phase, level)."""
+MOST_AXES = 8
+PLANE = 2
+"""Axes of the zero dynamics' own plane: phase and level."""
+
+
+class Axis(NamedTuple):
+    """One input of a gait's conditions: its name, and the interval that it may come from."""
+
+    name: str
+    low: float
+    high: float
+
+
+PHASE, LEVEL = Axis("phase", -0.05, 1.05), Axis("level", 0.0, 1.0)
+"""Strips before the start of a step and behind its guard belong to the chart."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A box that all statements of a proof lie in.
+
+    Attributes:
+        parameters: axes behind phase and level.
+    """
+
+    parameters: tuple[Axis, ...] = ()
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """All of them, in the order of u."""
+        return PHASE, LEVEL, *self.parameters
+
+    @property
+    def size(self) -> int:
+        """How many there are."""
+        return PLANE + len(self.parameters)
+
+    def table(self) -> list[dict[str, str]]:
+        """As a proof file has it."""
+        return [
+            {"name": axis.name, "low": axis.low.hex(), "high": axis.high.hex()}
+            for axis in self.axes
+        ]
+
+    @classmethod
+    def read(cls, rows: Any) -> "Chart":
+        """Read what `table` wrote. Raises: ValueError on anything else."""
+        if not isinstance(rows, list) or not PLANE <= len(rows) <= MOST_AXES:
+            raise ValueError(f"a chart that is no list of {PLANE} to {MOST_AXES} axes")
+        axes = [_axis(row) for row in rows]
+        if tuple(axes[:PLANE]) != (PHASE, LEVEL):
+            raise ValueError("a chart that does not begin with phase and level as they are")
+        if len({axis.name for axis in axes}) < len(axes):
+            raise ValueError("a chart with an axis that stands twice")
+        return cls(tuple(axes[PLANE:]))
+
+    def whole(self, low: Corner, high: Corner) -> tuple[Corner, Corner]:
+        """A box of (phase, level), for every value of the parameters. Returns: corners. [n]."""
+        return (
+            (*low, *(axis.low for axis in self.parameters)),
+            (*high, *(axis.high for axis in self.parameters)),
+        )
+
+    def spans(self, low: Corner, high: Corner) -> bool:
+        """Whether a box is `whole` of a box of the chart's plane. [n] each."""
+        plane = zip((PHASE, LEVEL), low, high, strict=False)
+        inside = all(axis.low <= a <= b <= axis.high for axis, a, b in plane)
+        return inside and (low, high) == self.whole(low[:PLANE], high[:PLANE])
+
+
+PLAIN = Chart()
+"""Of a gait without parameters."""
+
+
+def _axis(row: Any) -> Axis:
+    if not isinstance(row, dict) or set(row) != {"name", "low", "high"}:
+        raise ValueError("an axis of the chart that is no name, low and high")
+    if not all(isinstance(text, str) for text in row.values()):
+        raise ValueError(f"the axis {row} of the chart")
+    if why := why_no_name(row["name"]):
+        raise ValueError(f"an axis of the chart named {why}")
+    low, high = float.fromhex(row["low"]), float.fromhex(row["high"])
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise ValueError(f"the axis {row['name']} from {low!r} to {high!r}")
+    return Axis(row["name"], low, high)

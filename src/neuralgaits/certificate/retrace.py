@@ -1,0 +1,114 @@
+"""What a run's own robot, spec and weights say that a proof of it must be about, as data.
+
+A run's spec may be code of its own, and code can reach into the program that imports it. So
+`ask` traces the spec in a process of its own, and what comes back is JSON: it can be wrong, but it
+can patch no checker.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from neuralgaits._own_process import command_of, environment_of
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.errors import InputError, NeuralGaitsError, RunError
+from neuralgaits.runs import plain, write_text
+
+LAST_LINES = 3
+"""Of what a process that failed left on its standard error."""
+
+
+def ask(run: Path, theorems: Theorems) -> dict[str, Any]:
+    """`answer` of a process of its own.
+
+    Raises: RunError if the run cannot be opened or its spec ends the process; InputError likewise.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "answer.json"
+        done = subprocess.run(
+            command_of("neuralgaits.certificate.retrace", str(run), str(file)),
+            input=json.dumps(theorems.tables()),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            check=False,
+            env=environment_of(JAX_ENABLE_X64="1"),
+        )
+        found = _read(file)
+    if found is None or done.returncode != 0:
+        lines = " | ".join(done.stderr.strip().splitlines()[-LAST_LINES:])
+        raise RunError(
+            f"expected the conditions of {run}, traced again, found that the process that traces "
+            f"them ended with code {done.returncode} and no answer: {lines or 'it said nothing'}"
+        )
+    if "error" in found:
+        raise InputError(str(found["error"]))
+    return found
+
+
+def _read(file: Path) -> dict[str, Any] | None:
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
+    """What a proof with these theorems must be about, in this process.
+
+    Returns: "program_hash" and "model" (or None); for levels 1 to 3 "regions" and "conditions" as a
+        model has them, "barriers" and "carried", names of conditions; for level 4 "barriers".
+    Raises: InputError if the run cannot be opened or traced.
+    """
+    # These import JAX, and the run's spec.
+    from neuralgaits.analysis.run import open_run
+    from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
+    from neuralgaits.certificate.levels.full_order.prove import trace_full_order
+    from neuralgaits.certificate.levels.sets import Sets, trace_certificate
+    from neuralgaits.certificate.levels.walking_set.find import names_of
+    from neuralgaits.certificate.proof_file.model_data import model_data
+
+    opened = open_run(run)
+    if theorems.full is not None:
+        if opened.learned is not None:
+            raise InputError(
+                "expected a run of the rigid model for a proof of level 4, found one whose "
+                f"dynamics carry a learned residual, {run}: level 4 is not about it"
+            )
+        model = FullOrderModel(opened.robot, opened.gait, opened.spec, theorems.full.bandwidth)
+        found: dict[str, Any] = {"barriers": model.names, "program_hash": None}
+        if [barrier.name for barrier in theorems.full.barriers] == model.names:
+            program = trace_full_order(model, theorems.full)
+            data = model_data(opened.robot, opened.gait, opened.spec, program)
+            found |= {"program_hash": program.hash, "model": plain(data)}
+        return found
+    spec, gait, residuals = opened.spec, opened.gait, opened.residuals
+    sets = Sets(theorems.walking, theorems.orbit)
+    program = trace_certificate(spec, opened.robot, gait, sets, residuals)
+    described = plain(spec.describe())
+    barriers, carried = names_of(spec)
+    return {
+        "program_hash": program.hash,
+        "model": plain(model_data(opened.robot, gait, spec, program, residuals)),
+        "regions": described["regions"],
+        "conditions": {row["name"]: row for row in described["conditions"]},
+        "barriers": list(barriers),
+        "carried": list(carried),
+    }
+
+
+def _main(run: str, file: str) -> None:
+    try:
+        found = answer(Path(run), Theorems.read(json.load(sys.stdin)))
+    except (NeuralGaitsError, OSError) as error:
+        found = {"error": str(error)}
+    write_text(Path(file), json.dumps(found))
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

@@ -1,0 +1,29 @@
+"""A periodic orbit of the hybrid zero dynamics, as numbers."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+
+
+class Orbit(NamedTuple):
+    """A periodic orbit of the hybrid zero dynamics, or the reason why there is none."""
+
+    fixed_point: Float[np.ndarray, "2"]
+    """z on the section z1 = 0 (m, kg m^2/s); NaN if not found. [2]"""
+    multiplier: float
+    """Derivative of the Poincare map there: attracting if below one in magnitude."""
+    period_s: float
+    """Duration of one step [s]."""
+    step_length_m: float
+    """Step length [m]."""
+    guard_state: Float[np.ndarray, "2"]
+    """z just before the impact. [2]"""
+    result: str
+    """"found", or why not."""
+
+    @property
+    def speed_m_s(self) -> float:
+        """Walking speed [m/s]."""
+        return self.step_length_m / self.period_s

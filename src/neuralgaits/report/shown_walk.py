@@ -1,0 +1,240 @@
+"""The walk a report shows: simulated in MuJoCo at full order, and kept in the run.
+
+If `simulate` was called, its last simulation is repeated, its first fall if one fell. Else the
+gait walks from the middle of its region, on the robot of its episodes if it comes from such.
+"""
+
+import hashlib
+import json
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import jax
+import numpy as np
+
+from neuralgaits._quick_jit import quick_jit
+from neuralgaits.analysis.run import Run
+from neuralgaits.errors import InputError, NeuralGaitsError, RunError
+from neuralgaits.report import animation
+from neuralgaits.report.again import plant_word
+from neuralgaits.report.shapes import RECORDED
+from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.rounds.folder import EpisodeFolder
+from neuralgaits.runs import from_json, plain
+from neuralgaits.runs.names import WEIGHTS
+from neuralgaits.runs.shape import complaint
+from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.native_walk import engine_of_run
+from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.walk import LAWS, Walk, walk
+
+FILE = "report/walk.json"
+STEPS = 12
+"""Steps shown where nothing asks for more: some six seconds."""
+_LONGEST = 1500
+"""Frames: half a minute."""
+_BEFORE_FALL = 400
+"""Frames kept before a fall: eight seconds."""
+_FENCE_POINTS = 41
+_DRAWN = ("floor_height", "encoder_noise", "rate_noise")
+"""Disturbances that are drawn at random along a walk."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is to be walked.
+
+    Attributes:
+        plant: robot that walks; the run's own if None.
+        law: name of a control law.
+        steps: walking steps.
+        start: as in `simulate`.
+        push: forward impulse (N s).
+        disturbance: of the plant.
+        seed: of everything random.
+        episode: number of the episode whose start is taken.
+        origin: what asked for it, in words.
+    """
+
+    plant: PlanarBiped | None = None
+    law: str = "pd"
+    steps: int = STEPS
+    start: str = "centre"
+    push: float = 0.0
+    disturbance: Disturbance = field(default_factory=Disturbance)
+    seed: int = 0
+    episode: int = 0
+    origin: str = "starts in the middle of the gait's region"
+
+
+def shown_walk(run: Run) -> dict[str, Any]:
+    """The recorded walk as data for the page; simulated only if it is not in the run yet.
+
+    Raises: InputError in one line if it cannot be simulated.
+    """
+    asked = asked_of(run)
+    key = _key(run, asked)
+    file = run.path / FILE
+    if file.is_file():
+        try:
+            kept = from_json(file.read_bytes())
+        except ValueError:
+            kept = {}
+        if complaint(kept, RECORDED) is None and kept.get("key") == key:
+            return kept
+    shown = plain({"key": key} | _shown(run, asked, _walked(run, asked)))
+    run.folder.write_json(FILE, shown)
+    return shown
+
+
+def asked_of(run: Run) -> Asked:
+    """The simulation to repeat, or the one to make."""
+    try:
+        done = run.folder.read_json("simulation/summary.json")
+    except RunError:
+        return _of_episodes(run)
+    try:
+        fallen = [number for number, fell in enumerate(done["fell"]) if fell]
+        push = float(done.get("push") or 0.0)
+        law = done["link"]["law"] if "link" in done else done["controller"]
+        steps = int(done["steps"])
+        shown = steps if fallen or push else min(STEPS, steps)
+        disturbance, episode = Disturbance(**done["disturb"]), fallen[0] if fallen else 0
+        # Pushes, floors and noise are drawn by the number of an episode, and this one is the first.
+        drawn = push or any(getattr(disturbance, name) for name in _DRAWN)
+        if "link" in done or law not in LAWS or (episode and drawn):
+            origin = (
+                "starts as a walk of the last simulation of this run did, not repeating its course"
+            )
+        elif shown < steps:
+            origin = f"repeats the first {shown} steps of the last simulation of this run"
+        else:
+            origin = "repeats the last simulation of this run"
+        return Asked(
+            plant=_plant(run, done),
+            law=law if law in LAWS else "pd",
+            steps=shown,
+            start=done["start"],
+            push=push,
+            disturbance=disturbance,
+            seed=int(done["seed"]),
+            episode=episode,
+            origin=origin,
+        )
+    except (KeyError, TypeError, ValueError, AttributeError, NeuralGaitsError):
+        # A plant that is no longer where it was, or a summary of another version.
+        return _of_episodes(run)
+
+
+def _plant(run: Run, done: dict[str, Any]) -> PlanarBiped | None:
+    """What the simulation walked on. Raises: InputError if the run has kept no file of it."""
+    word = plant_word(run.folder, done)
+    if word is None:
+        raise InputError(f"expected a file of plant {done['plant']} in the run, found none")
+    return load_robot(word) if word else None
+
+
+def _of_episodes(run: Run) -> Asked:
+    """A walk on the robot whose logs the run was refined for, if it is known."""
+    try:
+        folder = EpisodeFolder.find(run.path.resolve().parent, run.path)
+        if folder is None or folder.plant is None:
+            return Asked()
+        return Asked(
+            plant=folder.plant,
+            law=folder.config["controller"],
+            disturbance=Disturbance(**(folder.config["disturb"] or {})),
+            origin="starts in the middle of the gait's region, on the robot of its episodes",
+        )
+    except (KeyError, TypeError, NeuralGaitsError):
+        return Asked()
+
+
+def _key(run: Run, asked: Asked) -> str:
+    """Changes with the weights, the robot that walks and everything asked."""
+    robot = (asked.plant or run.robot).layout.xml
+    rest = plain(replace(asked, plant=None))
+    text = json.dumps([rest, robot, animation.FRAME_S, _LONGEST], sort_keys=True, default=str)
+    weights = (run.path / WEIGHTS).read_bytes()
+    return hashlib.sha256(weights + text.encode()).hexdigest()
+
+
+def _walked(run: Run, asked: Asked) -> Walk:
+    starts = full_states(
+        run.zero_dynamics, run.gait, asked.start, seed=asked.seed, episodes=asked.episode + 1
+    )
+    return walk(
+        run.robot,
+        run.gait.policy,
+        starts[-1:],
+        plant=asked.plant,
+        controller=asked.law,
+        steps=asked.steps,
+        z2_range=momentum_range(run.gait),
+        disturbance=asked.disturbance,
+        push=asked.push,
+        seed=asked.seed,
+        record=True,
+        library=engine_of_run(run).library,
+    )
+
+
+def _shown(run: Run, asked: Asked, walked: Walk) -> dict[str, Any]:
+    """Frames of a walk with all that the page says of it."""
+    episodes, plant = walked.episodes, walked.plant
+    record = episodes.record
+    if record is None or not len(episodes.states):
+        raise InputError("expected a recorded walk, found none")
+    stride = round(animation.FRAME_S / (SUBSTEPS * TIMESTEP_S))
+    fell = episodes.endings[0].fell
+    ticks = np.arange(len(episodes.states))[::stride]
+    ticks = ticks[-_BEFORE_FALL:] if fell else ticks[:_LONGEST]
+    moved = animation.motion(plant.model, episodes.states[ticks])
+    feet, leg_length = plant.robot.layout.feet, plant.robot.leg_length
+    weight = float(np.sum(plant.model.body_mass)) * float(plant.robot.gravity)
+    force = animation.ground_force(moved.momenta, weight, animation.FRAME_S)
+    legs = np.asarray(record.command.leg)[ticks].astype(int)
+    floors = np.asarray(episodes.floors)[ticks]
+    return {
+        "robot": run.folder.config["robot"],
+        "plant": plant.robot.name,
+        "controller": asked.law,
+        "origin": asked.origin,
+        "start": asked.start,
+        "push_n_s": asked.push or None,
+        "disturb": {
+            name: value
+            for name, value in vars(asked.disturbance).items()
+            if value != getattr(Disturbance(), name)
+        },
+        "seed": asked.seed,
+        "steps_asked": asked.steps,
+        "steps_walked": int(np.asarray(episodes.gauge.steps)[0]),
+        "fell": fell,
+        "fall_reason": episodes.endings[0].reason,
+        "frame_s": animation.FRAME_S,
+        "first_s": float(episodes.states[ticks[0], 0]),
+        "leg_length_m": leg_length,
+        "weight_n": weight,
+        "shapes": animation.shapes(plant.model, moved, feet, leg_length),
+        "contacts": animation.contacts(plant.model, moved, feet),
+        "poses": np.round(moved.poses.reshape(len(ticks), -1), 4),
+        "leg": legs,
+        # A push is a force too, and would be taken for the ground's.
+        "force_n": None if asked.push else np.round(force, 1),
+        "floor_m": np.round(floors[np.arange(len(ticks)), legs], 4),
+        "slope": plant.slope,
+        "z": np.round(np.asarray(record.command.z)[ticks], 4),
+        "tube": _tube(run),
+    }
+
+
+def _tube(run: Run) -> dict[str, Any]:
+    """The gait's region in the plane of z: both fences, from the start of a step to its end."""
+    phases = np.linspace(0.0, 1.0, _FENCE_POINTS)
+    at = quick_jit(jax.vmap(run.gait.z))
+    return {
+        side: np.round(np.asarray(at(np.stack([phases, np.full_like(phases, level)], 1))), 4)
+        for side, level in (("lower", 0.0), ("upper", 1.0))
+    }

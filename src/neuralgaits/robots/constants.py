@@ -1,0 +1,141 @@
+"""The constants of a planar biped, derived once from its robot file.
+
+All link angles are *up-angles* in absolute coordinates, counter-clockwise positive: the
+angle of the line from a link's lower joint to its upper joint, zero when upright, so a
+link of length l spans l * (-sin theta, cos theta). A swing leg hangs from the hip, so its
+links enter positions with a minus sign. Forward is +x.
+
+Generalised coordinates q = (stance lowest link, stance joints upwards, stance hip, swing
+hip, swing joints downwards); every joint angle is (upper link) - (lower link). Then
+theta = T q, and all kinematics are sums of constants times e(theta) = (-sin, cos).
+"""
+
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+
+from neuralgaits._types import Float
+
+
+@dataclass(frozen=True)
+class MjcfLayout:
+    """Where the generalised coordinates live in the robot file.
+
+    Leg 0 and leg 1 are the legs in file order; a stance leg is named by that number. Without a
+    torso leg 0 is the one whose top link is the root. Joints of a leg are listed from the
+    lowest up to the hip; the single hip joint of a biped without a torso stands in both legs,
+    with opposite signs.
+
+    Attributes:
+        xml: the robot file's text, compilable from any folder.
+        root_joints: names of the slide-x, slide-z and pitch joints of the root.
+        root_origin: the pitch axis when the file's coordinates are zero, (x, z) [m].
+        pitch_sign: +1 if positive pitch in the file is counter-clockwise (tips to -x).
+        root_angle: up-angle of the root link when the file's pitch is zero [rad]; a torso's
+            up-angle is its pitch, so 0 there.
+        root_to_hip: from the pitch axis to the hip when the file's pitch is zero, (x, z) [m].
+        torso: whether the root is a torso; else it is the top link of leg 0.
+        leg_lengths: of the links of a leg, lowest first [m]. [k]
+        leg_joints: for each leg, its joint names.
+        leg_joint_signs: d(joint coordinate here)/d(joint coordinate in the file).
+        leg_joint_offsets: value of the joint coordinate here when the file's is zero [rad].
+        feet: foot geom name of leg 0 and leg 1.
+        actuators: for each leg, actuator names in the order of leg_joints.
+        gears: for each leg, torque on the joint coordinate here per unit of control [N m].
+    """
+
+    xml: str
+    root_joints: tuple[str, str, str]
+    root_origin: tuple[float, float]
+    pitch_sign: float
+    root_angle: float
+    root_to_hip: tuple[float, float]
+    torso: bool
+    leg_lengths: tuple[float, ...]
+    leg_joints: tuple[tuple[str, ...], tuple[str, ...]]
+    leg_joint_signs: tuple[tuple[float, ...], tuple[float, ...]]
+    leg_joint_offsets: tuple[tuple[float, ...], tuple[float, ...]]
+    feet: tuple[str, str]
+    actuators: tuple[tuple[str, ...], tuple[str, ...]]
+    gears: tuple[tuple[float, ...], tuple[float, ...]]
+
+    def hip_arm(self, turn: Any, xp: ModuleType) -> tuple[Any, Any]:
+        """Vector from the pitch axis to the hip, and its derivative by pitch. [..., 2] (m).
+
+        Args:
+            turn: pitch since the file's is zero, counter-clockwise positive [rad]. [...]
+            xp: `numpy`, or `jax.numpy` inside a compiled function.
+        """
+        x, z = self.root_to_hip
+        sine, cosine = xp.sin(turn), xp.cos(turn)
+        arm = xp.stack([x * cosine - z * sine, x * sine + z * cosine], axis=-1)
+        return arm, xp.stack([-arm[..., 1], arm[..., 0]], axis=-1)
+
+
+class BipedConstants(eqx.Module):
+    """The numbers of a planar biped with two equal legs, point feet and one unactuated coordinate.
+
+    Every array is a float64 NumPy leaf: the numbers of the robot file, never rounded.
+
+    Attributes:
+        link_angles: T, absolute link angles from coordinates, theta = T q. [n, n]
+        inertia: link inertias about their centres of mass [kg m^2]. [n]
+        coupling: |C|, with C_kl = sum_i m_i conj(a_ik) a_il and a_ik the (complex) coefficient
+            of e(theta_k) in the centre of mass of link i; signed where C is real
+            [kg m^2]. [n, n]
+        coupling_phase: angle added to theta_k - theta_l; None when every centre of mass
+            lies on its link's line [rad]. [n, n]
+        mass_moment: |b|, first moments: com = sum_k b_k e(theta_k) / mass; signed where real
+            [kg m]. [n]
+        mass_moment_phase: angle added to theta_k for b; None like coupling_phase. [n]
+        armature: reflected rotor inertia on each coordinate, 0 for the first [kg m^2]. [n]
+        damping: viscous joint friction on each coordinate [N m s/rad]. [n]
+        foot: swing-foot coefficients, p = sum_k foot_k e(theta_k) [m]. [n]
+        hip: hip coefficients [m]. [n]
+        relabel: R, q+ = R q and rates alike: the legs swap roles. [n, n]
+        hip_gradient: c, z1 = c . q is the linearised hip position [m/rad]. [n]
+        mass: total mass [kg]; gravity [m/s^2].
+        torque_limit, joint_lower, joint_upper: of the actuated joints [N m], [rad]. [m]
+        friction: sliding friction coefficient of the feet; foot_radius [m].
+        name: of the robot; link_names; joint_names of the n coordinates.
+        torso: index of the torso link, or None.
+        layout: where the coordinates live in the robot file.
+    """
+
+    link_angles: Float[np.ndarray, "n n"]
+    inertia: Float[np.ndarray, " n"]
+    coupling: Float[np.ndarray, "n n"]
+    coupling_phase: Float[np.ndarray, "n n"] | None
+    mass_moment: Float[np.ndarray, " n"]
+    mass_moment_phase: Float[np.ndarray, " n"] | None
+    armature: Float[np.ndarray, " n"]
+    damping: Float[np.ndarray, " n"]
+    foot: Float[np.ndarray, " n"]
+    hip: Float[np.ndarray, " n"]
+    relabel: Float[np.ndarray, "n n"]
+    hip_gradient: Float[np.ndarray, " n"]
+    mass: Float[np.ndarray, ""]
+    gravity: Float[np.ndarray, ""]
+    torque_limit: Float[np.ndarray, " m"]
+    joint_lower: Float[np.ndarray, " m"]
+    joint_upper: Float[np.ndarray, " m"]
+    friction: Float[np.ndarray, ""]
+    foot_radius: Float[np.ndarray, ""]
+    name: str = eqx.field(static=True)
+    link_names: tuple[str, ...] = eqx.field(static=True)
+    joint_names: tuple[str, ...] = eqx.field(static=True)
+    torso: int | None = eqx.field(static=True)
+    layout: MjcfLayout = eqx.field(static=True, repr=False)
+
+    @property
+    def n(self) -> int:
+        """Number of generalised coordinates (links)."""
+        return len(self.link_names)
+
+    @property
+    def leg_length(self) -> float:
+        """Length of the straight leg from foot to hip [m]."""
+        return float(np.sum(self.hip))

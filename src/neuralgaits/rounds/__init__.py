@@ -1,0 +1,1 @@
+"""Rounds of walking, learning and refining: their folder, and the walks of one round."""

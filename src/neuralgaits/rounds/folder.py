@@ -1,0 +1,216 @@
+"""Episodes on disk: what was asked, and one folder a round.
+
+episodes.json   what was asked        robot.xml, plant.xml   the models
+summary.json    what came out         start/                 a run to begin with, if any
+round-K/        the run of the round's policy, with its residual
+round-K/walks/  summary.json and logs/*.csv of its walks
+"""
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from neuralgaits._settings import MOST_ROUNDS
+from neuralgaits.analysis.run import Run
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.runs import from_json, plain, write_text
+from neuralgaits.runs.claim import claim, filled
+from neuralgaits.runs.folder import refuse_misshapen
+from neuralgaits.runs.latest import LATEST
+from neuralgaits.runs.plain import to_json
+from neuralgaits.runs.shape import (
+    NUMBER,
+    TEXT,
+    Shape,
+    complaint,
+    may,
+    one_of,
+    table_of,
+    whole,
+)
+from neuralgaits.simulation.walk import LAWS
+
+ASKED, SUMMARY = "episodes.json", "summary.json"
+ROBOT, PLANT = "robot.xml", "plant.xml"
+FORMAT = 1
+"""Version of this layout; others are refused."""
+CONFIG: Shape = {
+    "robot": TEXT,
+    "plant": may(TEXT),
+    "disturb": may(table_of(may(NUMBER))),
+    "controller": one_of(*LAWS),
+    "logs": may(TEXT),
+    "rounds": whole(1, MOST_ROUNDS),
+    "seed": whole(0, 2**31 - 1),
+    "steps": may(whole(1, 2**31 - 1)),
+    "start": may(TEXT),
+}
+"""`episodes.json`."""
+HOME = "episodes"
+"""Folder below the root of the runs."""
+
+
+@dataclass(frozen=True)
+class EpisodeFolder:
+    """Episodes that have begun.
+
+    Attributes:
+        path: the folder.
+        config: what was asked.
+        robot: the model.
+        plant: robot that walks in simulation; None if a real one's logs are given.
+    """
+
+    path: Path
+    config: dict[str, Any]
+    robot: PlanarBiped
+    plant: PlanarBiped | None
+
+    @classmethod
+    def create(
+        cls,
+        asked: Mapping[str, Any],
+        start: Run | None,
+        *,
+        out: str | Path | None,
+        root: Path,
+    ) -> "EpisodeFolder":
+        """Make a new folder; `episodes.json` comes last.
+
+        Args:
+            asked: every setting; robots as such.
+            start: run to begin with, or None.
+            out: the folder; `root/episodes/ROBOT/<UTC time>-<seed>` if None.
+            root: folder of the runs.
+
+        Raises: RunError if `out` is taken.
+        """
+        robot, plant = asked["robot"], asked["plant"]
+        place = None if out is None else Path(out)
+        what = "the episodes"
+        path = claim(place, root / HOME, robot.name, asked["seed"], what=what, config=ASKED)
+        write_text(path / ROBOT, robot.layout.xml)
+        if plant is not None:
+            write_text(path / PLANT, plant.layout.xml)
+        if start is not None:
+            _copy_run(start.path, path / "round-0")
+        names = {"robot": robot.name, "plant": plant and plant.name}
+        config = plain({"format": FORMAT, **asked, **names, "start": start and str(start.path)})
+        write(path / ASKED, config)
+        filled(path)
+        return cls(path, config, robot, plant)
+
+    @classmethod
+    def find(cls, place: str | Path, root: Path) -> "EpisodeFolder | None":
+        """Open the episodes that a caller means, `latest` being those that began last.
+
+        Returns: None if the place holds something else. Raises: RunError if they are damaged.
+        """
+        if str(place) == LATEST:
+            begun = [*(root / HOME).glob(f"*/*/{ASKED}")]
+            if not begun:
+                raise RunError(
+                    f"expected episodes below {root / HOME}, found none: leave --resume out"
+                )
+            place = max(begun, key=lambda file: file.stat().st_mtime_ns).parent
+        path = Path(place)
+        if not (path / ASKED).is_file():
+            return None
+        config = read(path / ASKED, {})
+        if config.get("format") != FORMAT:
+            raise RunError(
+                f"expected episodes of format {FORMAT} in {path}, found {config.get('format')!r}: "
+                "begin new ones"
+            )
+        refuse_misshapen(config, CONFIG, path / ASKED)
+        robot = load_robot_of(path / ROBOT, config["robot"])
+        plant = None
+        if config["plant"] is not None:
+            plant = load_robot_of(path / PLANT, config["plant"])
+        return cls(path, config, robot, plant)
+
+    def gone_on_with(self, asked: Mapping[str, Any], out: str | Path | None) -> "EpisodeFolder":
+        """The same episodes, with more rounds if so many are asked for.
+
+        Args:
+            asked: settings; None where the caller left them out.
+            out: must be None.
+
+        Raises: InputError if a setting differs from the one they were begun with.
+        """
+        if out is not None:
+            raise InputError(f"expected --resume without --out, found {out}: drop one of the two")
+        rounds = asked["rounds"]
+        for name, value in asked.items():
+            own = self.config[name]
+            if isinstance(value, PlanarBiped):
+                kept = {"robot": self.robot, "plant": self.plant}[name]
+                same, value = kept and kept.layout.xml == value.layout.xml, value.name
+            elif name == "rounds":
+                same = value is None or value >= own
+            else:
+                same = value is None or value == own
+            if not same:
+                raise InputError(
+                    f"expected the {name} that {self.path} was begun with, {own}, found {value}: "
+                    "episodes go on with their own settings; leave it out, or begin new ones"
+                )
+        if rounds is None or rounds == self.config["rounds"]:
+            return self
+        config = self.config | {"rounds": rounds}
+        write(self.path / ASKED, config)
+        return replace(self, config=config)
+
+    def round(self, number: int) -> Path:
+        """Run folder of a round."""
+        return self.path / f"round-{number}"
+
+    def walks(self, number: int) -> Path:
+        """Summary of a round's walks."""
+        return self.round(number) / "walks" / SUMMARY
+
+    def logs(self, number: int) -> Path:
+        """Folder of the logs of a round's walks on a plant."""
+        return self.round(number) / "walks" / "logs"
+
+
+def write(path: Path, value: Any) -> None:
+    """Save JSON, whole or not at all."""
+    write_text(path, to_json(value))
+
+
+def load_robot_of(path: Path, name: str) -> PlanarBiped:
+    """A robot of the episodes. Raises: RunError or RobotError if its file is gone or damaged."""
+    try:
+        return robot_from_text(path.read_bytes().decode(), name)
+    except (OSError, UnicodeDecodeError) as error:
+        raise RunError(
+            f"expected the robot file {path}, found none to read ({error}): restore it"
+        ) from None
+
+
+def read(path: Path, shape: Shape) -> dict[str, Any]:
+    """Read JSON of `write`. Raises: RunError if it is damaged."""
+    try:
+        found = from_json(path.read_bytes())
+        if wrong := complaint(found, shape):
+            raise ValueError(wrong)
+        return found
+    except (OSError, ValueError) as error:
+        raise RunError(
+            f"expected JSON in {path}, found a damaged file ({error}): delete its round and resume"
+        ) from None
+
+
+def _copy_run(source: Path, place: Path) -> None:
+    """Files of a trained run, without the folders of what was made of it later."""
+
+    def folders(folder: str, names: list[str]) -> list[str]:
+        return [name for name in names if (Path(folder) / name).is_dir()]
+
+    # What a killed command copied is copied again.
+    shutil.copytree(source, place, ignore=folders, dirs_exist_ok=True)

@@ -1,0 +1,185 @@
+"""The compiled walk of a gait: written as `export` writes it, compiled once, kept by its hash."""
+
+import contextlib
+import hashlib
+import importlib.util
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Literal
+
+import mujoco
+
+from neuralgaits._cache import cache_folder
+from neuralgaits.analysis.run import Run
+from neuralgaits.barriers import Gait
+from neuralgaits.control import Controller
+from neuralgaits.errors import InputError, SpecError
+from neuralgaits.export import writing
+from neuralgaits.export.facts import Design, Origin
+from neuralgaits.export.source import gait_files
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.native_library import Library, NativeError
+from neuralgaits.simulation.starts import momentum_range
+from neuralgaits.simulation.walk import LAWS
+
+Choice = Literal["native", "jax"]
+FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")
+"""Products and sums are not fused: a walk is the same on every machine."""
+SOURCES = ("walk.c", "controller.c", "gait.c")
+_HEADERS = ("controller.h", "ng_math.h")
+_COMPILERS = ("cc", "gcc", "clang")
+_COMPILE_S = 300.0
+_UNKNOWN = "0" * 64
+_own_folders: list[tempfile.TemporaryDirectory] = []
+"""Gone with this process."""
+_SHOWN = 200
+NO_COMPILER = "there is no C compiler: install gcc or clang, or pip install 'neuralgaits[compiler]'"
+
+
+@dataclass(frozen=True)
+class Engine:
+    """What walks.
+
+    Attributes:
+        library: the compiled walk, None for the loop in JAX.
+        note: why it is not what was hoped for, in one line; None if there is nothing to say.
+    """
+
+    library: Library | None
+    note: str | None
+
+
+def engine_of(
+    robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float], choice: Choice | None = None
+) -> Engine:
+    """What to walk a gait with.
+
+    Args:
+        robot: the model the controller believes in.
+        gait: policy and region.
+        z2_range: momenta of the region (kg m^2/s).
+        choice: `native` to insist on it, `jax` for the reference, None for native where it works.
+
+    Raises: InputError in one line if native was insisted on and does not work.
+    """
+    if choice not in (None, "native", "jax"):
+        raise InputError(f"engine: expected native or jax, found {choice!r}")
+    if choice == "jax":
+        return Engine(None, None)
+    try:
+        design = _design(robot, gait, z2_range)
+        return _engine(sources(design), design.controller)
+    except NativeError as error:
+        if choice == "native":
+            raise InputError(f"--engine native: expected a compiled walk, but {error}") from None
+        return Engine(None, f"walking with JAX, many times slower, because {error}")
+
+
+def engine_of_run(run: Run, choice: Choice | None = None) -> Engine:
+    """The same for the gait of a run."""
+    return engine_of(run.robot, run.gait, momentum_range(run.gait), choice)
+
+
+def compiler() -> list[str] | None:
+    """How to call a C compiler: CC, the machine's own, or the one of the extra `compiler`."""
+    chosen = os.environ.get("CC", "").split()
+    if chosen:
+        return chosen
+    for name in _COMPILERS:
+        if shutil.which(name):
+            return [name]
+    if importlib.util.find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc"]
+    return None
+
+
+def _design(robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float]) -> Design:
+    # Hashes are for those who get a controller; here the text itself is what is hashed.
+    origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
+    return Design.of(robot, gait, LAWS, z2_range, origin)
+
+
+def sources(design: Design) -> dict[str, str]:
+    """Every file that is compiled. Raises: NativeError for a policy that C cannot express."""
+    try:
+        own = gait_files(design)
+    except SpecError as error:
+        raise NativeError(f"C cannot express its policy ({error})") from None
+    shipped = writing.shipped()
+    folder = resources.files("neuralgaits.simulation") / "c"
+    loop = {name: (folder / name).read_text() for name in ("walk.c", "walk.h")}
+    return own | loop | {name: shipped[name] for name in (*_HEADERS, "controller.c")}
+
+
+def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
+    """The walk of these sources, compiled now or before. Raises: NativeError."""
+    command = compiler()
+    if command is None:
+        raise NativeError(NO_COMPILER)
+    kept = _place(command, texts)
+    # One that is kept and does not load is damaged, and made anew.
+    with contextlib.suppress(NativeError):
+        if kept.is_file():
+            return Engine(Library(kept, controller), None)
+    try:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix="compiling-", dir=kept.parent) as place:
+            os.replace(_compile(command, Path(place), texts), kept)
+        return Engine(Library(kept, controller), None)
+    except OSError as error:
+        note = (
+            f"compiled the walk for this command alone, because {kept.parent} cannot be written "
+            f"({error.strerror})"
+        )
+        # A folder each: what is loaded under one name is not loaded again.
+        _own_folders.append(tempfile.TemporaryDirectory(prefix="neuralgaits-"))
+        made = _compile(command, Path(_own_folders[-1].name), texts)
+        return Engine(Library(made, controller), note)
+
+
+def _place(command: Sequence[str], texts: Mapping[str, str]) -> Path:
+    """Where a library is kept: named after everything it is made of and with."""
+    key = hashlib.sha256()
+    about = (*command, _version(tuple(command)), *FLAGS, mujoco.__version__, platform.machine())
+    for text in (*about, *(part for item in sorted(texts.items()) for part in item)):
+        key.update(f"{len(text)}:{text}".encode())
+    return cache_folder() / "walks" / f"walk-{key.hexdigest()[:32]}.so"
+
+
+def _compile(command: Sequence[str], place: Path, texts: Mapping[str, str]) -> Path:
+    """Compile into a folder. Returns: the library. Raises: NativeError."""
+    for name, text in texts.items():
+        (place / name).write_text(text)
+    made = place / "walk.so"
+    headers = Path(mujoco.__file__).parent / "include"
+    files = [str(place / name) for name in SOURCES]
+    line = [*command, *FLAGS, *files, "-I", str(place), "-isystem", str(headers), "-o", str(made)]
+    try:
+        done = subprocess.run(line, capture_output=True, text=True, timeout=_COMPILE_S, check=False)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise NativeError(f"{command[0]} does not run ({error})"[:_SHOWN]) from None
+    if done.returncode != 0 or not made.is_file():
+        said = [line for line in done.stderr.splitlines() if "error" in line]
+        said = said or done.stderr.splitlines() or [f"exit {done.returncode}"]
+        raise NativeError(f"{command[0]} fails ({' '.join(said[0].split())[:_SHOWN]})")
+    return made
+
+
+@cache
+def _version(command: tuple[str, ...]) -> str:
+    """What a compiler says it is; nothing of one that does not run."""
+    with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+        done = subprocess.run(
+            [*command, "--version"], capture_output=True, text=True, timeout=60.0, check=False
+        )
+        return done.stdout
+    return ""

@@ -1,0 +1,78 @@
+"""One training on disk: from its last checkpoint, or its untrained gait, to its last step."""
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import jax
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.barriers import Gait
+from neuralgaits.runs.names import START, STATE
+from neuralgaits.training.gradient_steps import GradientSteps, Progress
+from neuralgaits.training.posture_start import start_from_posture
+from neuralgaits.training.trainer import Trainer, TrainState
+
+
+class Session(NamedTuple):
+    """A training at its last step."""
+
+    trainer: Trainer
+    steps: GradientSteps
+    """What goes on with further steps."""
+    state: TrainState
+    compile_s: float
+    train_s: float
+
+    @property
+    def gait(self) -> Gait:
+        """The best that was found."""
+        return self.trainer.gait(self.state.best)
+
+
+def take_all_steps(run: Run, progress: Progress | None) -> Session:
+    """Take all gradient steps that a run's config asks for, with checkpoints.
+
+    Args:
+        run: unfinished; its gait is the untrained one.
+        progress: called with (step, steps, loss) now and then.
+
+    Raises: NonFiniteError.
+    """
+    config = run.folder.config
+    disturbance = config.get("disturbance")
+    trainer = Trainer.build(
+        run.robot,
+        run.spec,
+        run.gait,
+        steps=config["steps"],
+        seed=config["seed"],
+        residuals=run.residuals,
+        disturbance=None if disturbance is None else tuple(disturbance),
+        rate=config.get("rate", 1.0),
+    )
+    state = _start(run, trainer)
+    compiling = time.perf_counter()
+    # Two programs to compile and at least two cores: results are thrown away.
+    with ThreadPoolExecutor(1) as beside:
+        validated = beside.submit(trainer.validate, state)
+        if not trainer.done(state):
+            jax.block_until_ready(trainer.step(state))
+        validated.result()
+    training = time.perf_counter()
+    steps = GradientSteps(run.folder, run.spec, progress)
+    steps.forget_after(int(state.step))
+    state = steps.take(trainer, state, lambda state: run.folder.write_tree(STATE, state))
+    return Session(trainer, steps, state, training - compiling, time.perf_counter() - training)
+
+
+def _start(run: Run, trainer: Trainer) -> TrainState:
+    """The last checkpoint if there is one, else the beginning."""
+    if (run.path / STATE).is_file():
+        return run.folder.read_tree(STATE, trainer.init(run.gait))
+    config, recipe, gait = run.folder.config, run.spec.recipe, run.gait
+    cold = START not in config["copies"]
+    if cold and config["init"] == "posture" and recipe.posture_steps:
+        key = jax.random.fold_in(jax.random.key(config["seed"]), 1)
+        gait = start_from_posture(run.robot, gait, recipe.posture_steps, key)
+    return trainer.init(gait)

@@ -1,0 +1,172 @@
+"""A run's gait as a live page needs it: it walks, bears changes, jumps, and knows its margins."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.analysis.quantities import ENDS, Chart, Look
+from neuralgaits.analysis.run import Run
+from neuralgaits.errors import InputError
+from neuralgaits.simulation.falls import Ending
+from neuralgaits.simulation.live import PERIOD_S, LiveWalk
+from neuralgaits.simulation.native_walk import engine_of_run
+from neuralgaits.simulation.starts import momentum_range
+from neuralgaits.simulation.walk import LAWS
+from neuralgaits.viewer.walker import Limits, Margins, Shown
+
+CONTROLLER = "pd"
+"""Law that drives the robot: the one `simulate` takes if none is named."""
+MIDDLE = (0.5, 0.5)
+"""Phase and level of the start: the middle of the region."""
+SLOPE_DEG, FRICTION, MASS_SCALE = (-6.0, 6.0), (0.05, 1.2), (0.5, 2.0)
+"""Reach of the sliders: well beyond what a gait bears."""
+_LEAST_TORQUE = 0.1
+"""Lowest torque limit, as a share of the robot's own."""
+
+
+class LiveGait:
+    """A `viewer.walker.Walker`."""
+
+    period_s = PERIOD_S
+
+    def __init__(self, run: Run):
+        """Put the robot into the middle of its region; nothing is compiled yet."""
+        self._run = run
+        self.chart = Chart(run.gait, run.spec)
+        zd = run.zero_dynamics
+        self._onto = Look(lambda z: {"x": zd.phi_inv(z)})
+        phase, level = (np.array([value]) for value in MIDDLE)
+        self._middle = self.chart.z(phase, level)[0]
+        self.live = LiveWalk(
+            run.robot,
+            run.gait.policy,
+            LAWS[CONTROLLER],
+            self._state(self._middle),
+            z2_range=momentum_range(run.gait),
+            library=engine_of_run(run).library,
+        )
+        self._look: Look | None = None
+        self._z = self._middle
+
+    def look_with(self, look: Look) -> None:
+        """Have margins from now on."""
+        self._look = look
+
+    @property
+    def settings(self) -> Mapping[str, Limits]:
+        """What of the plant can be changed, and how far."""
+        robot = self._run.robot
+        friction, torque = float(robot.friction), float(np.max(robot.torque_limit))
+        return {
+            "slope_deg": Limits(*SLOPE_DEG, 0.0),
+            "friction": Limits(FRICTION[0], max(FRICTION[1], friction), friction),
+            "mass_scale": Limits(*MASS_SCALE, 1.0),
+            "torque_limit": Limits(_LEAST_TORQUE * torque, torque, torque),
+        }
+
+    def tick(self) -> bool:
+        """Let one control tick pass. Returns: False once the robot has fallen."""
+        return self.live.tick()
+
+    def shown(self) -> Shown:
+        """The present moment."""
+        live = self.live
+        record, verdict = live.record, live.verdict
+        if record is not None:
+            self._z = np.asarray(record.command.z)[0]
+        sensors = live.plant.wires.sensors(live.data.qpos, live.data.qvel)
+        ending: Ending = live.ending
+        return Shown(
+            time=live.time,
+            qpos=live.data.qpos.copy(),
+            hip=sensors.base,
+            slope=live.floor.slope,
+            level=live.floor.level,
+            z=self._z,
+            steps=0 if verdict is None else int(verdict.steps[0]),
+            speed=float(sensors.base_velocity[0]),
+            force=live.pushing,
+            fall=ending.reason,
+        )
+
+    def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
+        """Margins of all conditions at a state, or at the nearest one where they apply."""
+        conditions = self._run.spec.conditions
+        with np.errstate(all="ignore"):
+            here = np.concatenate(self.chart.chart(np.asarray(z)[None]))
+            if self._look is None or not np.all(np.isfinite(here)):
+                # Far outside, the fences' series have no meaning.
+                nothing = np.full(len(conditions), np.nan)
+                return Margins(nothing, np.zeros(len(conditions), dtype=bool))
+            asked = [_nearest(here, self._run.spec.regions[c.region]) for c in conditions]
+            points = np.unique(np.array(asked), axis=0)
+            states = self.chart.z(points[:, 0], points[:, 1])
+            # The state itself, not its image in the chart: it may lie outside of it.
+            states[(points == here).all(axis=1)] = z
+            found = self._look(states)
+            where = [int(np.flatnonzero((points == one).all(axis=1))[0]) for one in asked]
+            values = [
+                float(np.min(found[f"margin/{condition.name}"][row]))
+                for condition, row in zip(conditions, where, strict=True)
+            ]
+        within = bool(np.all((here >= -ENDS) & (here <= 1.0 + ENDS)))
+        inside = [within and bool(np.all(one == here)) for one in asked]
+        return Margins(np.array(values), np.array(inside, dtype=bool))
+
+    def push(self, impulse: Float[np.ndarray, "2"]) -> None:
+        """Push along x and z (N s)."""
+        self.live.push(impulse)
+
+    def disturb(self, name: str, value: float) -> None:
+        """Change the plant. A value out of range changes nothing."""
+        self.live.disturb(**{name: value})
+
+    def jump(self, z: Float[np.ndarray, "2"]) -> str | None:
+        """Put the robot onto the zero dynamics at z, standing on leg 0.
+
+        Returns: why not, if z is outside of the region or has no pose; None if it is there.
+        """
+        z = np.asarray(z, dtype=np.float64)
+        if not np.all(np.isfinite(z)):
+            return "That is no state of the gait."
+        with np.errstate(all="ignore"):
+            phase, level = (float(value[0]) for value in self.chart.chart(z[None]))
+        if not (0.0 <= phase <= 1.0 and 0.0 <= level <= 1.0 and z[1] > 0.0):
+            return (
+                f"z = ({z[0]:.3f} m, {z[1]:.1f} kg m²/s) is outside of the region: "
+                "click between the two black fences."
+            )
+        if not self._restart(z):
+            return "The policy has no pose for that state."
+        return None
+
+    def reset(self) -> None:
+        """Back to the middle of the region; the plant stays as it is."""
+        self._restart(self._middle)
+
+    def _state(self, z: Float[np.ndarray, "2"]) -> Float[np.ndarray, " two_n"]:
+        """Full state on the zero dynamics (rad, rad/s). [2n]."""
+        return self._onto(z[None])["x"][0]
+
+    def _restart(self, z: Float[np.ndarray, "2"]) -> bool:
+        """Returns: False, and nothing changes, if there is no pose to stand in."""
+        try:
+            self.live.place(self._state(z))
+        except InputError:
+            return False
+        self._z = z
+        return True
+
+
+def _nearest(here: np.ndarray, boxes) -> tuple[float, float]:
+    """Nearest (phase, level) of a region's boxes; an axis that a box spans is left alone."""
+
+    def within(box) -> tuple[float, float]:
+        place = []
+        for value, low, high in zip(here, box.low, box.high, strict=True):
+            spans = low <= 0.0 and high >= 1.0
+            place.append(float(value) if spans else float(min(max(value, low), high)))
+        return place[0], place[1]
+
+    return min((within(box) for box in boxes), key=lambda at: float(np.sum((at - here) ** 2)))

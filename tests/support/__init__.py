@@ -1,0 +1,1 @@
+"""What tests share; benchmarks take from it too."""

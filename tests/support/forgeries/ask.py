@@ -1,0 +1,132 @@
+"""What the checkers answer, in one word and all that they print."""
+
+import json
+import subprocess
+import sys
+import unicodedata
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.analysis.run import open_run
+from neuralgaits.errors import NeuralGaitsError
+from neuralgaits.runs import RunFolder
+from neuralgaits.workflows.check_proof import check_proof
+from neuralgaits.workflows.proved import certificate_of
+from neuralgaits.workflows.report import saved_of
+from support.forgeries.base import Forged, Forgery
+
+CODES = {0: "proved", 1: "rejected", 2: "unreadable", 3: "undecided"}
+TIMEOUT_S = 120
+
+
+@dataclass(frozen=True)
+class Heard:
+    """A checker's answer.
+
+    Attributes:
+        word: as in `base.EXIT`; of a report, the level it shows.
+        text: everything it printed.
+    """
+
+    word: str
+    text: str
+
+    @property
+    def controls(self) -> str:
+        """Characters in the output that a screen obeys and a reader does not see."""
+        found = {c for c in self.text if unicodedata.category(c) in ("Cc", "Cf", "Zl", "Zp", "Cs")}
+        return "".join(sorted(found - {"\n"}))
+
+
+def ask_cpp(program: Path, file: Path) -> Heard:
+    """The C++ checker."""
+    found = subprocess.run([program, file], capture_output=True, timeout=TIMEOUT_S)
+    text = (found.stdout + found.stderr).decode(errors="surrogateescape")
+    return Heard(CODES.get(found.returncode, "crashed"), text)
+
+
+def ask_python(file: Path, run: Path | None = None) -> Heard:
+    """The Python checker in this process; it must not run a hostile spec."""
+    try:
+        answer = check_proof(file, run=run)
+    except NeuralGaitsError as error:
+        return Heard("unreadable", str(error))
+    except Exception as error:
+        return Heard("crashed", f"{type(error).__name__}: {error}")
+    return Heard(answer["verdict"], "\n".join(_texts(answer)))
+
+
+def ask_process(file: Path, run: Path) -> Heard:
+    """The Python checker in a process of its own, by its exit code and what `--json` says.
+
+    Exit code 0 alone is taken for `proved`: whoever asks in a script looks at nothing else.
+    """
+    command = [sys.executable, "-m", "neuralgaits", "check-proof", str(file), "--run", str(run)]
+    found = subprocess.run([*command, "--json"], capture_output=True, timeout=TIMEOUT_S)
+    text = (found.stdout + found.stderr).decode(errors="surrogateescape")
+    if found.returncode not in CODES:
+        return Heard("crashed", text)
+    return Heard(CODES[found.returncode], text)
+
+
+def ask_report(run: Path) -> Heard:
+    """The highest level that figures or page show as proved, or `none`; or what is boasted."""
+    opened = open_run(run)
+    certificate = certificate_of(opened)
+    page = saved_of(RunFolder.open(run))
+    level = max(certificate.level, page.proved_level, 4 if certificate.full is not None else 0)
+    margins = max(certificate.margins.values(), default=0.0)
+    multiplier = certificate.orbit.multiplier if certificate.orbit is not None else None
+    boast = f"; margins up to {margins}; multiplier in {multiplier}"
+    word = str(level) if level else "none"
+    if margins > 90.0 or (multiplier is not None and multiplier[1] < 0.01):
+        word = "boast"
+    return Heard(word, f"level {level}{boast}")
+
+
+def answers(
+    forgery: Forgery, forged: Forged, folder: Path | str, program: Path, checkers: tuple[str, ...]
+) -> dict[str, Heard]:
+    """Of every checker that a forgery is for, among those asked."""
+    file = Path(folder) / "proof.json"
+    if forgery.process:
+        file = forged.run / "forged.json"
+    file.write_bytes(forged.content)
+    heard = {}
+    for checker in forgery.answers:
+        if checker not in checkers:
+            continue
+        if checker == "cpp":
+            heard[checker] = ask_cpp(program, file)
+        elif checker == "report":
+            heard[checker] = ask_report(forged.run)
+        elif checker == "run" and forgery.process:
+            heard[checker] = ask_process(file, forged.run)
+        else:
+            heard[checker] = ask_python(file, forged.run if checker == "run" else None)
+    return heard
+
+
+def complaints(forgery: Forgery, heard: dict[str, Heard]) -> list[str]:
+    """What is wrong with answers, one sentence each."""
+    found = []
+    for checker, answer in heard.items():
+        wrong = forgery.answers[checker].wrong(checker, answer.word, answer.text)
+        if wrong:
+            last = answer.text.strip().splitlines()[-1:] or [""]
+            found.append(f"{checker} {wrong}: {last[0][:200]!r}")
+        if answer.controls:
+            found.append(f"{checker} wrote {answer.controls!r}")
+    return found
+
+
+def _texts(value: Any) -> list[str]:
+    """Every text of an answer."""
+    if isinstance(value, str):
+        return [value]
+    if isinstance(value, dict):
+        return [text for item in value.values() for text in _texts(item)]
+    if isinstance(value, list | tuple):
+        return [text for item in value for text in _texts(item)]
+    return [json.dumps(value)]

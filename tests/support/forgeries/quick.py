@@ -1,0 +1,109 @@
+"""What makes the Python checker quick where a forgery is one of structure."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import jax
+import numpy as np
+
+from neuralgaits.certificate import retrace
+from neuralgaits.certificate.levels import sets
+from neuralgaits.certificate.levels.full_order import prove as full_order
+from neuralgaits.certificate.proof_file import reader as claims
+from neuralgaits.certificate.proof_file.statement_check import StatementCheck
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.errors import InputError, NeuralGaitsError
+
+Traced = dict[Any, Any]
+
+
+class _Taken:
+    """A statement that is not looked at."""
+
+    verdict, reason, boxes = "holds", None, 0
+
+    def walk(self, leaves: object) -> Iterator[int]:
+        return iter(())
+
+
+@contextmanager
+def statements_taken_as_checked() -> Iterator[None]:
+    """No box is bounded: what is judged is the file, and what is concluded from it."""
+    with mock.patch.object(StatementCheck, "of", lambda program, statement: _Taken()):
+        yield
+
+
+@contextmanager
+def traced_once(known: Traced) -> Iterator[None]:
+    """Runs are traced in this process, each with its parameters once for all forgeries.
+
+    And a Program is read once, which most forgeries leave as it was. Not for a run whose code is
+    hostile.
+    """
+    traces = {sets: "trace_certificate", full_order: "trace_full_order"}
+    with ExitStack() as stack:
+        stack.enter_context(programs_read_once(known))
+        stack.enter_context(mock.patch.object(retrace, "ask", _here))
+        for module, name in traces.items():
+            trace = _once(getattr(module, name), known)
+            stack.enter_context(mock.patch.object(module, name, trace))
+        yield
+
+
+@contextmanager
+def programs_read_once(known: Traced) -> Iterator[None]:
+    """Proofs that have the same Program, to the last character, share the one that was read."""
+    with mock.patch.object(claims, "_program", _read_once(claims._program, known)):
+        yield
+
+
+def _here(run: Path, theorems: Theorems) -> dict[str, Any]:
+    """What `retrace.ask` gets from a process of its own."""
+    try:
+        return json.loads(json.dumps(retrace.answer(run, theorems)))
+    except (NeuralGaitsError, OSError) as error:
+        raise InputError(str(error)) from None
+
+
+def _read_once(read: Callable, known: Traced) -> Callable:
+    """By a file's very text; what is refused is read and refused again."""
+
+    def program(*given):
+        key = ("program", hashlib.sha256(repr(given).encode(errors="surrogatepass")).digest())
+        if key not in known:
+            known[key] = read(*given)
+        return known[key]
+
+    return program
+
+
+def _once(trace: Callable, known: Traced) -> Callable:
+    def traced(*parts):
+        key = (trace.__name__, *map(_key, parts))
+        if key not in known:
+            known[key] = trace(*parts)
+        return known[key]
+
+    return traced
+
+
+def _key(part: Any) -> Any:
+    """Equal for equal robots, gaits, specs and parameters."""
+    if hasattr(part, "layout"):
+        return part.layout.xml
+    if hasattr(part, "describe"):
+        return repr(part.describe())
+    if hasattr(part, "gait") and hasattr(part, "bandwidth"):
+        return (*map(_key, (part.robot, part.gait, part.spec)), part.bandwidth)
+    if hasattr(part, "policy"):
+        return tuple(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(part) if _number(leaf))
+    return repr(part)
+
+
+def _number(leaf: Any) -> bool:
+    return isinstance(leaf, np.ndarray | jax.Array | float | int)
