@@ -44,8 +44,8 @@ _table(
     lambda t: t["statements"][0]["bounds"].update(other=0.0),
 )
 _table("no hash of the Program", lambda t: t.pop("program_hash"))
-_table("a format of the future", lambda t: t.update(format=3))
-_table("a format in a text", lambda t: t.update(format="2"))
+_table("a format of the future", lambda t: t.update(format=4))
+_table("a format in a text", lambda t: t.update(format="3"))
 _table("a format that is true", lambda t: t.update(format=True))
 _table("another kind of file", lambda t: t.update(kind="neuralgaits wish"))
 _table("another chart", lambda t: t.update(chart="u = (level, phase)"))
