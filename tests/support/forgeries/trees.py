@@ -47,10 +47,11 @@ def _(case: Case) -> None:
         statement["tree"] = statement["tree"].replace("-", f"{_wide(statement)}--")
 
 
-@THEME.forgery("a curve's tree for a box", cpp=true(), alone=LOOSE, run=NO, about="walk")
+@THEME.forgery("a box's tree for a curve", cpp=REJECTED, alone=REJECTED, about="walk")
 def _(case: Case) -> None:
+    """The curve has no width along one of the axes that the box is split along."""
     curve, box = (statement_of(case.table, name) for name in ("set/width", "set/inertia"))
-    box["tree"] = curve["tree"]
+    curve["tree"] = box["tree"]
 
 
 @THEME.forgery("a tree without end", cpp=REJECTED, alone=REJECTED, run=UNTRUE)
