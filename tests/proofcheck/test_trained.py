@@ -1,6 +1,7 @@
 """The default gait's statements: confirmed, and rejected once anything in them is not so."""
 
 import base64
+import copy
 import json
 
 import numpy as np
@@ -55,6 +56,23 @@ def test_both_checkers_agree(asked, spoilt, tmp_path):
     more(spoilt)
     assert asked(spoilt).returncode == 1
     assert check_proof(tmp_path / "proof.json")["verdict"] == "rejected"
+
+
+def test_the_default_proof_follows_from_its_program_too(proofcheck, proof_file, proof, tmp_path):
+    answer = proofcheck("--program", proof_file)
+    assert answer.returncode == 0, answer.stdout
+    lines = answer.stdout.splitlines()
+    assert ["level 2 consistent", "level 3 consistent"] == [x for x in lines if x[:6] == "level "]
+    assert "nothing was derived from the robot's numbers" in lines[-1]
+    # The theorem speaks of numbers that the Program computes with.
+    table = copy.deepcopy(proof)
+    table["theorems"][1]["parameters"]["expansion"][0] = "0x1p-3"
+    for row in table["program"]["constants"]:
+        row[0] = None if row[0] == "orbit.expansion" else row[0]
+    path = tmp_path / "proof.json"
+    path.write_text(json.dumps(hashed(table)))
+    answer = proofcheck("--program", path)
+    assert answer.returncode == 1 and "not that of the Program" in answer.stdout
 
 
 def test_leaves_are_split_further(asked, spoilt):

@@ -85,8 +85,7 @@ Chart chart_of(const Json& table) {
   for (const Json& row : list_of(table, "the chart")) {
     only(row, "an axis of the chart", {"name", "low", "high"});
     const string& name = text_of(*row.find("name"), "an axis's name");
-    if (name.empty() || name.size() > 200 || name.find("  ") != string::npos)
-      refuse("the axis '" + name.substr(0, 60) + "', without a name, too long or with blanks in a row");
+    only_a_name(name, "an axis");
     const auto number = [&](const char* end) { return hexadecimal(*row.find(end), name); };
     chart.push_back({name, number("low"), number("high")});
     const double width = chart.back().high - chart.back().low;
