@@ -34,8 +34,8 @@ from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
 from neuralgaits.gait.flow_residual import Residual
+from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
-from neuralgaits.residual.reset import ResetResidual
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.workflows.provable import trace_spec

@@ -12,7 +12,9 @@ import numpy as np
 
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Residuals
+from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import Program
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.derive import LegData, TorsoData
@@ -25,10 +27,7 @@ _ARRAYS = {
     MLPPolicy: (*_NETWORK_POLICY, "start_and_guard"),
 }
 """Fields that desired outputs depend on, beside the network."""
-_LEARNED = {
-    "flow": "neuralgaits.residual.network.Residual",
-    "reset": "neuralgaits.residual.reset.ResetResidual",
-}
+_LEARNED = {"flow": Residual, "reset": ResetResidual}
 _LEARNED_ARRAYS = {
     "flow": ("scale", "shift", "bound"),
     "reset": ("weight", "offset", "scale", "shift", "bound"),
@@ -119,9 +118,7 @@ def _residuals(residuals: Residuals) -> dict[str, Any] | None:
     for part, learned in residuals._asdict().items():
         if learned is None:
             continue
-        kind: Any = type(learned)
-        # By name: rooms of stages know nothing of each other.
-        if f"{kind.__module__}.{kind.__qualname__}" != _LEARNED[part]:
+        if type(learned) is not _LEARNED[part]:
             return None
         arrays = {name: getattr(learned, name) for name in _LEARNED_ARRAYS[part]}
         found[part] = {"arrays": arrays}
