@@ -18,7 +18,7 @@ from neuralgaits.certificate.proof_file.coverage import (
     why_incomplete,
 )
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
-from neuralgaits.certificate.proof_file.statement_check import StatementCheck
+from neuralgaits.certificate.proof_file.shared_check import bound_all
 from neuralgaits.certificate.proof_file.theorem_tables import series
 from neuralgaits.records.certified import Conclusion
 
@@ -107,19 +107,11 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
         trees = [statement.leaves() for statement in claims.statements]
     except InconsistentError as error:
         return replace(report, verdict="rejected", reason=str(error))
-    total, before = sum(len(low) for low, _ in trees), 0
-    for statement, leaves in zip(claims.statements, trees, strict=True):
-        checker = StatementCheck.of(claims.program, statement)
-        for done in checker.walk(leaves):
-            if progress is not None:
-                progress(before + done, total)
-        before += len(leaves[0])
-        report = replace(report, boxes=report.boxes + checker.boxes)
-        if checker.verdict != "holds":
-            report = replace(report, verdict=checker.verdict, reason=checker.reason)
-        if checker.verdict == "rejected":
-            break
-    return _concluded(claims, report) if report.verdict == "consistent" else report
+    found = bound_all(claims.program, claims.statements, trees, progress)
+    report = replace(report, boxes=found.boxes)
+    if found.verdict != "holds":
+        return replace(report, verdict=found.verdict, reason=found.reason)
+    return _concluded(claims, report)
 
 
 def tied(report: Report, claims: Claims, asked: Asked | None) -> Report:

@@ -1,0 +1,210 @@
+"""The leaves of all statements of a proof file, bounded by as many processes as there are cores.
+
+Leaves go out in pieces, to each process every so many-th. A process beside this one is given what
+the statements say, and says what it found, a line a piece; what it does not say is bounded here.
+Pieces are looked at in the order of the file: the answer is the same whoever bounded what.
+"""
+
+import contextlib
+import itertools
+import json
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
+from typing import Any, NamedTuple
+
+from neuralgaits._own_process import command_of, environment_of
+from neuralgaits.certificate.proof_file.reader import Corners, Statement
+from neuralgaits.certificate.proof_file.statement_check import BATCH, StatementCheck, Verdict
+from neuralgaits.programs.program import Program
+
+FEW = 512
+"""Leaves that are bounded before another process has begun."""
+MOST_PROCESSES = 8
+PAUSE_S = 0.005
+"""How long to wait before looking again for what another process says."""
+
+
+class Piece(NamedTuple):
+    """Leaves of one statement, from `start` on, `BATCH` of them or what there is."""
+
+    statement: int
+    start: int
+    leaves: int
+
+
+class Found(NamedTuple):
+    """What bounding a piece gave, and how many boxes it took."""
+
+    verdict: Verdict
+    reason: str | None
+    boxes: int
+
+
+class Bounder:
+    """Bounds pieces in this process."""
+
+    def __init__(self, program: Program, statements: Sequence[Statement], trees: Sequence[Corners]):
+        self._program, self._statements, self._trees = program, statements, trees
+        self._known: dict[int, StatementCheck] = {}
+
+    def __call__(self, piece: Piece) -> Found:
+        """Bound the leaves of one piece, up to the first that fails."""
+        number = piece.statement
+        if number not in self._known:
+            # One at a time: a statement's constants are folded once, and then let go.
+            checker = StatementCheck.of(self._program, self._statements[number])
+            self._known = {number: checker}
+        checker, chosen = self._known[number], slice(piece.start, piece.start + piece.leaves)
+        before = checker.boxes
+        low, high = self._trees[number]
+        for _ in checker.walk((low[chosen], high[chosen])):
+            pass
+        if checker.verdict != "holds":
+            self._known = {}
+        return Found(checker.verdict, checker.reason, checker.boxes - before)
+
+
+def pieces_of(trees: Sequence[Corners]) -> list[Piece]:
+    """All leaves, in the order of the file."""
+    return [
+        Piece(number, start, min(BATCH, len(low) - start))
+        for number, (low, _) in enumerate(trees)
+        for start in range(0, len(low), BATCH)
+    ]
+
+
+def bound_all(
+    program: Program,
+    statements: Sequence[Statement],
+    trees: Sequence[Corners],
+    progress: Callable[[int, int], None] | None = None,
+) -> Found:
+    """Bound every leaf, up to the first piece that is rejected.
+
+    Args:
+        program: of a proof file.
+        statements: of the file.
+        trees: their leaves.
+        progress: called with (leaves done, leaves) now and then.
+
+    Returns: that all hold; or the first that is rejected; or, without one, the first undecided.
+    """
+    pieces, here = pieces_of(trees), Bounder(program, statements, trees)
+    total = sum(piece.leaves for piece in pieces)
+    count = min(_cores(), MOST_PROCESSES) if total > FEW else 1
+    answer, boxes, done = Found("holds", None, 0), 0, 0
+    with contextlib.ExitStack() as stack:
+        beside = [
+            stack.enter_context(contextlib.closing(Beside(program, statements, k, count)))
+            for k in range(1, count)
+        ]
+        for piece, found in zip(pieces, _in_order(pieces, here, beside), strict=False):
+            boxes, done = boxes + found.boxes, done + piece.leaves
+            if answer.verdict == "holds" or found.verdict == "rejected":
+                answer = found
+            if found.verdict == "rejected":
+                break
+            if progress is not None:
+                progress(done, total)
+    return answer._replace(boxes=boxes)
+
+
+def _in_order(
+    pieces: Sequence[Piece], here: Bounder, beside: Sequence["Beside"]
+) -> Iterator[Found]:
+    """What is found on each piece; own pieces are bounded ahead while others' are awaited."""
+    count, own = 1 + len(beside), {}
+    mine = iter(range(0, len(pieces), count))
+    for number, piece in enumerate(pieces):
+        place, turn = divmod(number, count)
+        other = beside[turn - 1] if turn else None
+        while number not in own and not (other and len(other.found) > place):
+            ahead = next(mine, None)
+            if ahead is not None:
+                own[ahead] = here(pieces[ahead])
+            elif other is None or other.ended:
+                own[number] = here(piece)
+            else:
+                other.wait()
+        yield own.pop(number) if number in own else other.found[place]  # pyright: ignore[reportOptionalMemberAccess]
+
+
+class Beside:
+    """A process that bounds every `count`-th piece from `turn` on.
+
+    Attributes:
+        found: what it has said so far, in the order of its pieces.
+    """
+
+    def __init__(self, program: Program, statements: Sequence[Statement], turn: int, count: int):
+        self.found: list[Found] = []
+        rows = [asdict(statement) for statement in statements]
+        task = {"program": program.to_json(), "statements": rows, "turn": turn, "count": count}
+        self._process = None
+        with contextlib.suppress(OSError, TypeError):  # TypeError: Python has no executable.
+            self._process = subprocess.Popen(
+                command_of("neuralgaits.certificate.proof_file.shared_check"),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                text=True,
+                env=environment_of(),
+            )
+        self._reader = threading.Thread(target=self._read, args=(json.dumps(task),), daemon=True)
+        self._reader.start()
+
+    @property
+    def ended(self) -> bool:
+        """Whether it will say no more."""
+        return not self._reader.is_alive()
+
+    def wait(self) -> None:
+        """Give it a little time."""
+        self._reader.join(PAUSE_S)
+
+    def close(self) -> None:
+        """End it, whatever it is doing."""
+        if self._process is not None:
+            self._process.kill()
+            self._reader.join()
+            self._process.wait()
+
+    def _read(self, task: str) -> None:
+        process = self._process
+        if process is None or process.stdin is None or process.stdout is None:
+            return
+        with contextlib.suppress(OSError, ValueError), process.stdin, process.stdout:
+            process.stdin.write(task)
+            process.stdin.close()
+            for line in process.stdout:
+                self.found.append(Found(*json.loads(line)))
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _bound_share(task: dict[str, Any]) -> Iterator[Found]:
+    """What a process beside finds, up to its first piece that is rejected."""
+    statements = [
+        Statement(**row | {name: tuple(row[name]) for name in ("conditions", "low", "high")})
+        for row in task["statements"]
+    ]
+    trees = [statement.leaves() for statement in statements]
+    here = Bounder(Program.from_json(task["program"]), statements, trees)
+    for piece in itertools.islice(pieces_of(trees), task["turn"], None, task["count"]):
+        found = here(piece)
+        yield found
+        if found.verdict == "rejected":
+            return
+
+
+if __name__ == "__main__":
+    for one in _bound_share(json.load(sys.stdin)):
+        sys.stdout.write(json.dumps(one) + "\n")
+        sys.stdout.flush()

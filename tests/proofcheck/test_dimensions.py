@@ -1,0 +1,131 @@
+"""Programs of four and six axes: proved, written, checked by both checkers, and forged."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.certificate.levels.chart import Axis, Chart
+from neuralgaits.certificate.proof_file.check import check
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.writer import Proof, prove
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.schedule import explore
+from neuralgaits.errors import InputError
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.records.certified import Counterexample
+
+PARAMETERS = (
+    Axis("speed before", 0.5, 0.9),
+    Axis("speed after", 0.5, 0.9),
+    Axis("mass", -0.02, 0.02),
+    Axis("floor", -0.01, 0.01),
+)
+WEIGHTS = np.random.default_rng(4).normal(size=(8, 6))
+
+
+def pendulum(u: Any) -> dict[str, Any]:
+    """Something like a gait: a small network of all axes, a pendulum's energy, a quotient."""
+    hidden = jnp.tanh(jnp.asarray(WEIGHTS[:, : len(u)]) @ u)
+    pace = 1.0 + 0.2 * hidden[0] * u[2]
+    energy = pace**2 + jnp.cos(0.4 * (u[0] - 0.5)) * (1.0 + u[-1])
+    return {"pace": 0.3 + pace / (1.0 + 0.1 * u[1]), "energy": energy - 0.1 * u[3] ** 2}
+
+
+def made(axes: int, least: float = 0.0) -> tuple[Chart, Problem]:
+    chart = Chart(PARAMETERS[: axes - 2])
+    program = trace(pendulum, {"u": (axes,)})
+    names = ("pace", "energy")
+    whole = chart.whole((0.0, 0.0), (1.0, 1.0))
+    return chart, Problem("tube", *whole, names, (1.0, 1.0), program, least=(least, least))
+
+
+@pytest.fixture(scope="module", params=[4, 6])
+def proved(request, tmp_path_factory) -> Path:
+    chart, problem = made(request.param)
+    (state,) = explore([problem], [None], lambda name, u: None)
+    statements = tuple(prove(problem, state))
+    assert {name for one in statements for name in one.conditions} == {"pace", "energy"}
+    path = tmp_path_factory.mktemp("dimensions") / "proof.json"
+    named = {"name": "none", "sha256": "0" * 64}
+    Proof(named, named, "0" * 64, problem.program, chart, statements).write(path)
+    return path
+
+
+def test_both_checkers_confirm_it(proved, proofcheck):
+    report = check(read_claims(proved))
+    assert report.verdict == "consistent", report.reason
+    assert all("speed after in [0.5, 0.9]" in line for line in report.statements)
+    answer = proofcheck("--program", proved)
+    assert answer.returncode == 0, answer.stdout[-500:] + answer.stderr
+    assert "consistent" in answer.stdout and "proved" not in answer.stdout.splitlines()[-1]
+    # The checker's own formulas know no parameters.
+    assert proofcheck(proved).returncode == 3
+
+
+def test_bounds_hold_at_random_points(proved):
+    claims, draw = read_claims(proved), np.random.default_rng(1)
+    for statement in claims.statements:
+        for u in draw.uniform(statement.low, statement.high, size=(300, claims.chart.size)):
+            values = pendulum(jnp.asarray(u))
+            for name in statement.conditions:
+                assert values[name] >= statement.bounds[name]
+
+
+def _raise(table: Any) -> None:
+    for statement in table["statements"]:
+        statement["bounds"] = {name: 1.5 * bound for name, bound in statement["bounds"].items()}
+
+
+def _high(table: Any) -> list[str]:
+    return table["statements"][0]["root"]["high"]
+
+
+FALSE = {
+    "bounds too high": _raise,
+    "an axis that is not there": lambda t: t["statements"][0].update(tree="7--"),
+    "a tree without end": lambda t: t["statements"][0].update(tree="3" * 200 + "-" * 201),
+    "another program's hash": lambda t: t.update(program_hash="0" * 64),
+}
+UNREADABLE = {
+    "a parameter's interval cut in a root": lambda t: _high(t).__setitem__(2, (0.7).hex()),
+    "a root of fewer axes": lambda t: t["statements"][0]["root"]["low"].pop(),
+    "a chart of fewer axes": lambda t: t["chart"].pop(),
+    "a chart of more axes": lambda t: t["chart"].append(
+        {"name": "more", "low": "0x0p+0", "high": "0x1p+0"}
+    ),
+}
+
+
+@pytest.mark.parametrize("name", [*FALSE, *UNREADABLE])
+def test_forged_ones_are_refused(proved, proofcheck, tmp_path, name):
+    table = json.loads(proved.read_text())
+    (FALSE | UNREADABLE)[name](table)
+    forged = tmp_path / "proof.json"
+    forged.write_text(json.dumps(table))
+    answer = proofcheck("--program", forged)
+    assert answer.returncode in (1, 2), answer.stdout[-300:]
+    if name in FALSE:
+        assert check(read_claims(forged)).verdict == "rejected"
+    else:
+        with pytest.raises(InputError, match="expected a proof file"):
+            read_claims(forged)
+
+
+@pytest.mark.parametrize("axes", [4, 6])
+def test_what_fails_somewhere_is_refuted_there(axes):
+    _, problem = made(axes, least=1.35)
+
+    def confirm(name: str, u: np.ndarray) -> Counterexample | None:
+        margin = float(np.min(pendulum(jnp.asarray(u))[name])) - 1.35
+        point = tuple(u.tolist())
+        return Counterexample(point, point, margin) if margin < 0.0 else None
+
+    (state,) = explore([problem], [None], confirm)
+    point = state.refuted["pace"].u
+    assert all(a <= x <= b for a, x, b in zip(problem.low, point, problem.high, strict=True))
+    assert pendulum(jnp.asarray(point))["pace"] < 1.35
+    assert "pace" not in {name for one in prove(problem, state) for name in one.conditions}
