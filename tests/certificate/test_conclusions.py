@@ -7,11 +7,12 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 from scipy.integrate import quad
 
-from neuralgaits.certificate.levels.conclusions import attraction, conclude, walking
-from neuralgaits.certificate.levels.theorems import (
-    Orbit,
+from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.orbit.conclude import attraction
+from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
+from neuralgaits.certificate.levels.walking_set.conclude import walking
+from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSet,
-    orbit_premises,
     safe_premises,
     strips,
     walking_premises,
@@ -70,7 +71,7 @@ def test_what_is_carried_along_has_statements(name):
 
 
 def test_with_all_premises_both_levels_follow():
-    second, third = conclude(SHAPE, ORBIT, BOXES, BOUNDS)
+    second, third = conclude({2: SHAPE, 3: ORBIT}, BOXES, BOUNDS)
     assert (second.verdict, third.verdict) == ("proved", "proved")
     assert second.figures["step_time_at_most_s"] == pytest.approx(1.003 / 0.25)
     assert any("width" in line for line in second.words if "regions only" in line)
@@ -82,7 +83,7 @@ def test_no_premise_is_idle(key):
         bounds = {k: v for k, v in BOUNDS.items() if k != key}
         if worse is not None:
             bounds[key] = worse
-        answers = conclude(SHAPE, ORBIT, BOXES, bounds)
+        answers = conclude({2: SHAPE, 3: ORBIT}, BOXES, bounds)
         if key[0].startswith("set/value"):
             # Without it T is only as large as where the barrier functions are not negative.
             assert all(answer.verdict == "proved" for answer in answers)
@@ -157,9 +158,9 @@ def test_without_contraction_nothing_is_concluded(change):
 
 
 def test_theorems_survive_the_file_and_nothing_else_is_read():
-    theorems = Theorems(SHAPE, ORBIT, claimed=(2, 3))
+    theorems = Theorems.of(SHAPE, ORBIT, claimed=(2, 3))
     assert Theorems.read(theorems.tables()) == theorems
-    assert Theorems.read(Theorems(SHAPE).tables()) == Theorems(SHAPE)
+    assert Theorems.read(Theorems.of(SHAPE).tables()) == Theorems.of(SHAPE)
     second, third = theorems.tables()
     broken = [
         [third],

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import Barrier, functions
-from neuralgaits.certificate.levels.theorems import WalkingSet
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 
 PUSH = (0.01, 0.3)
 READS = {"pose": functions.torso_angle, "velocity": functions.forward_rate}

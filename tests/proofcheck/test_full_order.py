@@ -76,7 +76,7 @@ class FullCase(SetCase):
 
     @property
     def theorems(self) -> list[dict[str, Any]]:
-        return list(Theorems(full=self.shape).tables())
+        return list(Theorems.of(self.shape).tables())
 
     @cached_property
     def table(self) -> dict[str, Any]:
@@ -198,7 +198,7 @@ def stated(case: FullCase, shape: FullOrder) -> dict:
     for name, numbers in series(shape).items():
         (row,) = [row for row in program["constants"] if row[0] == f"full.{name}"]
         row[2] = base64.b64encode(np.array(numbers).tobytes()).decode()
-    (theorem,) = Theorems(full=shape, claimed=(4,)).tables()
+    (theorem,) = Theorems.of(shape, claimed=(4,)).tables()
     statements = [
         table["statements"][0]
         | {

@@ -10,7 +10,8 @@ import re
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.conclusions import attraction, proved_bounds
+from neuralgaits.certificate.levels.orbit.conclude import attraction
+from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.records.certified import Conclusion

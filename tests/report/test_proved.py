@@ -9,7 +9,7 @@ from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
-from neuralgaits.certificate.levels.theorems import Orbit
+from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.workflows import demo, proved

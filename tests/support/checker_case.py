@@ -25,8 +25,9 @@ from neuralgaits.barriers import (
 )
 from neuralgaits.barriers import functions as f
 from neuralgaits.certificate.levels.chart import PLAIN
+from neuralgaits.certificate.levels.orbit.theorem import Attraction, Orbit
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
-from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
@@ -241,7 +242,7 @@ class SetCase(Case):
 
     @property
     def theorems(self) -> list[dict[str, Any]]:
-        return list(Theorems(self.sets.walking, self.sets.orbit).tables())
+        return list(Theorems(self.sets.parameters).tables())
 
 
 def chart_table(*more: tuple[str, float, float]) -> list[dict[str, str]]:

@@ -10,7 +10,6 @@ from flint import arb
 
 from neuralgaits.barriers import Barrier
 from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels.conclusions import proved_bounds
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.margins import (
     BANDWIDTH,
@@ -19,6 +18,7 @@ from neuralgaits.certificate.levels.full_order.margins import (
 )
 from neuralgaits.certificate.levels.full_order.prove import full_order
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, series
+from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck

@@ -11,8 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from neuralgaits.certificate.levels.conclusions import conclude, proved_bounds
-from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.coverage import Asked, contradictions, stated_roots
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
@@ -179,9 +179,7 @@ def _concluded(claims: Claims, asked: Asked) -> list[Conclusion]:
     """What follows from the statements of a file, as far as the file claims it."""
     theorems, bounds = claims.theorems, proved_bounds(claims.statements)
     try:
-        found = conclude(theorems.walking, theorems.orbit, asked.boxes(), bounds)
-        if theorems.full is not None:
-            found.append(conclude_full_order(theorems.full, bounds))
+        found = conclude(theorems.parameters, asked.boxes(), bounds)
     except (OverflowError, ZeroDivisionError):
         return []
     return [one for one in found if one.level in theorems.claimed and one.proved]

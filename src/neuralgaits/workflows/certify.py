@@ -12,8 +12,9 @@ from threadpoolctl import threadpool_limits
 from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.chart import PLAIN
-from neuralgaits.certificate.levels.conclusions import conclude, proved_bounds
 from neuralgaits.certificate.levels.conditions.judge import judge
+from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.levels.sets import (
     Sets,
     condition_boxes,
@@ -236,7 +237,7 @@ def _written(
     if statements:
         sets = task.sets
         claimed = tuple(found.level for found in conclusions if found.verdict == "proved")
-        theorems = Theorems(sets.walking, sets.orbit, claimed=claimed)
+        theorems = Theorems(sets.parameters, claimed)
         model = model_data(run.robot, run.gait, run.spec, task.program, run.residuals)
         proof_of(run, task.program, statements, theorems, model).write(proof)
     else:
@@ -265,7 +266,7 @@ def _written(
 def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
     """The answers of the levels above 1 that were asked for."""
     sets, boxes = task.sets, condition_boxes(task.run.spec)
-    found = conclude(sets.walking, sets.orbit, boxes, proved_bounds(statements))
+    found = conclude(sets.parameters, boxes, proved_bounds(statements))
     first = 2 + len(found)
     for level in range(first, min(task.level, LEVEL) + 1):
         reason = sets.reason if level == first else f"level {level - 1} is not proved"

@@ -61,6 +61,6 @@ def proof(run: Run, result: FullOrderResult) -> Proof:
     """The proof file of a result with statements."""
     assert result.program is not None  # There are statements about it.
     claimed = (LEVEL,) if result.conclusion.verdict == "proved" else ()
-    theorems = Theorems(full=result.shape, claimed=claimed)
+    theorems = Theorems.of(result.shape, claimed=claimed)
     model = model_data(run.robot, run.gait, run.spec, result.program)
     return proof_of(run, result.program, result.statements, theorems, model)

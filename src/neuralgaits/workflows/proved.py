@@ -5,7 +5,7 @@ from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder
-from neuralgaits.certificate.levels.theorems import Orbit
+from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.proved import Certificate

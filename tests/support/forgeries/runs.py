@@ -95,7 +95,7 @@ def full_order_table(run: Run) -> Table:
     shape = find_full_order(looks_of(model), model.names, BANDWIDTH, SHARES[0])
     assert not isinstance(shape, str), shape
     program = full_order.trace_full_order(model, shape)
-    theorems = Theorems(full=shape, claimed=(4,))
+    theorems = Theorems.of(shape, claimed=(4,))
     proof: Proof = proof_of(run, program, (), theorems, None)
     place = run.path / FULL_ORDER
     proof.write(place)

@@ -10,18 +10,15 @@ from numpy.polynomial.chebyshev import chebval
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.levels.chart import PLAIN, Chart, Corner
+from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
+from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
 from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_orbit
-from neuralgaits.certificate.levels.theorems import (
-    SET,
-    Orbit,
-    WalkingSet,
-    labelled_premises,
-)
+from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.certificate.levels.walking_set.find import find_set
-from neuralgaits.certificate.proof_file.theorem_tables import series
+from neuralgaits.certificate.levels.walking_set.theorem import SET, WalkingSet
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.programs import POINT, Program, evaluate, fold
@@ -49,6 +46,12 @@ class Sets:
     orbit: Orbit | None = None
     reason: str | None = None
     least: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def parameters(self) -> Parameters:
+        """Of the levels whose sets were found."""
+        known = {2: self.walking, 3: self.orbit}
+        return {number: part for number, part in known.items() if part is not None}
 
 
 def find_sets(
@@ -133,11 +136,13 @@ def trace_certificate(
 
 def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
     """Parameters of the sets under the names that constants of the Program get."""
-    parts = {"walking": sets.walking, "orbit": sets.orbit}
+    known = sets.parameters
     return {
-        part: {name: np.array(value) for name, value in series(chosen)}
-        for part, chosen in parts.items()
-        if chosen is not None
+        level.part: {
+            name: np.array(value) for name, value in level.constants(known[level.number]).items()
+        }
+        for level in LEVELS
+        if level.number in known
     }
 
 
@@ -168,7 +173,7 @@ def premise_problems(
     """Root boxes of levels 2 and 3 with what must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}
     roots: dict[tuple[str, Corner, Corner], list[str]] = {}
-    found = labelled_premises(sets.walking, sets.orbit, condition_boxes(spec))
+    found = labelled_premises(sets.parameters, condition_boxes(spec))
     for region, name, low, high in found:
         names = roots.setdefault((region, low, high), [])
         if name not in names:

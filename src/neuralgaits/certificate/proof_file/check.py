@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from neuralgaits.certificate.levels.conclusions import conclude, level_one_boxes, proved_bounds
-from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.premises import level_one_boxes, proved_bounds
 from neuralgaits.certificate.proof_file.coverage import (
     Asked,
     contradictions,
@@ -19,7 +19,7 @@ from neuralgaits.certificate.proof_file.coverage import (
 )
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
-from neuralgaits.certificate.proof_file.theorem_tables import series
+from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
 from neuralgaits.records.certified import Conclusion
 
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]
@@ -27,8 +27,6 @@ Progress = Callable[[int, int], None]
 
 SHOWN = 3
 """Contradictions or names that are named where there are more of them."""
-PARTS = {2: "walking", 3: "orbit", 4: "full"}
-"""What the Program's constants that are parameters of a level are named after."""
 
 NOT_TIED = (
     "not compared with a run: every statement and conclusion follows from the Program in the file, "
@@ -153,14 +151,15 @@ def _not_on_all(claims: Claims, asked: Asked) -> tuple[str, ...]:
 def _parameters_that_differ(claims: Claims) -> str | None:
     """The first parameter of a claimed theorem that is not the Program's constant of that name."""
     known = {constant.name: constant.array for constant in claims.program.constants}
-    for level in claims.theorems.claimed:
-        part = PARTS[level]
-        for name, values in series(claims.theorems.parameters[level]):
+    for number in claims.theorems.claimed:
+        level = BY_NUMBER[number]
+        part = level.part
+        for name, values in level.constants(claims.theorems.parameters[number]).items():
             if name == "disturbance" and not any(values):
                 continue  # The Program has nothing to add.
             array = known.get(f"{part}.{name}")
             if array is None or array.tolist() != list(values):
-                return f"{name} of level {level} is not the Program's {part}.{name}"
+                return f"{name} of level {number} is not the Program's {part}.{name}"
     return None
 
 
@@ -170,9 +169,7 @@ def _concluded(claims: Claims, report: Report) -> Report:
     boxes = level_one_boxes(claims.statements) if asked is None else asked.boxes()
     bounds = proved_bounds(claims.statements)
     try:
-        found = conclude(theorems.walking, theorems.orbit, boxes, bounds)
-        if theorems.full is not None:
-            found.append(conclude_full_order(theorems.full, bounds))
+        found = conclude(theorems.parameters, boxes, bounds)
     except (OverflowError, ZeroDivisionError) as error:
         reason = f"the parameters of its theorems leave the range of doubles: {error}"
         return replace(report, verdict="rejected", reason=reason)

@@ -10,10 +10,8 @@ from typing import Any, NamedTuple, Protocol
 
 from neuralgaits._names import why_no_name
 from neuralgaits.certificate.levels.chart import PLANE, Corner
-from neuralgaits.certificate.levels.conclusions import Claim
-from neuralgaits.certificate.levels.full_order.theorem import REGION
-from neuralgaits.certificate.levels.full_order.theorem import premises as full_order_premises
-from neuralgaits.certificate.levels.theorems import labelled_premises
+from neuralgaits.certificate.levels.ladder import labelled_premises
+from neuralgaits.certificate.levels.premises import Claim
 from neuralgaits.certificate.proof_file.json_fields import box_of, number_of, text_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 
@@ -147,10 +145,8 @@ def _labels(theorems: Theorems, asked: Asked | None) -> dict[Root, str]:
     """What is asked: the label of each output on each of its boxes."""
     boxes = [] if asked is None else asked.boxes()
     found: dict[Root, str] = {}
-    for label, name, low, high in labelled_premises(theorems.walking, theorems.orbit, boxes):
+    for label, name, low, high in labelled_premises(theorems.parameters, boxes):
         found[name, low, high] = label
-    for name, low, high, _ in () if theorems.full is None else full_order_premises(theorems.full):
-        found[name, low, high] = REGION
     for name, low, high in boxes:
         assert asked is not None
         found[name, low, high] = asked.conditions[name].region
@@ -168,10 +164,7 @@ def _barriers_that_are_none(theorems: Theorems, asked: Asked | None) -> list[str
 
 def premise_names(theorems: Theorems) -> set[str]:
     """Outputs that the theorems of a file rest on, beside the spec's conditions."""
-    found = {name for _, name, *_ in labelled_premises(theorems.walking, theorems.orbit, [])}
-    if theorems.full is not None:
-        found |= {premise.output for premise in full_order_premises(theorems.full)}
-    return found
+    return {name for _, name, *_ in labelled_premises(theorems.parameters, [])}
 
 
 def unstated(statements: Sequence[Stated], asked: Asked) -> list[Root]:

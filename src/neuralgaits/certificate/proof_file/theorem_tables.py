@@ -4,36 +4,56 @@ The reader accepts what the writer writes, field by field. Needs no JAX.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
-from neuralgaits.certificate.levels.full_order import theorem as full_order_theorem
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder
-from neuralgaits.certificate.levels.theorems import Orbit, WalkingSet
+from neuralgaits.certificate.levels.ladder import LEVELS
+from neuralgaits.certificate.levels.level import Level, Parameters
+from neuralgaits.certificate.levels.orbit.theorem import Orbit
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 
-Parameters = WalkingSet | Orbit | FullOrder
-KINDS: Mapping[int, type] = {2: WalkingSet, 3: Orbit, 4: FullOrder}
+BY_NUMBER: Mapping[int, Level] = {level.number: level for level in LEVELS}
 T = TypeVar("T")
 
 
 class Theorems(NamedTuple):
-    """Levels 2 and 3 of a proof, or level 4: parameters, and whether anything is claimed of them.
+    """Levels above 1 of a proof: their parameters, and which of them are claimed.
 
     Parameters of a level that is not claimed stand in the file all the same: the Program has
     outputs that depend on them.
     """
 
-    walking: WalkingSet | None = None
-    orbit: Orbit | None = None
-    full: FullOrder | None = None
+    parameters: Parameters = MappingProxyType({})
     claimed: tuple[int, ...] = ()
 
+    @classmethod
+    def of(cls, *parts: Any, claimed: tuple[int, ...] = ()) -> "Theorems":
+        """Of the parameters of some levels; None for one without."""
+        known = {
+            level.number: part
+            for level in LEVELS
+            for part in parts
+            if isinstance(part, level.parameters)
+        }
+        return cls(known, claimed)
+
     @property
-    def parameters(self) -> dict[int, Parameters]:
-        """By level, lowest first."""
-        known = {2: self.walking, 3: self.orbit, 4: self.full}
-        return {level: part for level, part in known.items() if part is not None}
+    def walking(self) -> WalkingSet | None:
+        """Parameters of level 2."""
+        return self.parameters.get(2)
+
+    @property
+    def orbit(self) -> Orbit | None:
+        """Parameters of level 3."""
+        return self.parameters.get(3)
+
+    @property
+    def full(self) -> FullOrder | None:
+        """Parameters of level 4."""
+        return self.parameters.get(4)
 
     def tables(self) -> tuple[dict[str, Any], ...]:
         """JSON data, lowest level first."""
@@ -52,27 +72,22 @@ class Theorems(NamedTuple):
         for table in tables:
             if not isinstance(table, dict) or set(table) != {"level", "claimed", "parameters"}:
                 raise ValueError("theorems that are no level, claim and parameters")
-            level, parameters = table["level"], table["parameters"]
+            number, parameters = table["level"], table["parameters"]
             if not isinstance(table["claimed"], bool) or not isinstance(parameters, dict):
-                raise ValueError(f"the theorem {table} of level {level}")
-            if type(level) is not int or level not in KINDS:
-                raise ValueError(f"a theorem of level {level!r}")
-            found[level] = from_table(KINDS[level], parameters)
-            claimed += [level] * table["claimed"]
-        if list(found) not in ([], [2], [2, 3], [4]) or len(found) != len(tables):
+                raise ValueError(f"the theorem {table} of level {number}")
+            if type(number) is not int or number not in BY_NUMBER:
+                raise ValueError(f"a theorem of level {number!r}")
+            found[number] = from_table(BY_NUMBER[number].parameters, parameters)
+            claimed += [number] * table["claimed"]
+        levels = [BY_NUMBER[number] for number in found]
+        if (
+            len(found) != len(tables)
+            or list(found) != sorted(found)
+            or any(below not in found for level in levels for below in level.rests_on)
+            or len({level.full_order for level in levels}) > 1
+        ):
             raise ValueError("theorems that are not of level 2, then 3, or of level 4 alone")
-        return cls(found.get(2), found.get(3), found.get(4), tuple(claimed))
-
-
-def series(parameters: Parameters) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Parameters that are lists of numbers, by name: the Program has them as constants."""
-    if isinstance(parameters, FullOrder):
-        yield from full_order_theorem.series(parameters).items()
-        return
-    for field in fields(parameters):
-        value = getattr(parameters, field.name)
-        if isinstance(value, tuple) and value and isinstance(value[0], float):
-            yield field.name, value
+        return cls(found, tuple(claimed))
 
 
 def to_table(parameters: Any) -> dict[str, Any]:

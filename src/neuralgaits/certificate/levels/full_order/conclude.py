@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from flint import arb, fmpq
 
-from neuralgaits.certificate.levels.conclusions import Bounds, above, below
 from neuralgaits.certificate.levels.full_order.theorem import (
     FENCES,
     STIFF,
@@ -20,6 +19,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     lyapunov_rate,
     premises,
 )
+from neuralgaits.certificate.levels.premises import Bounds, above, below
 from neuralgaits.records.certified import Conclusion, Constant
 
 LEVEL = 4

@@ -9,11 +9,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from neuralgaits.certificate.levels.chart import PLAIN
-from neuralgaits.certificate.levels.conclusions import proved_bounds
 from neuralgaits.certificate.levels.full_order.conclude import LEVEL, conclude_full_order
 from neuralgaits.certificate.levels.full_order.find import Look, Looks, find_full_order
 from neuralgaits.certificate.levels.full_order.margins import FullOrderModel, margins
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, series
+from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.writer import Statement, prove
 from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem

@@ -11,10 +11,12 @@ prove it. `conclude` does the arithmetic from the constants to the theorem in ba
 is in docs/full_order.md. Needs no JAX.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from neuralgaits.certificate.levels.theorems import Premise
+from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.premises import Premise
 
 FENCES = LOWER, UPPER = "level-lower", "level-upper"
 """Names of the two fences as barriers: they read z alone."""
@@ -188,3 +190,9 @@ def premises(shape: FullOrder) -> list[Premise]:
         if name not in FENCES:
             found.append(Premise(f"full/reading {name}", *tube, sign="not negative"))
     return found
+
+
+def labelled_premises(shape: FullOrder) -> Iterator[tuple[str, str, Corner, Corner]]:
+    """(label, output, low, high) of everything that level 4 rests on."""
+    for output, low, high, _ in premises(shape):
+        yield REGION, output, low, high

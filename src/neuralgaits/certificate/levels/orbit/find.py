@@ -12,8 +12,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.theorems import Attraction, Orbit, WalkingSet
+from neuralgaits.certificate.levels.orbit.theorem import Attraction, Orbit
 from neuralgaits.certificate.levels.walking_set.find import CLEAR, STRIPS
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 
 Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 """Points (phase, level) [n, 2] to slope and expansion, foot, foot_rate, pace, after and gain."""

@@ -12,7 +12,7 @@ from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.barriers.regions import chebyshev
 from neuralgaits.certificate.levels.orbit.return_map import expansion, landing, slope, state
-from neuralgaits.certificate.levels.theorems import Orbit
+from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.gait import ZeroDynamics
 
 

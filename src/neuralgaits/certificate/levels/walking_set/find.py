@@ -9,7 +9,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
-from neuralgaits.certificate.levels.theorems import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 
 Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 """Chart points [n, 2] to "foot" [m], "foot_rate" [m/s] and "after" (phase, zeta) [n, 2]."""

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.barriers.functions import transversal_inertia
-from neuralgaits.certificate.levels.theorems import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 from neuralgaits.gait import Point, ZeroDynamics
 
 

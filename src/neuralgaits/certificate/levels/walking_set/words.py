@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Sequence
 
 from neuralgaits._digits import at_most
-from neuralgaits.certificate.levels.theorems import Corner, WalkingSet, cover_the_tube
+from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet, cover_the_tube
 
 
 def walking_words(

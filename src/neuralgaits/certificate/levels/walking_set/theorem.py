@@ -1,19 +1,14 @@
-"""What levels 2 and 3 rest on: parameters of the sets, and the statements that are premises.
-
-A theorem is parameters and a list of premises. A premise is an output of the Program that must
-not be negative on a root box; the proof file has a statement for each. `conclusions` draws the
-conclusion from the proved bounds. Needs no JAX.
-"""
+"""The set of level 2: its parameters, and the statements that are premises. Needs no JAX."""
 
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
 
 from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.premises import Boxes, Premise
 
-Attraction = Literal["contraction", "nested tubes"]
-"""Why the orbit attracts all of the walking set: see `conclusions.attraction`."""
+STRIPS, SET = "strips", "walking set"
+"""Labels of the statements that level 2 rests on, where a spec's have their region."""
 
 
 @dataclass(frozen=True)
@@ -42,45 +37,6 @@ class WalkingSet:
     def ends(self) -> tuple[float, float]:
         """First and last phase of T."""
         return -self.start_strip, 1.0 + self.guard_strip
-
-
-@dataclass(frozen=True)
-class Orbit:
-    """A thin tube around the periodic orbit, and bounds on how trajectories part.
-
-    Series are Chebyshev coefficients over the phase mapped to [-1, 1].
-
-    Attributes:
-        attraction: how it is shown to attract the walking set.
-        guard_from, guard_to: phases between which the thin tube meets the ground.
-        lower, upper: fences of the thin tube, zeta [(kg m^2/s)^2].
-        expansion: upper bound of dF/dzeta over the walking set.
-        slowest, fastest: bounds of dF/dzeta over the thin tube.
-    """
-
-    attraction: Attraction
-    guard_from: float
-    guard_to: float
-    lower: tuple[float, ...]
-    upper: tuple[float, ...]
-    expansion: tuple[float, ...]
-    slowest: tuple[float, ...]
-    fastest: tuple[float, ...]
-
-
-STRIPS, SET, ORBIT, RETURN_MAP = "strips", "walking set", "orbit", "return map"
-"""Labels of the statements that levels 2 and 3 rest on, where a spec's have their region."""
-_OF_RETURN_MAP = ("orbit/expansion", "orbit/gain")
-"""Outputs of the walking set's chart apart from those of the thin tube's."""
-
-
-class Premise(NamedTuple):
-    """An output that has a bound on a root box: positive, not negative, or any (a constant)."""
-
-    output: str
-    low: Corner
-    high: Corner
-    sign: Literal["positive", "not negative", "any"] = "positive"
 
 
 def walking_premises(shape: WalkingSet) -> list[Premise]:
@@ -118,37 +74,6 @@ def safe_premises(shape: WalkingSet) -> list[Premise]:
     return [Premise(f"set/value {name}", *whole, sign="not negative") for name in shape.barriers]
 
 
-def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
-    """Premises of level 3 beside those of level 2."""
-    first, last = shape.ends
-    whole = (first, 0.0), (last, 1.0)
-    lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
-    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
-    before, behind = orbit.guard_from, orbit.guard_to
-    thin_strip = (before, 0.0), (behind, 1.0)
-    between = (shape.start_strip, 0.0), (1.0 - shape.guard_strip, 1.0)
-    nested = ["orbit/nested-above", "orbit/nested-below"]
-    if orbit.attraction == "contraction":
-        nested = []
-    return [
-        *(Premise(output, *between) for output in nested),
-        Premise("orbit/expansion", *whole, sign="not negative"),
-        Premise("orbit/gain", *strip, sign="any"),
-        Premise("orbit/fence-lower", *lower),
-        Premise("orbit/fence-upper", *upper),
-        Premise("orbit/inside", *lower),
-        Premise("orbit/inside", *upper),
-        Premise("orbit/foot-above", (before, 0.0), (before, 1.0)),
-        Premise("orbit/foot-below", (behind, 0.0), (behind, 1.0)),
-        Premise("orbit/reset-level", *thin_strip),
-        Premise("orbit/width", *lower, sign="any"),
-        Premise("orbit/slowest", *whole, sign="not negative"),
-        Premise("orbit/fastest", *whole, sign="not negative"),
-        Premise("orbit/reset-gain-low", *thin_strip),
-        Premise("orbit/reset-gain-high", *thin_strip, sign="any"),
-    ]
-
-
 def strips(
     shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]]
 ) -> Iterator[tuple[str, Corner, Corner]]:
@@ -173,24 +98,17 @@ def strips(
             yield name, (1.0, low[1]), (1.0 + shape.guard_strip, high[1])
 
 
-def labelled_premises(
-    shape: WalkingSet | None, orbit: Orbit | None, boxes: Sequence[tuple[str, Corner, Corner]]
-) -> Iterator[tuple[str, str, Corner, Corner]]:
-    """(label, output, low, high) of all that levels 2 and 3 rest on beside level 1.
+def labelled_premises(shape: WalkingSet, boxes: Boxes) -> Iterator[tuple[str, str, Corner, Corner]]:
+    """(label, output, low, high) of all that level 2 rests on beside level 1.
 
     Args:
-        shape: of level 2; nothing is asked without it.
-        orbit: of level 3, if it is asked for.
-        boxes: (condition, low, high) of level 1.
+        shape: of the set.
+        boxes: of level 1.
     """
-    if shape is None:
-        return
     for name, low, high in strips(shape, boxes):
         yield STRIPS, name, low, high
     for output, low, high, _ in (*walking_premises(shape), *safe_premises(shape)):
         yield SET, output, low, high
-    for output, low, high, _ in [] if orbit is None else orbit_premises(shape, orbit):
-        yield RETURN_MAP if output in _OF_RETURN_MAP else ORBIT, output, low, high
 
 
 def cover_the_tube(boxes: Sequence[tuple[Corner, Corner]]) -> bool:

@@ -1,0 +1,84 @@
+"""All levels above 1, lowest first. Level 1 is a spec's conditions themselves."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from typing import Any
+
+from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.full_order import theorem as full_order
+from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.levels.level import Level, Parameters
+from neuralgaits.certificate.levels.orbit import theorem as orbit
+from neuralgaits.certificate.levels.orbit.conclude import attraction
+from neuralgaits.certificate.levels.premises import Bounds, Boxes
+from neuralgaits.certificate.levels.walking_set import theorem as walking_set
+from neuralgaits.certificate.levels.walking_set.conclude import walking
+from neuralgaits.records.certified import Conclusion
+
+
+def _lists(parameters: Any) -> Mapping[str, tuple[float, ...]]:
+    """Parameters that are lists of numbers, by name."""
+    values = {field.name: getattr(parameters, field.name) for field in fields(parameters)}
+    return {
+        name: value
+        for name, value in values.items()
+        if isinstance(value, tuple) and value and isinstance(value[0], float)
+    }
+
+
+LEVELS = (
+    Level(
+        2,
+        "walking",
+        walking_set.WalkingSet,
+        _lists,
+        lambda known, boxes: walking_set.labelled_premises(known[2], boxes),
+        lambda known, boxes, bounds: walking(known[2], boxes, bounds),
+    ),
+    Level(
+        3,
+        "orbit",
+        orbit.Orbit,
+        _lists,
+        lambda known, boxes: orbit.labelled_premises(known[2], known[3]),
+        lambda known, boxes, bounds: attraction(known[2], known[3], bounds),
+        rests_on=(2,),
+    ),
+    Level(
+        4,
+        "full",
+        full_order.FullOrder,
+        full_order.series,
+        lambda known, boxes: full_order.labelled_premises(known[4]),
+        lambda known, boxes, bounds: conclude_full_order(known[4], bounds),
+        full_order=True,
+    ),
+)
+
+
+def labelled_premises(known: Parameters, boxes: Boxes) -> Iterator[tuple[str, str, Corner, Corner]]:
+    """(label, output, low, high) of all that these levels rest on beside level 1."""
+    for level in LEVELS:
+        if level.number in known:
+            yield from level.premises(known, boxes)
+
+
+def conclude(known: Parameters, boxes: Boxes, bounds: Bounds) -> list[Conclusion]:
+    """The answers for the levels that have parameters.
+
+    Args:
+        known: parameters by level.
+        boxes: (condition, low, high) of every box of every condition of the spec.
+        bounds: what is proved, of `premises.proved_bounds`.
+    """
+    found: dict[int, Conclusion] = {}
+    for level in LEVELS:
+        if level.number not in known:
+            continue
+        open_below = [n for n in level.rests_on if n not in found or found[n].verdict != "proved"]
+        if open_below:
+            reason = f"level {open_below[0]} is not proved"
+            found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
+        else:
+            found[level.number] = level.conclude(known, boxes, bounds)
+    return list(found.values())

@@ -1,0 +1,120 @@
+"""Level 3 from its premises: the closing arithmetic of the return map, in balls.
+
+The argument is in docs/guarantees.md. Numbers come from the parameters and the bounds that were
+proved; a comparison holds only if it is certain.
+"""
+
+from collections.abc import Sequence
+
+from flint import arb
+
+from neuralgaits._digits import at_least, at_most
+from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
+from neuralgaits.certificate.levels.premises import Bounds, above, below, first_missing
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.records.certified import Conclusion
+
+
+def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
+    """Level 3: one periodic orbit, enclosed, that attracts the walking set; rests on level 2.
+
+    Args:
+        shape: of the set.
+        orbit: thin tube and bounds on the expansion.
+        bounds: what is proved.
+    """
+    missing = first_missing(orbit_premises(shape, orbit), bounds)
+    first, last = shape.ends
+    if missing is None and not shape.falling < orbit.guard_from < orbit.guard_to <= last:
+        missing = "the thin tube's guard is not where the foot falls"
+    if missing is not None:
+        return Conclusion(3, "undecided", missing, (), {})
+    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    thin = (orbit.guard_from, 0.0), (orbit.guard_to, 1.0)
+    gain = -bounds["orbit/gain", *strip]
+    gains = bounds["orbit/reset-gain-low", *thin], -bounds["orbit/reset-gain-high", *thin]
+    width = -bounds["orbit/width", (first, 0.0), (last, 0.0)]
+    over = arb(shape.start_strip) + (arb(last) - 1).max(1 - arb(strip[0][0]))
+    contraction = arb(gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
+    low = arb(gains[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
+    high = arb(gains[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
+    middle = [(2 * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
+    figures = {
+        "contraction_at_most": above(contraction),
+        "multiplier_at_least": below(low),
+        "multiplier_at_most": above(high),
+        "z2_at_mid_step_at_least": below(middle[0]),
+        "z2_at_mid_step_at_most": above(middle[1]),
+        "z2_width_at_most": width,
+    }
+    if orbit.attraction == "nested tubes":
+        shrinking = arb(gain) * (2 * over * _end(orbit, shape)).exp()
+        shrinking *= _half_width(orbit, 1.0 - shape.guard_strip)
+        shrinking /= _half_width(orbit, shape.start_strip)
+        figures["tubes_shrink_by_at_most"] = above(shrinking)
+        why = (
+            "outside a thin tube around the orbit every trajectory gets nearer to it from phase "
+            f"{shape.start_strip!r} to {1.0 - shape.guard_strip!r}, and across the impact gets to "
+            f"{at_most(above(shrinking), 4)} of its distance or less; inside it the return map "
+            f"contracts to {at_most(above(high), 4)} or less"
+        )
+        if not shrinking < 1:
+            reason = f"tubes around the orbit may widen by {above(shrinking):.4g} at the impact"
+            return Conclusion(3, "undecided", reason, (), figures)
+    else:
+        why = (
+            "the return map of the section at mid-step contracts to "
+            f"{at_most(above(contraction), 4)} or less on all of T"
+        )
+        if not contraction < 1:
+            reason = f"the return map is not shown to contract: |P'| <= {above(contraction):.4g}"
+            return Conclusion(3, "undecided", reason, (), figures)
+    if not middle[0] < middle[1]:
+        # Margins in its widths are bounded, so that these have one sign at every phase.
+        return Conclusion(3, "undecided", "the thin tube is upside down", (), figures)
+    if not (low > 0 and high < 1):
+        reason = f"the multiplier is enclosed in [{below(low):.4g}, {above(high):.4g}] only"
+        return Conclusion(3, "undecided", reason, (), figures)
+    least, most = below(middle[0]), above(middle[1])
+    words = (
+        f"{why}: there is one periodic orbit, and every trajectory of the undisturbed system in T "
+        "converges to it",
+        f"at mid-step the orbit has z2 in [{at_least(least, 8)}, {at_most(most, 8)}] kg m^2/s, and "
+        f"is known to {at_most(width, 3)} everywhere",
+        f"its multiplier is in [{at_least(below(low), 4)}, {at_most(above(high), 4)}]",
+    )
+    return Conclusion(3, "proved", None, words, figures)
+
+
+def _end(orbit: Orbit, shape: WalkingSet) -> arb:
+    """Bound on the expansion series anywhere in T, and so on the strips.
+
+    Where |x| <= X and X >= 1, no Chebyshev polynomial is larger than at X.
+    """
+    edge = 1 + 2 * arb(shape.start_strip).max(arb(shape.ends[1]) - 1)
+    worst = arb(0)
+    for series in (orbit.expansion, orbit.slowest, orbit.fastest):
+        worst = worst.max(_value([abs(c) for c in series], edge))
+    return worst
+
+
+def _half_width(orbit: Orbit, phase: float) -> arb:
+    """Of the thin tube [unit of zeta]; every nested tube is a multiple of it."""
+    x = 2 * arb(phase) - 1
+    return (_value(orbit.upper, x) - _value(orbit.lower, x)) / 2
+
+
+def _integral(series: Sequence[float]) -> arb:
+    """Integral of a Chebyshev series over phases 0 to 1."""
+    total = arb(0)
+    for k in range(0, len(series), 2):
+        total += arb(series[k]) / (1 - k * k)
+    return total
+
+
+def _value(series: Sequence[float], x: arb) -> arb:
+    """Chebyshev series at x, by Clenshaw."""
+    ahead, further = arb(0), arb(0)
+    for coefficient in reversed(series[1:]):
+        ahead, further = 2 * x * ahead - further + arb(coefficient), ahead
+    return x * ahead - further + arb(series[0])

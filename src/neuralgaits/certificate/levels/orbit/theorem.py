@@ -1,0 +1,77 @@
+"""The thin tube of level 3: its parameters, and the statements that are premises. Needs no JAX."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.premises import Premise
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+
+Attraction = Literal["contraction", "nested tubes"]
+"""Why the orbit attracts all of the walking set: see `conclude`."""
+ORBIT, RETURN_MAP = "orbit", "return map"
+"""Labels of the statements that level 3 rests on."""
+_OF_RETURN_MAP = ("orbit/expansion", "orbit/gain")
+"""Outputs of the walking set's chart apart from those of the thin tube's."""
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A thin tube around the periodic orbit, and bounds on how trajectories part.
+
+    Series are Chebyshev coefficients over the phase mapped to [-1, 1].
+
+    Attributes:
+        attraction: how it is shown to attract the walking set.
+        guard_from, guard_to: phases between which the thin tube meets the ground.
+        lower, upper: fences of the thin tube, zeta [(kg m^2/s)^2].
+        expansion: upper bound of dF/dzeta over the walking set.
+        slowest, fastest: bounds of dF/dzeta over the thin tube.
+    """
+
+    attraction: Attraction
+    guard_from: float
+    guard_to: float
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    expansion: tuple[float, ...]
+    slowest: tuple[float, ...]
+    fastest: tuple[float, ...]
+
+
+def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
+    """Premises of level 3 beside those of level 2."""
+    first, last = shape.ends
+    whole = (first, 0.0), (last, 1.0)
+    lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
+    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    before, behind = orbit.guard_from, orbit.guard_to
+    thin_strip = (before, 0.0), (behind, 1.0)
+    between = (shape.start_strip, 0.0), (1.0 - shape.guard_strip, 1.0)
+    nested = ["orbit/nested-above", "orbit/nested-below"]
+    if orbit.attraction == "contraction":
+        nested = []
+    return [
+        *(Premise(output, *between) for output in nested),
+        Premise("orbit/expansion", *whole, sign="not negative"),
+        Premise("orbit/gain", *strip, sign="any"),
+        Premise("orbit/fence-lower", *lower),
+        Premise("orbit/fence-upper", *upper),
+        Premise("orbit/inside", *lower),
+        Premise("orbit/inside", *upper),
+        Premise("orbit/foot-above", (before, 0.0), (before, 1.0)),
+        Premise("orbit/foot-below", (behind, 0.0), (behind, 1.0)),
+        Premise("orbit/reset-level", *thin_strip),
+        Premise("orbit/width", *lower, sign="any"),
+        Premise("orbit/slowest", *whole, sign="not negative"),
+        Premise("orbit/fastest", *whole, sign="not negative"),
+        Premise("orbit/reset-gain-low", *thin_strip),
+        Premise("orbit/reset-gain-high", *thin_strip, sign="any"),
+    ]
+
+
+def labelled_premises(shape: WalkingSet, orbit: Orbit) -> Iterator[tuple[str, str, Corner, Corner]]:
+    """(label, output, low, high) of all that level 3 rests on beside level 2."""
+    for output, low, high, _ in orbit_premises(shape, orbit):
+        yield RETURN_MAP if output in _OF_RETURN_MAP else ORBIT, output, low, high

@@ -1,0 +1,56 @@
+"""Level 2 from its premises: the walking set is forward invariant, and safe.
+
+The argument is in docs/guarantees.md; a comparison holds only if it is certain.
+"""
+
+from flint import arb
+
+from neuralgaits.certificate.levels.premises import Bounds, Boxes, Premise, above, first_missing
+from neuralgaits.certificate.levels.walking_set.theorem import (
+    WalkingSet,
+    safe_premises,
+    strips,
+    walking_premises,
+)
+from neuralgaits.certificate.levels.walking_set.words import walking_words
+from neuralgaits.records.certified import Conclusion
+
+
+def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
+    """Level 2: the walking set is forward invariant, and safe.
+
+    Args:
+        shape: of the set.
+        boxes: (condition, low, high) of every box of every condition of the spec.
+        bounds: what is proved.
+    """
+    needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
+    missing = first_missing([*walking_premises(shape), *needed], bounds)
+    stated = {name for name, *_ in boxes}
+    for name in {*shape.carried, *shape.barriers} - stated:
+        missing = missing or f"there is no statement about {name}"
+    first, last = shape.ends
+    whole = (first, 0.0), (last, 1.0)
+    if missing is None and not (0.0 < shape.start_strip < 0.1 and 0.0 < shape.guard_strip < 0.1):
+        missing = "strips outside (0, 0.1)"
+    if missing is None and not 0.0 < shape.risen <= shape.falling < 1.0 - shape.guard_strip:
+        missing = "phases of rise and fall that are not in order"
+    if missing is None and not min(shape.disturbance) >= 0.0:
+        missing = "a disturbance with a negative bound"
+    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    if missing is None and not bounds["set/reset-phase", *strip] > -shape.start_strip:
+        missing = "a reset may land outside the strip around the start of a step"
+    if missing is not None:
+        return Conclusion(2, "undecided", missing, (), {})
+    pace = bounds["set/forward", *whole]
+    longest = (arb(last) - arb(first)) / arb(pace)
+    figures = {
+        "step_time_at_most_s": above(longest),
+        "forward_at_least_per_s": pace,
+        "inertia_at_least_kg_m": bounds["set/inertia", *whole],
+        "relative_width": bounds["set/width", (first, 0.0), (last, 0.0)],
+        "foot_falls_at_least_m_s": bounds["set/foot-falls", (shape.falling, 0.0), whole[1]],
+    }
+    unsafe = [premise for premise in safe_premises(shape) if first_missing([premise], bounds)]
+    words = walking_words(shape, boxes, figures["step_time_at_most_s"], not unsafe)
+    return Conclusion(2, "proved", None, words, figures)
