@@ -279,7 +279,7 @@ def test_points_of_the_file_are_checked_in_balls(file):
     chosen = _about(claims, "full/pace")
     for bound, verdict in ((chosen.bounds["full/pace"], "holds"), (5.0, "rejected")):
         one = replace(
-            chosen, low=(0.5, 0.5), high=(0.5, 0.5), tree="0", bounds={"full/pace": bound}
+            chosen, low=(0.5, 0.5), high=(0.5, 0.5), tree="-", bounds={"full/pace": bound}
         )
         checker = StatementCheck.of(claims.program, one)
         list(checker.walk(one.leaves()))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 from threadpoolctl import threadpool_limits
 
@@ -202,7 +203,7 @@ def _confirmer(run: Run, sets: Sets) -> Confirm:
             condition = conditions[name]
             margin = np.min(condition.margins(gait, zd, zd.point(z))) / condition.scale
         else:
-            margin = np.min(set_margins(run.spec, gait, zd, sets, u)[name])
+            margin = np.min(set_margins(run.spec, gait, zd, sets, jnp.asarray(u))[name])
         if not margin < 0.0:
             return None
         state = (float(z[0]), float(z[1]))

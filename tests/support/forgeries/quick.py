@@ -15,6 +15,7 @@ from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels import sets
 from neuralgaits.certificate.levels.full_order import prove as full_order
 from neuralgaits.certificate.proof_file import reader as claims
+from neuralgaits.certificate.proof_file import shared_check
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError
@@ -34,7 +35,10 @@ class _Taken:
 @contextmanager
 def statements_taken_as_checked() -> Iterator[None]:
     """No box is bounded: what is judged is the file, and what is concluded from it."""
-    with mock.patch.object(StatementCheck, "of", lambda program, statement: _Taken()):
+    with (
+        mock.patch.object(StatementCheck, "of", lambda program, statement: _Taken()),
+        mock.patch.object(shared_check, "_cores", lambda: 1),
+    ):
         yield
 
 
