@@ -22,6 +22,7 @@ from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
@@ -266,7 +267,7 @@ def test_other_constants_than_the_programs_are_rejected(file, result, change, re
     if "barriers" in change:
         first, *rest = result.shape.barriers
         change = {"barriers": (replace(first, coupling=0.0), *rest)}
-    theorems = claims.theorems._replace(full=replace(result.shape, **change))
+    theorems = Theorems.of(replace(result.shape, **change), claimed=claims.theorems.claimed)
     # One statement is enough: these are seen before and after the boxes are bounded.
     short = _about(claims, "full/mismatch")
     found = check(replace(claims, theorems=theorems, statements=(short,)))
