@@ -14,9 +14,9 @@ from common import seeds, show, trained
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.conclude import constants
+from neuralgaits.certificate.levels.full_order.of_run import model_of
 from neuralgaits.certificate.levels.full_order.prove import FullOrderResult, full_order
-from neuralgaits.workflows.certify_full_order import model_of
-from neuralgaits.workflows.full_order_check import check_by_force, check_in_mujoco
+from support.full_order_check import check_by_force, check_in_mujoco
 
 DEFAULT_SEEDS = 5
 

@@ -12,9 +12,9 @@ from common import show, trained
 from threadpoolctl import threadpool_limits
 
 from neuralgaits.analysis.run import Run
+from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.programs import evaluate, fold
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra
-from neuralgaits.workflows.provable import trace_spec
 
 BOXES, POINTS, BATCH = 5120, 196, 256
 """Random points in a box, beside its four corners."""

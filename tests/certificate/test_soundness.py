@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import specs
+from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra
 from neuralgaits.robots import load_robot
-from neuralgaits.workflows.provable import trace_spec
 
 BOXES, POINTS, EXACT = 96, 100, 32
 BEYOND, WIDTHS = 0.03, (1e-6, 0.1)

@@ -7,11 +7,11 @@ import pytest
 
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.chart import PLAIN
+from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.provable import trace_spec
 from support.small_proof import sha256, statement, write
 
 NAME, REGION = "tube-width", "fence-lower"

@@ -15,7 +15,7 @@ from neuralgaits.records.simulated import SUMMARY, Simulated
 from neuralgaits.report.again import simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
-from neuralgaits.workflows.certificate_words import how_sure
+from neuralgaits.viewer.sureness import how_sure
 from support import small_spec
 from support.printed import check, on_page, on_screen
 from support.shipped_run import SHIPPED

@@ -31,13 +31,13 @@ from neuralgaits.report import (
     residual_field,
     return_map,
 )
+from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.figure import png, svg, write
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.makers import MAKERS, Absent, Source
 from neuralgaits.report.return_map import Proved
 from neuralgaits.workflows.figures import figures
-from neuralgaits.workflows.proved import certificate_of
 
 UNIT = re.compile(r"\[.+\]")
 PNG = b"\x89PNG\r\n\x1a\n"

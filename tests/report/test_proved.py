@@ -11,11 +11,12 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
 from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.reading import hashes, read_certificate
 from neuralgaits.records.certified import Conclusion
-from neuralgaits.workflows import demo, proved
-from neuralgaits.workflows.certificate_reader import hashes, read_certificate
-from neuralgaits.workflows.certificate_words import how_sure
-from neuralgaits.workflows.proved import certificate_of
+from neuralgaits.report import certificate as proved
+from neuralgaits.report.certificate import certificate_of
+from neuralgaits.viewer.sureness import how_sure
+from neuralgaits.workflows import demo
 
 LOW, HIGH = 72.0, 84.5
 """Fences of a thin tube, zeta = z2^2 / 2: z2 from 12 to 13 kg m^2/s."""

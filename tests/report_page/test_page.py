@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from neuralgaits.certificate.reading import hashes
 from neuralgaits.cli.words import read as read_words
 from neuralgaits.report.drawn import Missing
 from neuralgaits.report.page.answer import answer
@@ -18,7 +19,6 @@ from neuralgaits.report.page.document import document
 from neuralgaits.report.page.markup import Html, number, tag, text
 from neuralgaits.report.page.proof import certificate
 from neuralgaits.report.page.walking import animation, simulations
-from neuralgaits.workflows.certificate_reader import hashes
 
 HOSTILE = "\"><img src=x onerror=alert(1)></script><script>alert('&')</script>"
 SIMULATED = {

@@ -30,13 +30,13 @@ from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.workflows.provable import trace_spec
 from support.random_biped import random_biped
 
 EVERYWHERE = Box((0.0, 0.0), (1.0, 1.0))

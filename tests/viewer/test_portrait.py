@@ -9,13 +9,13 @@ import pytest
 
 from neuralgaits.analysis.quantities import Chart, Look, quantities
 from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate.reading import hashes
 from neuralgaits.report import certificate_map
 from neuralgaits.viewer import markdown, phase_plane
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.phase_plane import portrait
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
-from neuralgaits.workflows.certificate_reader import hashes
-from neuralgaits.workflows.certificate_words import how_sure
+from neuralgaits.viewer.sureness import how_sure
 
 
 @pytest.fixture(scope="module")

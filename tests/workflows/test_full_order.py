@@ -10,12 +10,14 @@ from flint import arb
 
 from neuralgaits.barriers import Barrier
 from neuralgaits.certificate import retrace
+from neuralgaits.certificate.levels.full_order import of_run
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.margins import (
     BANDWIDTH,
     output_coordinates,
     scaled_coordinates,
 )
+from neuralgaits.certificate.levels.full_order.of_run import model_of
 from neuralgaits.certificate.levels.full_order.prove import full_order
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, series
 from neuralgaits.certificate.levels.premises import proved_bounds
@@ -27,9 +29,8 @@ from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.prune import prune
-from neuralgaits.workflows import certify_full_order, check_proof
-from neuralgaits.workflows.certify_full_order import model_of
-from neuralgaits.workflows.full_order_check import (
+from neuralgaits.workflows import check_proof
+from support.full_order_check import (
     check_by_force,
     check_in_mujoco,
     states_of,
@@ -235,7 +236,7 @@ def _leaves(statement) -> tuple[np.ndarray, np.ndarray]:
 @pytest.fixture(scope="module")
 def file(trained, result, tmp_path_factory):
     path = tmp_path_factory.mktemp("level-4") / "full-order.json"
-    certify_full_order.proof(trained, result).write(path)
+    of_run.proof(trained, result).write(path)
     return path
 
 

@@ -14,6 +14,7 @@ from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.levels.conditions.judge import judge
+from neuralgaits.certificate.levels.full_order.of_run import certify_full_order
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.levels.sets import (
@@ -25,8 +26,10 @@ from neuralgaits.certificate.levels.sets import (
     trace_certificate,
 )
 from neuralgaits.certificate.proof_file.model_data import model_data
+from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Statement, prove
+from neuralgaits.certificate.reading import hashes
 from neuralgaits.certificate.search.branch_and_bound import Confirm, Search
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.problem import Problem
@@ -42,9 +45,6 @@ from neuralgaits.programs.prune import prune
 from neuralgaits.records import certified
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Verdict
 from neuralgaits.runs.names import MAP
-from neuralgaits.workflows.certificate_reader import hashes
-from neuralgaits.workflows.certify_full_order import certify_full_order
-from neuralgaits.workflows.proof_of import proof_of
 
 LEVEL, HIGHEST = 3, 4
 """What is proved if no level is asked for, and the most that can be."""
@@ -252,7 +252,7 @@ def _written(
         verdicts[condition.name] = judge(condition.name, roots, margin)
         own += [pair for pair in roots if pair not in own]
     # Drawing takes longer to import than small proofs take.
-    from neuralgaits.workflows.certificate_figure import write_map
+    from neuralgaits.report.map_of_boxes import write_map
 
     more: dict[str, Any] = {
         "map": str(write_map(run, [p for p, _ in own], [s for _, s in own], proof.parent)),

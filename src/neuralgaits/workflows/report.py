@@ -7,6 +7,7 @@ from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
+from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.reported import Lack, Reported
 from neuralgaits.records.shown import ShownWalk
@@ -18,7 +19,6 @@ from neuralgaits.report.shown_walk import shown_walk
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, resolve, write_text
 from neuralgaits.runs.names import ROBOT
-from neuralgaits.workflows.certificate_reader import read_certificate
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.inspect import inspect
 

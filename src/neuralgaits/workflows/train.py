@@ -11,6 +11,12 @@ from neuralgaits._settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.barriers import Gait, GaitSpec, specs, user_code
 from neuralgaits.barriers.spec import Init
+from neuralgaits.certificate.provable import (
+    after_impact,
+    refuse_untraceable,
+    trace_spec,
+    why_not_provable,
+)
 from neuralgaits.errors import InputError, Interrupted, RunError
 from neuralgaits.records.asked import Asked, Proving, asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
@@ -21,12 +27,6 @@ from neuralgaits.runs.names import PROGRAM, ROBOT, SPEC, WEIGHTS
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import Session, take_all_steps
 from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
-from neuralgaits.workflows.provable import (
-    after_impact,
-    refuse_untraceable,
-    trace_spec,
-    why_not_provable,
-)
 
 FRESH_SAMPLES_SEED = 2**31
 """Seed of the samples the summary is measured on; no run can have it."""

@@ -96,7 +96,7 @@ class LiveView:
     def _bring_to_life(self) -> None:
         """Certificate, margins and portrait: the robot walks meanwhile."""
         # Its imports would hold up the first frame.
-        from neuralgaits.workflows.certificate_words import how_sure
+        from neuralgaits.viewer.sureness import how_sure
 
         try:
             run = self._run

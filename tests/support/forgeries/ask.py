@@ -11,9 +11,9 @@ from typing import Any
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import NeuralGaitsError
+from neuralgaits.report.certificate import certificate_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.proved import certificate_of
 from neuralgaits.workflows.report import saved_of
 from support.forgeries.base import Forged, Forgery
 

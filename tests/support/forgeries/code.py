@@ -131,7 +131,7 @@ import json
 from pathlib import Path
 
 import neuralgaits.programs.tracing.tracer as tracer
-import neuralgaits.workflows.provable as provable
+import neuralgaits.certificate.provable as provable
 import neuralgaits.certificate.levels.sets as sets
 from neuralgaits.programs import Program
 

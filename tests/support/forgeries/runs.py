@@ -9,15 +9,15 @@ from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.full_order import prove as full_order
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH
+from neuralgaits.certificate.levels.full_order.of_run import certify_full_order, model_of
 from neuralgaits.certificate.levels.full_order.prove import SHARES, looks_of
 from neuralgaits.certificate.levels.full_order.theorem import premises
+from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Proof
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certify import certify
-from neuralgaits.workflows.certify_full_order import certify_full_order, model_of
 from neuralgaits.workflows.demo import FOLDER
-from neuralgaits.workflows.proof_of import proof_of
 from support.forgeries.base import Base, Table
 from support.forgeries.edits import claim, root, sha256, spec_file
 

@@ -18,6 +18,7 @@ from neuralgaits.analysis import run as runs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import asked_of, open_run, untrained
 from neuralgaits.barriers import specs
+from neuralgaits.certificate import reading
 from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
@@ -25,6 +26,7 @@ from neuralgaits.certificate.search.checkpoint import load, open_boxes
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.shown import FILE, ShownWalk
 from neuralgaits.report import makers, shown_walk
+from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
@@ -33,18 +35,16 @@ from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import read_arrays, resolve, to_json
 from neuralgaits.runs.names import ROBOT, STATE
+from neuralgaits.viewer.sureness import how_sure
+from neuralgaits.workflows import episodes as rounds
 from neuralgaits.workflows import (
-    certificate_reader,
     fit,
     report,
     train,
 )
-from neuralgaits.workflows import episodes as rounds
-from neuralgaits.workflows.certificate_words import how_sure
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.export import _origin
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.proved import certificate_of
 from neuralgaits.workflows.report import saved_of
 from support.fuzzing.place import EPISODES, FILES, RUN, Place
 
@@ -179,7 +179,7 @@ def remember() -> None:
     robot = functools.lru_cache(64)(robot_from_text)
     claims = functools.lru_cache(64)(lambda path, content: read_claims(path))
     runs.robot_from_text = report.robot_from_text = robot
-    certificate_reader.read_claims = lambda path: claims(path, path.read_bytes())
+    reading.read_claims = lambda path: claims(path, path.read_bytes())
 
 
 def resume_training(place: Place, path: Path) -> None:

@@ -11,8 +11,8 @@ import equinox as eqx
 import numpy as np
 
 from neuralgaits.certificate.proof_file.model_data import model_data
+from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.workflows.provable import trace_spec
 from support.mutations.base import MODEL, Base, Mutation, altered, corners, grid, least, violated
 
 Draw = np.random.Generator

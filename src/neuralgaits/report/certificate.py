@@ -6,11 +6,11 @@ from numpy.polynomial.chebyshev import chebval
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder
 from neuralgaits.certificate.levels.orbit.theorem import Orbit
+from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report.full_order_set import FullOrderSet
 from neuralgaits.report.proved import Certificate
 from neuralgaits.report.return_map import Proved
-from neuralgaits.workflows.certificate_reader import read_certificate
 
 
 def certificate_of(run: Run) -> Certificate:

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 from neuralgaits._digits import at_least
 from neuralgaits.analysis.run import Run
+from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.records.certified import PROOF, Certified
 from neuralgaits.runs.commands import command, named
 from neuralgaits.viewer import markdown
-from neuralgaits.workflows.certificate_reader import read_certificate
 
 
 class Sureness(NamedTuple):

@@ -21,6 +21,7 @@ from neuralgaits.certificate.levels.full_order.margins import (
     output_coordinates,
     scaled_coordinates,
 )
+from neuralgaits.certificate.levels.full_order.of_run import model_of
 from neuralgaits.certificate.levels.full_order.theorem import FENCES, FullOrder
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
@@ -29,7 +30,6 @@ from neuralgaits.simulation.full_order import ExactOutputs, ExactWalk, walk_exac
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.tick import Record
 from neuralgaits.simulation.walk import walk
-from neuralgaits.workflows.certify_full_order import model_of
 
 WALKS, STEPS = 10_000, 3
 """Walks of the model, and impacts in each."""

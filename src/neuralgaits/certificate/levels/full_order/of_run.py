@@ -9,12 +9,12 @@ from neuralgaits.certificate.levels.full_order.conclude import LEVEL
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH, FullOrderModel
 from neuralgaits.certificate.levels.full_order.prove import BUDGET_S, FullOrderResult, full_order
 from neuralgaits.certificate.proof_file.model_data import model_data
+from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Proof
 from neuralgaits.certificate.search.schedule import Progress
 from neuralgaits.errors import SpecError
 from neuralgaits.records.certified import FULL_ORDER, Conclusion
-from neuralgaits.workflows.proof_of import proof_of
 
 
 @dataclass(frozen=True)
