@@ -16,7 +16,6 @@ KEPT = (
     "config.json",
     "metrics.csv",
     "policy.safetensors",
-    "program.json",
     "robot.xml",
     "spec.py",
     "summary.json",

@@ -10,12 +10,12 @@ import pytest
 from neuralgaits.errors import RunError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import resolve_unfinished
-from neuralgaits.runs.names import PROGRAM, STATE, WEIGHTS
+from neuralgaits.runs.names import STATE, WEIGHTS
 from neuralgaits.workflows.train import train
 
 MOMENTS = ("config.json", STATE, "summary.json")
 """Files that are on disk, but do not have their name yet."""
-RESULTS = ("metrics.csv", STATE, WEIGHTS, PROGRAM)
+RESULTS = ("metrics.csv", STATE, WEIGHTS)
 
 
 class Killed(BaseException):

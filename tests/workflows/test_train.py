@@ -17,10 +17,11 @@ import neuralgaits as ng
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
+from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
-from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs import POINT, evaluate
 from neuralgaits.runs.folder import NAN_STATE
-from neuralgaits.runs.names import PROGRAM, ROBOT, SPEC, STATE, WEIGHTS
+from neuralgaits.runs.names import ROBOT, SPEC, STATE, WEIGHTS
 from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.train import train
 from support import small_spec
@@ -71,7 +72,6 @@ def test_the_folder_is_complete(trained):
         "config.json",
         "metrics.csv",
         "summary.json",
-        PROGRAM,
         ROBOT,
         SPEC,
         STATE,
@@ -98,8 +98,8 @@ def test_the_summary_has_what_the_interface_names(trained):
 
 
 def test_the_program_is_that_of_the_trained_gait(trained):
-    """Read back from its file it is the one the summary names, and gives the gait's margins."""
-    program = Program.from_json((trained.path / PROGRAM).read_text())
+    """Traced again it is the one the summary names, and gives the gait's margins."""
+    program = trace_spec(trained.spec, trained.robot, trained.gait)
     assert program.hash == trained.summary["program_hash"]
     u = np.array([0.3, 0.6])
     margins = trained.spec.margins(trained.gait, trained.zero_dynamics, u)
@@ -203,7 +203,7 @@ def test_what_cannot_be_resumed(amber, small, root, tmp_path):
         train(amber, resume=small.path, root=root)
     unfinished = root / "unfinished"
     unfinished.mkdir()
-    for file in ("config.json", ROBOT, SPEC, PROGRAM, STATE):
+    for file in ("config.json", ROBOT, SPEC, STATE):
         (unfinished / file).write_bytes((small.path / file).read_bytes())
     with pytest.raises(RunError, match=r"found another robot file \(rabbit\)"):
         train(ng.load_robot("rabbit"), resume=unfinished, root=root)
@@ -254,7 +254,6 @@ def test_a_relu_policy_trains_but_is_not_provable(amber, tmp_path):
     assert run.summary["provable"] is False
     assert run.summary["program_hash"] is None
     assert "ReLU" in run.folder.config["not_provable_because"]
-    assert not (run.path / PROGRAM).exists()
     same(open_run(run.path).gait, run.gait)
 
 

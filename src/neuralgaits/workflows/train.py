@@ -21,9 +21,9 @@ from neuralgaits.errors import InputError, Interrupted, RunError
 from neuralgaits.records.asked import Asked, Proving, asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished, write_text
+from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
-from neuralgaits.runs.names import PROGRAM, ROBOT, SPEC, WEIGHTS
+from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import Session, take_all_steps
 from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
@@ -143,12 +143,11 @@ def train_to_the_end(
 
 
 def _summary(run: Run, session: Session, proof: TrainingProof | None, began: float) -> Trained:
-    """What a training says of itself; its Program, which other interpreters read, is saved."""
+    """What a training says of itself, with the hash of its conditions as a Program."""
     asked, report = run.asked, session.trainer.report(run.gait, seed=FRESH_SAMPLES_SEED)
     program = None
     if asked.not_provable_because is None:
         program = trace_spec(run.spec, run.robot, run.gait, run.residuals)
-        write_text(run.path / PROGRAM, program.to_json())
     return Trained(
         run=str(run.path),
         robot=asked.robot,
