@@ -6,13 +6,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.levels.chart import PLAIN
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.levels.full_order.of_run import certify_full_order
 from neuralgaits.certificate.levels.ladder import conclude
@@ -20,9 +18,10 @@ from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.levels.sets import (
     Sets,
     condition_boxes,
+    condition_problems,
+    confirmer,
     find_sets,
     premise_problems,
-    set_margins,
     trace_certificate,
 )
 from neuralgaits.certificate.proof_file.model_data import model_data
@@ -30,7 +29,7 @@ from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Statement, prove
 from neuralgaits.certificate.reading import hashes
-from neuralgaits.certificate.search.branch_and_bound import Confirm, Search
+from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import (
@@ -41,7 +40,6 @@ from neuralgaits.certificate.search.schedule import (
 )
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
-from neuralgaits.programs.prune import prune
 from neuralgaits.records import certified
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Verdict
 from neuralgaits.runs.names import MAP
@@ -124,15 +122,14 @@ def certify(
         return _finish(trained, level, _no_program(trained), [], began, reason=str(error))
     task = _Task(trained, level, sets, program)
     problems = [
-        *_problems(trained, program),
+        *condition_problems(trained.spec, program),
         *premise_problems(trained.spec, sets, program),
     ]
+    confirm = confirmer(trained.spec, trained.gait, trained.zero_dynamics, sets)
     before = [_saved(trained, k, problem) if resume else None for k, problem in enumerate(problems)]
     try:
         with threadpool_limits(1):
-            states = explore(
-                problems, before, _confirmer(trained, sets), deadline=deadline, progress=progress
-            )
+            states = explore(problems, before, confirm, deadline=deadline, progress=progress)
     except SearchInterrupted as stop:
         _written(task, problems, stop.states, began, "interrupted")
         raise
@@ -174,42 +171,6 @@ def _refuse(level: int, disturbance: tuple[float, float]) -> None:
     check_disturbance(disturbance)
     if any(disturbance) and level < 2:
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
-
-
-def _problems(run: Run, program: Program) -> list[Problem]:
-    """One for each box of each region that has conditions."""
-    problems = []
-    for region, boxes in run.spec.regions.items():
-        conditions = [c for c in run.spec.conditions if c.region == region]
-        if not conditions:
-            continue
-        names = tuple(condition.name for condition in conditions)
-        scales = tuple(float(condition.scale) for condition in conditions)
-        part = prune(program, names)
-        problems += [
-            Problem(region, *PLAIN.whole(box.low, box.high), names, scales, part) for box in boxes
-        ]
-    return problems
-
-
-def _confirmer(run: Run, sets: Sets) -> Confirm:
-    """Asks the margins' own Python functions, in float64, about one point."""
-    conditions = {condition.name: condition for condition in run.spec.conditions}
-    gait, zd = run.gait, run.zero_dynamics
-
-    def confirm(name: str, u: np.ndarray) -> certified.Counterexample | None:
-        z = gait.z(u)
-        if name in conditions:
-            condition = conditions[name]
-            margin = np.min(condition.margins(gait, zd, zd.point(z))) / condition.scale
-        else:
-            margin = np.min(set_margins(run.spec, gait, zd, sets, jnp.asarray(u))[name])
-        if not margin < 0.0:
-            return None
-        state = (float(z[0]), float(z[1]))
-        return certified.Counterexample((float(u[0]), float(u[1])), state, float(margin))
-
-    return confirm
 
 
 def _boxes_file(run: Run, number: int) -> Path:

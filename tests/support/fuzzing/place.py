@@ -9,11 +9,15 @@ from functools import cached_property
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.levels.sets import find_sets, premise_problems, trace_certificate
+from neuralgaits.certificate.levels.sets import (
+    condition_problems,
+    find_sets,
+    premise_problems,
+    trace_certificate,
+)
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.training import Trainer, TrainState
-from neuralgaits.workflows.certify import _problems
 from support import amber3m_files, brief_spec, small_proof
 from support.random_biped import catalogue
 
@@ -78,7 +82,7 @@ class Place:
         sets = find_sets(self.run.spec, self.run.gait, self.run.zero_dynamics, 3, (0.0, 0.0))
         run = self.run
         program = trace_certificate(run.spec, run.robot, run.gait, sets, run.residuals)
-        return [*_problems(run, program), *premise_problems(run.spec, sets, program)]
+        return [*condition_problems(run.spec, program), *premise_problems(run.spec, sets, program)]
 
     @cached_property
     def names(self) -> list[str]:

@@ -19,11 +19,13 @@ from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.certificate.levels.walking_set.find import find_set
 from neuralgaits.certificate.levels.walking_set.theorem import SET, WalkingSet
+from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.records.certified import Counterexample
 from neuralgaits.robots import PlanarBiped
 
 CLAIMED = 0.4
@@ -165,6 +167,41 @@ def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
         for condition in spec.conditions
         for box in spec.regions[condition.region]
     ]
+
+
+def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -> list[Problem]:
+    """One for each box of each region that has conditions."""
+    problems = []
+    for region, boxes in spec.regions.items():
+        conditions = [c for c in spec.conditions if c.region == region]
+        names = tuple(condition.name for condition in conditions)
+        scales = tuple(float(condition.scale) for condition in conditions)
+        part = prune(program, names) if names else program
+        problems += [
+            Problem(region, *chart.whole(box.low, box.high), names, scales, part)
+            for box in boxes
+            if names
+        ]
+    return problems
+
+
+def confirmer(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets) -> Confirm:
+    """Asks the margins' own Python functions, in float64, about one point."""
+    conditions = {condition.name: condition for condition in spec.conditions}
+
+    def confirm(name: str, u: np.ndarray) -> Counterexample | None:
+        z = gait.z(u)
+        if name in conditions:
+            condition = conditions[name]
+            margin = np.min(condition.margins(gait, zd, zd.point(z))) / condition.scale
+        else:
+            margin = np.min(set_margins(spec, gait, zd, sets, jnp.asarray(u))[name])
+        if not margin < 0.0:
+            return None
+        state = (float(z[0]), float(z[1]))
+        return Counterexample((float(u[0]), float(u[1])), state, float(margin))
+
+    return confirm
 
 
 def premise_problems(
