@@ -1,6 +1,7 @@
 """What the benchmarks share: trained gaits, kept between them, and a table of figures."""
 
 import os
+import sys
 from pathlib import Path
 
 import jax
@@ -12,6 +13,8 @@ from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.workflows.train import train
 
 environment.prepare()
+# What benchmarks have from the tests: robots, forged files, walks looked at by force.
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 # JAX reads the environment when it is imported, which a benchmark may have done already.
 jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_compilation_cache_dir", os.environ["JAX_COMPILATION_CACHE_DIR"])

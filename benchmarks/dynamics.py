@@ -9,9 +9,7 @@ inertias and Jacobians) and the dense mass matrix, in C on one core, called from
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
-import sys
 import time
-from pathlib import Path
 
 import common  # noqa: F401  Sets double precision.
 import jax
@@ -23,8 +21,6 @@ from neuralgaits.robots import PlanarBiped, built_in, load_robot
 from neuralgaits.robots.loader import robot_from_text
 
 # The independent road to the same matrices, and the random robots, are those of the tests.
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-
 from support.floating_base import FloatingBase
 from support.random_biped import catalogue
 

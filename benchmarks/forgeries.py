@@ -21,8 +21,6 @@ from pathlib import Path
 from common import show
 
 # What is forged is the tests'.
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-
 from support.forgeries.ask import Heard, answers, complaints
 from support.forgeries.base import EXIT, YES, Base, Forgery
 from support.forgeries.quick import statements_taken_as_checked, traced_once

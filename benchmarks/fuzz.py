@@ -21,8 +21,6 @@ from pathlib import Path
 
 from common import ROOT, show, trained
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-
 from support.fuzzing.cases import PROOFS, carry, case_of
 from support.fuzzing.commands import COMMANDS, answer_of
 from support.fuzzing.place import Place

@@ -16,7 +16,6 @@ import itertools
 import json
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
 from collections import Counter
@@ -33,8 +32,6 @@ from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 
 # What alters the files is that of the tests.
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-
 from support.mutations.base import Base, Mutation, Reader
 from support.mutations.generate import (
     CONCLUSIONS,
