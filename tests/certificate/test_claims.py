@@ -78,6 +78,17 @@ UNREADABLE = {
     "axis twice": lambda t: t["chart"].extend(_axes(1) * 2),
     "axis without width": lambda t: t["chart"].append(_axes(1)[0] | {"high": "-0x1p+0"}),
     "axis without end": lambda t: t["chart"].append(_axes(1)[0] | {"high": "inf"}),
+    "axis wider than doubles": lambda t: t["chart"].append(
+        {"name": "p", "low": "-0x1p+1023", "high": "0x1p+1023"}
+    ),
+    "constant named by a list": lambda t: t["program"]["constants"][0].__setitem__(0, []),
+    "constant named by a number": lambda t: t["program"]["constants"][0].__setitem__(0, 5),
+    "constants of one name": lambda t: t["program"]["constants"][1].__setitem__(
+        0, t["program"]["constants"][0][0]
+    ),
+    "operand of false": lambda t: t["program"]["operations"][0].__setitem__(1, [False, True]),
+    "size of true": lambda t: t["program"]["operations"][1].__setitem__(2, True),
+    "shape below zero": lambda t: t["program"]["outputs"][0].__setitem__(1, [-1, -1]),
     "axis with a comma": lambda t: t["chart"].append(_axes(1)[0] | {"name": "a, b"}),
     "axis that the program lacks": lambda t: t["chart"].extend(_axes(1)),
     "unknown field": lambda t: t.__setitem__("note", "trust me"),

@@ -8,7 +8,7 @@ import pytest
 
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.proof_file.writer import prove
-from neuralgaits.certificate.search import schedule
+from neuralgaits.certificate.search import checkpoint, schedule
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import (
     MOST_AT_START,
@@ -231,6 +231,15 @@ def test_saved_boxes_of_another_problem_are_refused(tmp_path):
     save(tmp_path / "boxes", problem, _run(problem))
     with pytest.raises(RunError, match="without --resume"):
         load(tmp_path / "boxes", _problem(bowl=lambda u: bowl(u) + 0.1))
+
+
+def test_boxes_of_another_layout_are_refused(tmp_path, monkeypatch):
+    problem = _problem(bowl=bowl)
+    with monkeypatch.context() as older:
+        older.setattr(checkpoint, "_FIELDS", ("low", "high", "first", "depth", "lower", "upper"))
+        save(tmp_path / "boxes", problem, _run(problem))
+    with pytest.raises(RunError, match="without --resume"):
+        load(tmp_path / "boxes", problem)
 
 
 def test_refutations_are_saved(tmp_path):

@@ -11,7 +11,8 @@ import pytest
 from neuralgaits.certificate.levels.chart import Axis, Chart
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.proof_file.writer import Proof, prove
+from neuralgaits.certificate.proof_file.statement_check import MOST_MORE
+from neuralgaits.certificate.proof_file.writer import Proof, Statement, prove
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import explore
 from neuralgaits.errors import InputError
@@ -129,3 +130,39 @@ def test_what_fails_somewhere_is_refuted_there(axes):
     assert all(a <= x <= b for a, x, b in zip(problem.low, point, problem.high, strict=True))
     assert pendulum(jnp.asarray(point))["pace"] < 1.35
     assert "pace" not in {name for one in prove(problem, state) for name in one.conditions}
+
+
+def _written(folder: Path, function: Any, axes: int) -> Path:
+    """A file that says in one leaf that a function is not negative."""
+    chart = Chart(tuple(Axis(f"p{k}", 0.0, 1.0) for k in range(axes - 2)))
+    program = trace(function, {"u": (axes,)})
+    whole = chart.whole((0.0, 0.0), (1.0, 1.0))
+    one = Statement(("f",), "tube", {"f": 1.0}, {"f": 0.0}, 2, *whole, "-")
+    named = {"name": "none", "sha256": "0" * 64}
+    Proof(named, named, "0" * 64, program, chart, (one,)).write(folder / "proof.json")
+    return folder / "proof.json"
+
+
+def test_a_parabola_whose_bend_leaves_the_doubles_is_not_confirmed(proofcheck, tmp_path):
+    """Its least value is -0.306, at a place that is not zero by 1e-154."""
+
+    def steep(u: Any) -> dict[str, Any]:
+        e = 2.0 * u[1] - 1.0
+        return {"f": 2.0**1022 * e * e + 1e154 * e + 0.25}
+
+    file = _written(tmp_path, steep, 2)
+    assert proofcheck("--program", file).returncode in (1, 3)
+    assert check(read_claims(file)).verdict in ("rejected", "undecided")
+
+
+def test_a_bound_out_of_reach_in_eight_axes_comes_to_an_end(proofcheck, tmp_path):
+    """sin^2 + cos^2 of every axis: bounds lose what hangs together, and halving is no help."""
+
+    def circles(u: Any) -> dict[str, Any]:
+        return {"f": jnp.sum(jnp.sin(9.0 * u) ** 2 + jnp.cos(9.0 * u) ** 2) - 7.9999}
+
+    file = _written(tmp_path, circles, 8)
+    assert proofcheck("--program", file).returncode == 3
+    report = check(read_claims(file))
+    assert report.verdict == "undecided"
+    assert report.boxes <= 2 * MOST_MORE

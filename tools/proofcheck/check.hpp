@@ -133,11 +133,13 @@ class Checker {
 
  private:
   static constexpr int kMoreSplits = 6;   // How often a leaf may be split again along each axis.
+  static constexpr size_t kMostMore = 1 << 13;  // Boxes for one leaf: in many axes it would not end.
   static constexpr size_t kCorners = 3;   // With more axes, corners are too many to be tried.
   const Bounding& bounding_;
   const Chart& chart_;
   const Statement& statement_;
   Finding found_;
+  size_t more_ = 0;
 
   Verdict note(Verdict verdict, const string& reason) {
     if (verdict > found_.verdict) {
@@ -199,6 +201,7 @@ class Checker {
   }
 
   Verdict prove(const Box& box, const vector<const Claim*>& claims, size_t depth) {
+    more_ = depth == 0 ? 0 : more_ + 1;
     const vector<Failing> left = failing(box, claims);
     if (left.empty()) return proved;
     vector<const Claim*> again;
@@ -207,7 +210,7 @@ class Checker {
       again.push_back(one.claim);
     }
     const std::optional<size_t> axis = axis_to_halve(box, left);
-    if (!axis || depth == kMoreSplits * box.low.size())
+    if (!axis || depth == kMoreSplits * box.low.size() || more_ > kMostMore)
       return note(undecided, left[0].claim->name + " does not reach its bound" +
                                  words_for(box, chart_) + " of region " + statement_.region +
                                  " after " + std::to_string(depth) +

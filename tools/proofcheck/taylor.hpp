@@ -157,7 +157,9 @@ double minus_parabola(I b, I a) {
   const double steep = magnitude(b);
   double found = steep + larger(a.n, 0.0);  // >= -|b| - max(0, -a)
   if (a.n < 0.0) {                          // Convex: also >= -b^2/(4a), its least value anywhere.
-    const double vertex = steep * steep / (4.0 * a.low());
+    // Four times is exact, or more than there is: then nothing is divided by it.
+    const double four = 4.0 * a.low();
+    const double vertex = four < HUGE_VAL ? steep * steep / four : HUGE_VAL;
     if (vertex < found) found = vertex;
     // The vertex lies outside [-1, 1]: the least value is at an end.
     if (distance_from_zero(b) >= 2.0 * a.h && steep + a.n < found) found = steep + a.n;

@@ -12,6 +12,7 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -197,17 +198,35 @@ def _row(operation: Operation) -> list:
 def _read(table: dict) -> Program:
     operations = []
     for kind, operands, size, *rest in table["operations"]:
-        index = tuple(rest[0]) if kind == "move" else ()
-        columns = rest[0] if kind == "affine" else 1
-        operations.append(Operation(kind, tuple(operands), size, index, columns))
+        index = _whole(rest[0]) if kind == "move" else ()
+        (columns,) = _whole(rest[:1]) if kind == "affine" else (1,)
+        (count,) = _whole([size])
+        operations.append(Operation(kind, _whole(operands), count, index, columns))
     return Program(
-        tuple(Input(name, tuple(shape)) for name, shape in table["inputs"]),
+        tuple(Input(_text(name), _whole(shape)) for name, shape in table["inputs"]),
         tuple(
-            Constant(name, _decode(data, tuple(shape))) for name, shape, data in table["constants"]
+            Constant(name if name is None else _text(name), _decode(data, _whole(shape)))
+            for name, shape, data in table["constants"]
         ),
         tuple(operations),
-        tuple(Output(name, tuple(shape), value) for name, shape, value in table["outputs"]),
+        tuple(
+            Output(_text(name), _whole(shape), *_whole([value]))
+            for name, shape, value in table["outputs"]
+        ),
     )
+
+
+def _whole(numbers: Any) -> tuple[int, ...]:
+    """Whole numbers that are not negative; True is none: as an index it means something else."""
+    if not isinstance(numbers, list) or any(type(n) is not int or n < 0 for n in numbers):
+        raise ValueError(f"{numbers!r} instead of whole numbers")
+    return tuple(numbers)
+
+
+def _text(name: Any) -> str:
+    if not isinstance(name, str):
+        raise ValueError(f"the name {name!r}, which is no text")
+    return name
 
 
 def _encode(array: np.ndarray) -> str:
@@ -225,6 +244,9 @@ def _problem(program: Program) -> str | None:
     for constant in program.constants:
         if constant.array.dtype != np.float64 or not np.all(np.isfinite(constant.array)):
             return f"NaN, infinity or no float64 in the constant {constant.name or 'of a formula'}"
+    named = [constant.name for constant in program.constants if constant.name is not None]
+    if len(set(named)) < len(named):
+        return f"constants {named} of which two have one name"
     for group in (program.inputs, program.outputs):
         names = [item.name for item in group]
         if sorted(set(names)) != names:

@@ -94,6 +94,6 @@ def _axis(row: Any) -> Axis:
     if why := why_no_name(row["name"]):
         raise ValueError(f"an axis of the chart named {why}")
     low, high = float.fromhex(row["low"]), float.fromhex(row["high"])
-    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+    if not (math.isfinite(high - low) and low < high):
         raise ValueError(f"the axis {row['name']} from {low!r} to {high!r}")
     return Axis(row["name"], low, high)

@@ -224,7 +224,7 @@ def premise_problems(
             prune(program, names),
             least=tuple(sets.least.get(name, 0.0) for name in names),
             claimed=Problem.claimed if region == SET else CLAIMED,
-            tighten=region == SET,
+            tight=Problem.tight if region == SET else 0.0,
         )
         for (region, low, high), names in roots.items()
     ]

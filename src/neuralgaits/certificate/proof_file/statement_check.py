@@ -25,6 +25,9 @@ BATCH = 64
 """Boxes bounded at a time."""
 MORE_CUTS = 6
 """How often every axis of a leaf may be halved before the check gives up on it."""
+MOST_MORE = 2**13
+"""Boxes that the leaves bounded together may take beyond themselves: in many axes, halvings of
+every axis would go on for ever."""
 MOST_CORNERS = 64
 """Corners of a box at which a violation is looked for."""
 
@@ -63,7 +66,7 @@ class StatementCheck:
 
     def _bound(self, low: np.ndarray, high: np.ndarray) -> None:
         """Bound boxes, splitting those that fail depth first, so that a failure shows early."""
-        stack = [(low, high, 0)]
+        stack, most = [(low, high, 0)], self.boxes + len(low) + MOST_MORE
         while stack:
             low, high, depth = stack.pop()
             failing = ~self._reached(low, high)
@@ -74,7 +77,7 @@ class StatementCheck:
             if wrong is not None:
                 self.verdict, self.reason = "rejected", wrong
                 return
-            if depth == MORE_CUTS * len(self.wide):
+            if depth == MORE_CUTS * len(self.wide) or self.boxes > most:
                 box = f"from {low[0].tolist()} to {high[0].tolist()}"
                 names = ", ".join(self.statement.conditions)
                 self.verdict = "undecided"

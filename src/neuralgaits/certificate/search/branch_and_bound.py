@@ -28,8 +28,6 @@ MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
 """Halvings an axis to decide, to raise a margin, and around a refutation."""
 MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Boxes added by one search of a root without a deadline, to decide and to raise margins."""
-TIGHT = 0.95
-"""Share of the smallest margin seen that is worth proving: the rest would cost more boxes."""
 POINTS = 33 * 33
 """About as many points of the root are looked at first."""
 
@@ -117,13 +115,13 @@ def to_split(problem: Problem, state: Search, phase: Phase, most: int) -> np.nda
 def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, "B C"]:
     """By how much bounds on leaves fall short of what is worth halving for; 0 elsewhere."""
     tree = state.tree
-    if not tree.axes or (phase == "tighten" and not problem.tighten):
+    if not tree.axes or (phase == "tighten" and not problem.tight > 0.0):
         return np.zeros_like(tree.lower)
     refuted = np.array([name in state.refuted for name in problem.names])
     with np.errstate(invalid="ignore"):
         # A condition that is not decided yet has no margin to raise.
         decided = np.all((tree.lower >= 0.0) | ~tree.is_leaf[:, None], axis=0)
-        worth = np.where(np.isfinite(state.seen), TIGHT * state.seen, 0.0)
+        worth = np.where(np.isfinite(state.seen), problem.tight * state.seen, 0.0)
     if phase == "decide":
         targets, depth = np.zeros(len(problem.names)), np.where(refuted, MAP_DEPTH, MAX_DEPTH)
     else:
@@ -157,7 +155,7 @@ def _round(
     low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
     tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, lacking[:done])
     state = replace(state, tree=tree)
-    unsure = np.any(~(lower >= 0.0) | (lower < TIGHT * state.seen), axis=1)
+    unsure = np.any(~(lower >= 0.0) | (lower < problem.tight * state.seen), axis=1)
     points = (low + (high - low) * 0.5)[unsure]
     return _look(problem, state, points, confirm) if len(points) else state
 

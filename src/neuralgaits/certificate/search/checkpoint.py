@@ -96,6 +96,7 @@ def fingerprint(problem: Problem) -> str:
     """What bounds depend on, as a hash."""
     text = json.dumps(
         [
+            _FIELDS,
             problem.region,
             [float(value).hex() for value in (*problem.low, *problem.high, *problem.scales)],
             problem.names,

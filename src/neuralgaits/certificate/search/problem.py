@@ -37,7 +37,8 @@ class Problem:
             from there. [C]
         claimed: share of the margin found that is claimed. A reader needs fewer boxes for less,
             and bounds them in another arithmetic, perhaps less tightly.
-        tighten: whether the margins are worth raising once they are known not to be negative.
+        tight: share of the smallest margin seen that is worth proving once it is known not to be
+            negative: the rest would cost more boxes. 0 if its size is worth none.
     """
 
     region: str
@@ -49,7 +50,7 @@ class Problem:
     degree: int = 2
     least: tuple[float, ...] = ()
     claimed: float = 0.99
-    tighten: bool = True
+    tight: float = 0.95
 
     @cached_property
     def batch(self) -> int:

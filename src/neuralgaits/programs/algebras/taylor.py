@@ -166,10 +166,12 @@ class TaylorAlgebra:
         poly = first * a.poly
         poly[0] = value
         radius = np.abs(first) * a.radius + remainder
-        if self.degree == 2 and a.layout.axes:
-            half, linear = 0.5 * second, a.poly[a.layout.linear]
-            poly[a.layout.quadratic] += half * products(linear, linear)
-            dropped = self._dropped(a, a) + a.radius * (2.0 * a.spread + a.radius)
+        if self.degree == 2:
+            half, dropped = 0.5 * second, a.radius * (2.0 * a.spread + a.radius)
+            if a.layout.axes:
+                linear = a.poly[a.layout.linear]
+                poly[a.layout.quadratic] += half * products(linear, linear)
+                dropped = dropped + self._dropped(a, a)
             radius += np.abs(half) * dropped
         return rounded(poly, radius, a.layout, error)
 

@@ -27,6 +27,8 @@ BUDGET_S = 240.0
 """Seconds that all attempts together may take."""
 SHARES = (0.6, 0.3, 0.1)
 """Shares of the largest radius seen at points that are tried, one after the other."""
+TIGHT = 0.25
+"""Share of the smallest margin seen that is proved: slack is told, and each further box costs."""
 CLAIMED = 0.4
 """Share of a premise's margin that is claimed: its size matters little, its boxes are checked."""
 REGION = "full order"
@@ -157,7 +159,7 @@ def premise_problems(shape: FullOrder, program: Program) -> list[Problem]:
             (1.0,) * len(names),
             prune(program, names),
             claimed=CLAIMED,
-            tighten=False,
+            tight=TIGHT,
         )
         for (_, low, high), names in roots.items()
     ]
