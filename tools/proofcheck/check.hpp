@@ -133,7 +133,7 @@ class Checker {
 
  private:
   static constexpr int kMoreSplits = 6;   // How often a leaf may be split again along each axis.
-  static constexpr size_t kMostMore = 1 << 13;  // Boxes for one leaf: in many axes it would not end.
+  static constexpr size_t kMostMore = 1 << 18;  // Boxes for one leaf: in many axes it would not end.
   static constexpr size_t kCorners = 3;   // With more axes, corners are too many to be tried.
   const Bounding& bounding_;
   const Chart& chart_;

@@ -196,6 +196,9 @@ def _row(operation: Operation) -> list:
 
 
 def _read(table: dict) -> Program:
+    named = [name for name, *_ in table["constants"] if name is not None]
+    if len(set(map(_text, named))) < len(named):
+        raise ValueError("two constants of one name")
     operations = []
     for kind, operands, size, *rest in table["operations"]:
         index = _whole(rest[0]) if kind == "move" else ()
@@ -244,9 +247,6 @@ def _problem(program: Program) -> str | None:
     for constant in program.constants:
         if constant.array.dtype != np.float64 or not np.all(np.isfinite(constant.array)):
             return f"NaN, infinity or no float64 in the constant {constant.name or 'of a formula'}"
-    named = [constant.name for constant in program.constants if constant.name is not None]
-    if len(set(named)) < len(named):
-        return f"constants {named} of which two have one name"
     for group in (program.inputs, program.outputs):
         names = [item.name for item in group]
         if sorted(set(names)) != names:
