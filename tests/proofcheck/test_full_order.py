@@ -24,6 +24,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.programs import POINT, evaluate
 from support.checker_case import SetCase, bounds
+from support.full_order_shape import FENCE, SHAPE, TORSO
 
 CASES = ("amber3m", "torso-2", "legs-2")
 POINTS, BOXES, SAMPLES = 6, 6, 40
@@ -167,26 +168,8 @@ def test_a_residual_and_another_size_of_xi_are_rejected(proofcheck, tmp_path):
     assert answer.returncode == 1 and "residuals" in answer.stdout
 
 
-FENCE = BarrierConstants("level-lower", 2.0, 0.07, 38.0, 0.0, 0.07, 13.0, 130.0)
-OTHER = BarrierConstants("other", 20.0, 0.7, 3.0, 1.4, 0.08, 0.9, 75.0)
-FITS = FullOrder(
-    bandwidth=30.0,
-    radius=0.009,
-    shrink=3.2,
-    guard_radius=0.00038,
-    start_strip=0.003,
-    guard_strip=0.002,
-    crossing=1e-9,
-    risen=0.06,
-    pace=(0.9, 3.26),
-    inertia=8.0,
-    mismatch=1e-6,
-    drift=20.0,
-    gain=14.0,
-    landing=1e-9,
-    landing_slope=5.3,
-    barriers=(),
-)
+OTHER = replace(TORSO, name="other")
+FITS = replace(SHAPE, barriers=())
 """Constants from which the theorem follows, with any barriers like those above."""
 FACTORS = (-1.0, 0.0, 0.8, 1.4)
 
