@@ -1,16 +1,23 @@
 """A finished run, opened: robot, spec, gait and what was measured."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+import equinox as eqx
 import jax
+import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
+from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import RunError
-from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.gait import AbstractPolicy, Residuals, ZeroDynamics
+from neuralgaits.gait.commanded import CommandedPolicy
+from neuralgaits.gait.commands import Command, Pair, values
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.records.asked import Asked, asked_of
 from neuralgaits.records.trained import Trained, trained_of
 from neuralgaits.robots import PlanarBiped
@@ -27,13 +34,37 @@ class Run:
         folder: on disk.
         robot: the model it was trained on, from the run's own copy.
         spec: the conditions it was trained for.
-        gait: policy and tube.
+        trained: policy and tube, or the family of them that is told commands.
+        command: of a family, the one that is looked at; None for the middle of its ranges.
     """
 
     folder: RunFolder
     robot: PlanarBiped
     spec: GaitSpec
-    gait: Gait
+    trained: AnyGait
+    command: Mapping[str, float] | None = None
+
+    @cached_property
+    def gait(self) -> Gait:
+        """Policy and tube; of a family, those at the command, kept for ever."""
+        if isinstance(self.trained, Gait):
+            return self.trained
+        return steady_gait(self.trained, self.robot, self.command, self.residuals.reset)
+
+    def at(self, **command: float) -> "Run":
+        """The run of a family at a command that stays: an ordinary run of an ordinary gait.
+
+        Raises: InputError on other names than the gait's commands, or values outside their range.
+        """
+        values(self.trained.commands, command)
+        return replace(self, command=command)
+
+    @property
+    def policy(self) -> "AbstractPolicy | PolicyOfSteps":
+        """The policy; of a family, its policies by commands: `policy.at(from_=..., to=...)`."""
+        if isinstance(self.trained, Gait):
+            return self.trained.policy
+        return PolicyOfSteps(self.trained.policy, self.robot, self.residuals.reset)
 
     @property
     def path(self) -> Path:
@@ -71,6 +102,45 @@ class Run:
         return ZeroDynamics(self.robot, self.gait.policy, *self.residuals)
 
 
+@dataclass(frozen=True)
+class PolicyOfSteps:
+    """Policies of a family by their commands, for a robot."""
+
+    family: CommandedPolicy
+    robot: PlanarBiped
+    reset_residual: AbstractResetResidual | None
+
+    def at(self, from_: Mapping[str, float], to: Mapping[str, float]) -> AbstractPolicy:
+        """The policy of one step.
+
+        Args:
+            from_: commands of the step before, by name.
+            to: commands of this one.
+
+        Raises: InputError on missing or other names, and values outside their range.
+        """
+        pair = Pair(*(values(self.family.commands, given) for given in (from_, to)))
+        policy = eqx.filter_jit(CommandedPolicy.at)(
+            self.family, self.robot, pair, self.reset_residual
+        )
+        return jax.tree.map(np.asarray, policy)
+
+
+def steady_gait(
+    family: CommandedGait,
+    robot: PlanarBiped,
+    command: Mapping[str, float] | None,
+    reset_residual: AbstractResetResidual | None = None,
+) -> Gait:
+    """The gait of a family at a command that stays; None for the middle of its ranges."""
+    if command is None:
+        command = {c.name: 0.5 * (c.low + c.high) for c in family.commands}
+    given = values(family.commands, command)
+    v = [x for c, a in zip(family.commands, given, strict=True) for x in c.coordinates(a, a)]
+    found = eqx.filter_jit(CommandedGait.at)(family, robot, np.array(v), reset_residual)
+    return jax.tree.map(np.asarray, found.following)
+
+
 def open_run(run: "Run | str | Path") -> Run:
     """Open a finished run by path or as `latest`.
 
@@ -84,7 +154,7 @@ def open_run(run: "Run | str | Path") -> Run:
     return Run(folder, robot, spec, gait)
 
 
-def _shaped(folder: RunFolder, spec: GaitSpec) -> Gait:
+def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     """A gait whose arrays have shapes and kinds but no values, which a run's weights fill.
 
     The values that training started from are left out: computing them takes a second. A user's own
@@ -118,7 +188,10 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
             )
         folder.copy(SPEC)  # Refuses a file that was changed after the run.
         name = f"{folder.path / SPEC}:{name.rpartition(':')[2]}"
-    spec = specs.load(name, robot)
+    told = tuple(
+        Command(name, c.low, c.high, c.largest_change) for name, c in asked.commands.items()
+    )
+    spec = specs.load(name, robot, told, asked.speed)
     found = plain(spec.describe())
     if found != asked.described:
         differ = (key for key, value in found.items() if value != asked.described.get(key))
@@ -131,7 +204,7 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     return robot, spec
 
 
-def untrained(folder: RunFolder, spec: GaitSpec) -> Gait:
+def untrained(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     """The gait the run started from, before any posture steps."""
     gait = _new_gait(folder, spec, jax.random.key(asked_of(folder).seed))
     if START not in folder.copies:
@@ -140,6 +213,6 @@ def untrained(folder: RunFolder, spec: GaitSpec) -> Gait:
     return folder.read_tree(START, gait)
 
 
-def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> Gait:
+def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> AnyGait:
     asked = asked_of(folder)
     return spec.new_gait(key, asked.init, asked.hidden)

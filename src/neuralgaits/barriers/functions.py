@@ -55,12 +55,12 @@ def torques(p: Point) -> Actuated:
 
 def normal_force(p: Point) -> Scalar:
     """Normal ground force on the stance foot [N]."""
-    return p.force[1]
+    return p.contact_force[1]
 
 
 def foot_height(p: Point) -> Scalar:
-    """Swing-foot height [m]."""
-    return p.foot[1]
+    """Swing-foot height above the line between the step's footholds [m]."""
+    return p.foot_above_ground
 
 
 def foot_forward(p: Point) -> Scalar:
@@ -69,8 +69,8 @@ def foot_forward(p: Point) -> Scalar:
 
 
 def foot_vertical_velocity(p: Point) -> Scalar:
-    """Vertical swing-foot velocity [m/s]."""
-    return p.foot_velocity[1]
+    """Rate of the swing foot's height above the line between the step's footholds [m/s]."""
+    return p.foot_lift_rate
 
 
 def hip_height(p: Point) -> Scalar:
@@ -152,9 +152,10 @@ def impulse(p: Point) -> Planar:
 
 def normal_impulse(p: Point) -> Scalar:
     """Normal impulse of the impact [N s]."""
-    return p.impact.impulse[1]
+    return p.contact_impulse[1]
 
 
 def old_foot_lift(p: Point) -> Scalar:
-    """Vertical velocity of the old stance foot just after the impact [m/s]."""
-    return swing_foot_velocity(p.robot, p.impact.q, p.impact.dq)[1]
+    """Velocity of the old stance foot off the ground just after the impact [m/s]."""
+    velocity = swing_foot_velocity(p.robot, p.impact.q, p.impact.dq)
+    return velocity[1] - p.landing_rise * velocity[0]

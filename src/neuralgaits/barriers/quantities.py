@@ -64,7 +64,7 @@ class FrictionForward:
 
     def __call__(self, p: Point) -> Scalar:
         """Coefficient times normal minus tangential force [N]."""
-        return self.coefficient * p.force[1] - p.force[0]
+        return self.coefficient * p.contact_force[1] - p.contact_force[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class FrictionBackward:
 
     def __call__(self, p: Point) -> Scalar:
         """Coefficient times normal plus tangential force [N]."""
-        return self.coefficient * p.force[1] + p.force[0]
+        return self.coefficient * p.contact_force[1] + p.contact_force[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ class ImpulseConeForward:
 
     def __call__(self, p: Point) -> Scalar:
         """Coefficient times normal minus tangential impulse [N s]."""
-        return self.coefficient * p.impact.impulse[1] - p.impact.impulse[0]
+        return self.coefficient * p.contact_impulse[1] - p.contact_impulse[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class ImpulseConeBackward:
 
     def __call__(self, p: Point) -> Scalar:
         """Coefficient times normal plus tangential impulse [N s]."""
-        return self.coefficient * p.impact.impulse[1] + p.impact.impulse[0]
+        return self.coefficient * p.contact_impulse[1] + p.contact_impulse[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +150,7 @@ class FootAboveArc:
         """Foot height minus arc [m]."""
         start, guard = p.policy.z1_range
         phase = (p.z[0] - start) / (guard - start)
-        return p.foot[1] - self.clearance * 4.0 * phase * (1.0 - phase)
+        return p.foot_above_ground - self.clearance * 4.0 * phase * (1.0 - phase)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,20 +15,27 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, poly2cheb
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
+from neuralgaits.gait.commanded import CommandedPolicy
+from neuralgaits.gait.commands import Commands, Pair, factors, pair_at, scaled
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 
 Side = Literal["lower", "upper"]
+LEAST_ZETA = 0.03
+"""Between fences that are kept apart, and above zero, in the unit of zeta."""
 Number = float | np.floating | Scalar
 """Elements of NumPy arrays are no arrays."""
 
 
 class Box(NamedTuple):
-    """A box of the chart: low <= (phase, level) <= high; low == high on an axis is a curve."""
+    """A box of the chart: low <= u <= high; low == high on an axis is a curve.
 
-    low: tuple[float, float]
-    high: tuple[float, float]
+    Axes behind the last one that is named, as those of commands, are taken whole.
+    """
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
 
 
 class Tube(eqx.Module):
@@ -40,6 +47,8 @@ class Tube(eqx.Module):
         unit: unit of zeta [(kg m^2/s)^2].
         span: fixed z1 at phase 0 and 1 [m], or None to follow the policy's z1 range. [2]
         trained: whether training may move the fences.
+        kept_apart: whether fences are read LEAST_ZETA apart, and as much above zero, where they are
+            not: a training that they cross in for some rare command goes on.
     """
 
     lower: Float[Array, " k"]
@@ -47,6 +56,7 @@ class Tube(eqx.Module):
     unit: Float[Array, ""]
     span: Float[Array, "2"] | None
     trained: bool = eqx.field(static=True)
+    kept_apart: bool = eqx.field(static=True, default=False)
 
     @classmethod
     def between_energies(
@@ -97,7 +107,11 @@ class Tube(eqx.Module):
     def fences(self, phase: Number) -> Float[Array, "2"]:
         """Value of zeta on the lower and the upper fence [(kg m^2/s)^2]. [2]."""
         series = jnp.stack([self.lower, self.upper])
-        return self.unit * (series @ chebyshev(2.0 * phase - 1.0, series.shape[1]))
+        values = series @ chebyshev(2.0 * phase - 1.0, series.shape[1])
+        if self.kept_apart:
+            low = jnp.maximum(values[0], LEAST_ZETA)
+            values = jnp.stack([low, jnp.maximum(values[1], low + LEAST_ZETA)])
+        return self.unit * values
 
     def fence_slopes(self, phase: Number) -> Float[Array, "2"]:
         """Slope d zeta / d phase of both fences [(kg m^2/s)^2]. [2]."""
@@ -121,11 +135,113 @@ def chebyshev(x: Number, size: int) -> Float[Array, " k"]:
     return jnp.stack(values[:size])
 
 
+class CommandedTube(eqx.Module):
+    """Tubes, one for each pair of commands of a step.
+
+    A fence is F(t, c) with c on the straight line from the command before to the one after, F a
+    polynomial of degree 2 in c whose coefficients are Chebyshev series in the phase t. So at phase
+    0 it depends on the command before alone, at the guard on the one after alone.
+
+    Attributes:
+        lower, upper: coefficients, one series a monomial of the scaled commands. [M, degree + 1]
+        unit: unit of zeta [(kg m^2/s)^2].
+        told: the commands.
+    """
+
+    lower: Float[Array, "M k"]
+    upper: Float[Array, "M k"]
+    unit: Float[Array, ""]
+    told: Commands = eqx.field(static=True)
+
+    @classmethod
+    def around(cls, tube: Tube, commands: Commands) -> "CommandedTube":
+        """The same tube for every command."""
+        count = len(factors(len(commands)))
+        lower, upper = (
+            np.concatenate([np.asarray(s)[None], np.zeros((count - 1, len(s)))])
+            for s in (tube.lower, tube.upper)
+        )
+        return cls(lower, upper, tube.unit, commands)
+
+    def at(self, pair: Pair, *, exact: bool = False) -> Tube:
+        """The tube of one step.
+
+        Args:
+            pair: commands of the step before and of this one.
+            exact: leave `Tube.kept_apart` out: one smooth formula.
+        """
+        before, after = (scaled(self.told, command) for command in pair)
+        weights = _path_series(before, after)
+        product = _chebyshev_products(self.lower.shape[1])
+        lower, upper = (
+            jnp.einsum("mk,mj,kjl->l", s, weights, product.astype(weights.dtype))
+            for s in (self.lower, self.upper)
+        )
+        return Tube(lower, upper, self.unit, None, trained=False, kept_apart=not exact)
+
+
+def _path_series(before: Float[Array, " p"], after: Float[Array, " p"]) -> Float[Array, "M 3"]:
+    """Monomials of the commands on the line from before to after, in Chebyshev series. [M, 3]."""
+    middle, half = 0.5 * (before + after), 0.5 * (after - before)
+    one, zero = jnp.ones_like(middle[0]), jnp.zeros_like(middle[0])
+    rows = []
+    for part in factors(len(middle)):
+        if len(part) == 2:
+            (a, b), (c, d) = ((middle[i], half[i]) for i in part)
+            rows.append(jnp.stack([a * c + 0.5 * b * d, a * d + b * c, 0.5 * b * d]))
+        else:
+            rows.append(
+                jnp.stack([middle[part[0]], half[part[0]], zero] if part else [one, zero, zero])
+            )
+    return jnp.stack(rows)
+
+
+def _chebyshev_products(size: int) -> Float[np.ndarray, "k 3 l"]:
+    """T_i T_j as Chebyshev series, i < size, j < 3. [size, 3, size + 2]."""
+    table = np.zeros((size, 3, size + 2))
+    for i in range(size):
+        for j in range(3):
+            table[i, j, i + j] += 0.5
+            table[i, j, abs(i - j)] += 0.5
+    return table
+
+
 class Gait(eqx.Module):
-    """What is trained: a policy and the tube of the zero dynamics it is meant for."""
+    """What is trained: a policy and the tube of the zero dynamics it is meant for.
+
+    Attributes:
+        policy: of one step, or of every step where there are no commands.
+        tube: of that step.
+        next_tube: of the step after it if its command stays; None for the same.
+    """
 
     policy: AbstractPolicy
     tube: Tube
+    next_tube: Tube | None = None
+
+    @property
+    def commands(self) -> Commands:
+        """What the gait is told at each touchdown: nothing."""
+        return ()
+
+    def at(
+        self,
+        robot: PlanarBiped,
+        v: Float[Array, " k"],
+        reset_residual: AbstractResetResidual | None = None,
+        *,
+        exact: bool = False,
+    ) -> "Gait":
+        """The gait of one step: itself. See `CommandedGait.at`."""
+        del robot, v, reset_residual, exact
+        return self
+
+    @property
+    def following(self) -> "Gait":
+        """The gait of the next step, if the command stays."""
+        if self.next_tube is None:
+            return self
+        return Gait(self.policy.following, self.next_tube, self.next_tube)
 
     @property
     def span(self) -> tuple[Number, Number]:
@@ -155,10 +271,59 @@ class Gait(eqx.Module):
         self, robot: PlanarBiped, reset_residual: AbstractResetResidual | None = None
     ) -> "Gait":
         """The gait with everything that follows from robot and parameters recomputed."""
-        return Gait(self.policy.matched(robot, reset_residual), self.tube)
+        return Gait(self.policy.matched(robot, reset_residual), self.tube, self.next_tube)
 
     def trainable(self) -> "Gait":
         """A tree of booleans: True where training may move a leaf."""
         frozen = jax.tree.map(lambda _: False, self.tube)
         fences = eqx.tree_at(lambda t: (t.lower, t.upper), frozen, (True, True))
         return Gait(self.policy.trainable(), fences if self.tube.trained else frozen)
+
+
+class CommandedGait(eqx.Module):
+    """A family of gaits, one for each pair of commands of a step."""
+
+    policy: CommandedPolicy
+    tube: CommandedTube
+
+    @property
+    def commands(self) -> Commands:
+        """What the gait is told at each touchdown."""
+        return self.policy.commands
+
+    def at(
+        self,
+        robot: PlanarBiped,
+        v: Float[Array, " k"],
+        reset_residual: AbstractResetResidual | None = None,
+        *,
+        exact: bool = False,
+    ) -> Gait:
+        """The gait of one step.
+
+        Args:
+            robot: whose impact it is matched to.
+            v: point of the commands' axes, see `Command.axes`.
+            reset_residual: corrects that impact.
+            exact: of `AbstractPolicy.at`.
+        """
+        pair = pair_at(self.commands, v)
+        policy = self.policy.at(robot, pair, reset_residual, exact=exact)
+        tube, then = (self.tube.at(each, exact=exact) for each in (pair, pair.steady))
+        return Gait(policy, tube, then)
+
+    def matched(
+        self, robot: PlanarBiped, reset_residual: AbstractResetResidual | None = None
+    ) -> "CommandedGait":
+        """The family itself: each of its gaits is matched when it is asked for."""
+        del robot, reset_residual
+        return self
+
+    def trainable(self) -> "CommandedGait":
+        """A tree of booleans: True where training may move a leaf."""
+        frozen = jax.tree.map(lambda _: False, self.tube)
+        fences = eqx.tree_at(lambda t: (t.lower, t.upper), frozen, (True, True))
+        return CommandedGait(self.policy.trainable(), fences)
+
+
+AnyGait = Gait | CommandedGait

@@ -8,13 +8,17 @@ from jaxtyping import PRNGKeyArray
 
 from neuralgaits._names import why_no_name
 from neuralgaits._types import Array, Float
+from neuralgaits.barriers.aims import AbstractAim
 from neuralgaits.barriers.conditions import AbstractCondition
 from neuralgaits.barriers.description import describe_condition
-from neuralgaits.barriers.regions import Box, Gait
+from neuralgaits.barriers.regions import AnyGait, Box, Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.commands import Commands
 
 Init = Literal["posture", "random"]
+_FOR_COMMANDS = ("curriculum", "corners", "largest_gradient")
+"""Fields of a recipe that a spec without commands does not tell."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,9 @@ class Recipe:
         effort: weight of the mean squared torque in units of `effort_torque`.
         effort_torque: [N m].
         posture_steps: supervised steps towards the nominal posture before training.
+        curriculum: share of the steps over which the range of commands grows from its middle.
+        corners: share of the samples of a command's axis that lie on its ends.
+        largest_gradient: norm that gradients are clipped to; None for any.
     """
 
     steps: int
@@ -53,6 +60,9 @@ class Recipe:
     effort: float = 0.0
     effort_torque: float = 1.0
     posture_steps: int = 0
+    curriculum: float = 0.0
+    corners: float = 0.0
+    largest_gradient: float | None = None
 
 
 @dataclass(frozen=True)
@@ -66,18 +76,22 @@ class GaitSpec:
         new_gait: (key, init, hidden widths or None) to an untrained gait.
         recipe: training settings.
         weights: factor of each condition's loss; 1 where absent.
+        commands: what the gait is told at each touchdown.
+        aims: what the gait is trained towards beside its conditions; no certificate speaks of them.
     """
 
     name: str
     conditions: tuple[AbstractCondition, ...]
     regions: Mapping[str, tuple[Box, ...]]
-    new_gait: Callable[[PRNGKeyArray, Init, tuple[int, ...] | None], Gait]
+    new_gait: Callable[[PRNGKeyArray, Init, tuple[int, ...] | None], AnyGait]
     recipe: Recipe
     weights: Mapping[str, float] = field(default_factory=dict)
+    commands: Commands = ()
+    aims: tuple[AbstractAim, ...] = ()
 
     def __post_init__(self):
         """Refuse names that are none or not unique, unknown regions, regions without samples."""
-        names = [condition.name for condition in self.conditions]
+        names = [condition.name for condition in self.trained_for]
         for what, given in (("condition", names), ("region", self.regions)):
             for name in given:
                 if why := why_no_name(name):
@@ -88,7 +102,7 @@ class GaitSpec:
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
             raise SpecError(f"spec {self.name!r}: condition names must differ, found {repeated}")
-        for condition in self.conditions:
+        for condition in self.trained_for:
             if condition.region not in self.regions:
                 known = ", ".join(self.regions)
                 raise SpecError(
@@ -100,7 +114,7 @@ class GaitSpec:
                     f"condition {condition.name!r}: expected scale > 0, found {condition.scale}"
                 )
         counts = self.recipe.samples
-        missing = sorted({c.region for c in self.conditions} - set(counts))
+        missing = sorted({c.region for c in self.trained_for} - set(counts))
         if missing:
             raise SpecError(f"spec {self.name!r}: recipe.samples has no entry for {missing}")
         unknown = sorted(set(counts) - set(self.regions))
@@ -112,6 +126,16 @@ class GaitSpec:
         stray = sorted(set(self.weights) - set(names))
         if stray:
             raise SpecError(f"spec {self.name!r}: weights name no conditions {stray}")
+
+    @property
+    def trained_for(self) -> tuple[AbstractCondition, ...]:
+        """Conditions, then aims."""
+        return (*self.conditions, *self.aims)
+
+    @property
+    def chart_size(self) -> int:
+        """Axes of the chart: phase, level, and two a command."""
+        return 2 + 2 * len(self.commands)
 
     def with_conditions(self, *more: AbstractCondition) -> "GaitSpec":
         """The same spec with further conditions."""
@@ -132,16 +156,25 @@ class GaitSpec:
         Conditions and quantities of this package are described in full, by name and numbers;
         a user's own functions by their names alone.
         """
-        return {
+        recipe = asdict(self.recipe)
+        for name in _FOR_COMMANDS:
+            if not recipe[name]:
+                del recipe[name]
+        described = {
             "name": self.name,
-            "recipe": asdict(self.recipe),
+            "recipe": recipe,
             "regions": dict(self.regions),
             "weights": dict(self.weights),
             "conditions": [describe_condition(condition) for condition in self.conditions],
         }
+        if self.aims:
+            described["aims"] = [describe_condition(aim) for aim in self.aims]
+        if self.commands:
+            described["commands"] = [asdict(command) for command in self.commands]
+        return described
 
     def margins(
-        self, gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]
+        self, gait: Gait, zd: ZeroDynamics, u: Float[Array, " n"]
     ) -> dict[str, Float[Array, "..."]]:
         """Margins of all conditions at one chart point, each in its own units."""
         point = zd.point(gait.z(u))

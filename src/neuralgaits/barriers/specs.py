@@ -10,16 +10,27 @@ from typing import TYPE_CHECKING
 from neuralgaits.barriers import paper as _paper
 from neuralgaits.barriers import user_code
 from neuralgaits.barriers import walking as _walking
+from neuralgaits.barriers.commanded import at_speed, commanded
 from neuralgaits.barriers.paper import authors, paper
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.user_code import PREFIX
 from neuralgaits.barriers.walking import walking
 from neuralgaits.errors import NeuralGaitsError, SpecError
+from neuralgaits.gait.commands import Commands
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
-__all__ = ["DESCRIPTIONS", "authors", "load", "paper", "source_path", "walking"]
+__all__ = [
+    "DESCRIPTIONS",
+    "at_speed",
+    "authors",
+    "commanded",
+    "load",
+    "paper",
+    "source_path",
+    "walking",
+]
 
 _BUILT_IN = {
     "walking": walking,
@@ -35,14 +46,25 @@ DESCRIPTIONS = {
 }
 
 
-def load(name: str, robot: "PlanarBiped") -> GaitSpec:
+def load(
+    name: str, robot: "PlanarBiped", commands: Commands = (), speed: float | None = None
+) -> GaitSpec:
     """The spec of that name for a robot.
 
     Args:
         name: "walking", "paper", "authors", or FILE.py:NAME where NAME is a `GaitSpec` or a
             function robot -> GaitSpec.
         robot: the robot the spec is for.
+        commands: that the gait is told at each touchdown; of "walking" only.
+        speed: mean speed to aim at (m/s); likewise, and without commands.
     """
+    if commands or speed is not None:
+        if name != "walking":
+            raise SpecError(
+                f"expected spec walking for a gait with a speed or commands, found {name!r}: leave "
+                "--spec out, or build a spec with specs.commanded in a file of your own"
+            )
+        return commanded(robot, commands) if commands else at_speed(robot, float(speed or 0.0))
     if name in _BUILT_IN:
         return _BUILT_IN[name](robot)
     path, separator, attribute = name.rpartition(":")

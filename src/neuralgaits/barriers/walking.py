@@ -67,7 +67,10 @@ def pendulum_height(robot: "PlanarBiped") -> float:
 
 
 def walking(
-    robot: "PlanarBiped", policy: Literal["hybrid-invariant", "mlp"] = "hybrid-invariant"
+    robot: "PlanarBiped",
+    policy: Literal["hybrid-invariant", "mlp"] = "hybrid-invariant",
+    *,
+    forward: float | None = None,
 ) -> GaitSpec:
     """The default gait specification for a robot.
 
@@ -75,6 +78,7 @@ def walking(
         robot: with knees; a biped with straight legs cannot clear the ground.
         policy: "hybrid-invariant" (default), or "mlp" for a free network, which must then
             learn to match outputs and rates through the impact.
+        forward: least rate of z1 (m/s), None for one that fits the robot.
     """
     if policy not in ("hybrid-invariant", "mlp"):
         raise SpecError(f"walking: expected policy hybrid-invariant or mlp, found {policy!r}")
@@ -83,7 +87,7 @@ def walking(
             f"spec walking: expected a robot with knees, found none in {robot.name!r}: straight "
             "legs cannot clear the ground; write a spec of your own, FILE.py:NAME"
         )
-    conditions = [*_stance(robot), *_swing_foot(robot), *_tube(), *_guard(robot)]
+    conditions = [*_stance(robot, forward), *_swing_foot(robot), *_tube(), *_guard(robot)]
     free = policy == "mlp"
     if free:
         conditions += _match(robot)
@@ -131,7 +135,8 @@ def _box(phases: tuple[float, float], levels: tuple[float, float]) -> Box:
     return Box((phases[0], levels[0]), (phases[1], levels[1]))
 
 
-def _start_tube(robot: "PlanarBiped", span, start) -> Tube:
+def start_tube(robot: "PlanarBiped", span, start) -> Tube:
+    """The tube that training starts from: `Tube.between_energies` of START_ENERGIES."""
     unit = units(robot)
     return Tube.between_energies(
         robot,
@@ -155,7 +160,7 @@ def _new_hybrid_invariant(
             lambda p: p.network.weights, policy, (*policy.network.weights[:-1], full)
         )
     guard = walking_posture(robot).z_guard
-    return Gait(policy, _start_tube(robot, None, (-guard, guard)))
+    return Gait(policy, start_tube(robot, None, (-guard, guard)))
 
 
 def _new_mlp(
@@ -164,15 +169,16 @@ def _new_mlp(
     del init  # The trainer's posture steps make the difference.
     policy = MLPPolicy.init(robot, key=key, hidden=hidden or (64, 64))
     guard = walking_posture(robot).z_guard
-    return Gait(policy, _start_tube(robot, (-guard, guard), (-guard, guard)))
+    return Gait(policy, start_tube(robot, (-guard, guard), (-guard, guard)))
 
 
-def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
+def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractCondition]:
     """Torso, contact forces, torques, joint rates and knees on the whole tube."""
     unit = units(robot)
     rate = 4.0 / unit.time
-    # A slower tube is pushed over more easily. Without rotor inertia this is out of reach.
-    forward = (0.35 if np.any(robot.armature > 0) else 0.2) * unit.speed
+    if forward is None:
+        # A slower tube is pushed over more easily. Without rotor inertia this is out of reach.
+        forward = (0.35 if np.any(robot.armature > 0) else 0.2) * unit.speed
     conditions: list[AbstractCondition] = []
     if robot.torso is not None:
         alpha, scale = 10.0 / unit.time, 3.3 / unit.time

@@ -2,12 +2,14 @@
 
 import contextlib
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import equinox as eqx
 import numpy as np
 
+from neuralgaits._types import Array, Float
 from neuralgaits.barriers import AbstractCondition, Gait, GaitSpec, Pointwise, specs, user_code
 from neuralgaits.barriers.description import describe_condition
 from neuralgaits.barriers.functions import (
@@ -17,6 +19,8 @@ from neuralgaits.barriers.functions import (
     output_mismatch,
     rate_mismatch,
 )
+from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.errors import NeuralGaitsError, SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.programs import POINT, Program, evaluate
@@ -32,17 +36,29 @@ NO_RESIDUALS = Residuals()
 
 
 def trace_spec(
-    spec: GaitSpec, robot: PlanarBiped, gait: Gait, residuals: Residuals = NO_RESIDUALS
+    spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
 ) -> Program:
     """Margins of all conditions as a Program of the chart point u.
 
     Raises: SpecError naming the operation and line that cannot be traced.
     """
-    zd = ZeroDynamics(robot, gait.policy, *residuals)
-    return trace(lambda u: spec.margins(gait, zd, u), {"u": (2,)}, parameters=gait)
+
+    def margins(u):
+        step, zd = step_at(robot, gait, u, residuals)
+        return spec.margins(step, zd, u[:PLANE])
+
+    return trace(margins, {"u": (spec.chart_size,)}, parameters=gait)
 
 
-def why_not_provable(gait: Gait) -> str | None:
+def step_at(
+    robot: PlanarBiped, gait: AnyGait, u: Float[Array, " n"], residuals: Residuals = NO_RESIDUALS
+) -> tuple[Gait, ZeroDynamics]:
+    """Gait and zero dynamics of the step that a chart point belongs to, as one smooth formula."""
+    step = gait.at(robot, u[PLANE:], residuals.reset, exact=True)
+    return step, ZeroDynamics(robot, step.policy, *residuals)
+
+
+def why_not_provable(gait: AnyGait) -> str | None:
     """None if the policy is smooth, else what is wrong with it."""
     network = getattr(gait.policy, "network", None)
     if network is None or network.activation != "relu":
@@ -51,7 +67,7 @@ def why_not_provable(gait: Gait) -> str | None:
 
 
 def refuse_untraceable(
-    spec: GaitSpec, robot: PlanarBiped, gait: Gait, file: Path | None = None
+    spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, file: Path | None = None
 ) -> None:
     """Trace the conditions, a ReLU network replaced by a smooth one.
 
@@ -80,7 +96,7 @@ def refuse_untraceable(
         raise user_code.miswritten(name, error, file) from error
 
 
-def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: Gait) -> str | None:
+def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
     """A condition of the user's own that raises; None if only those of this package do.
 
     Package code evaluates a number where a function should be, or a bound of the wrong shape: no
@@ -114,7 +130,7 @@ def _known(robot: PlanarBiped) -> list[Any]:
 
 
 def after_impact(
-    robot: PlanarBiped, gait: Gait, residuals: Residuals = NO_RESIDUALS
+    robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
 ) -> dict[str, float] | None:
     """What the real impact leaves of the outputs, the worst over the end of the tube.
 
@@ -122,10 +138,10 @@ def after_impact(
 
     Returns: output_rad, rate_rad_s, foot_height_m; None if the policy cannot be traced.
     """
-    zd = ZeroDynamics(robot, gait.policy, *residuals)
 
     def errors(u):
-        point = zd.point(gait.z(u))
+        step, zd = step_at(robot, gait, u, residuals)
+        point = zd.point(step.z(u[:PLANE]))
         return {
             "output_rad": output_mismatch(point),
             "rate_rad_s": rate_mismatch(point),
@@ -133,9 +149,11 @@ def after_impact(
         }
 
     try:
-        program = trace(errors, {"u": (2,)})
+        program = trace(errors, {"u": (PLANE + 2 * len(gait.commands),)})
     except SpecError:
         return None
     guard = np.stack([np.ones(LEVELS), np.linspace(0.0, 1.0, LEVELS)], axis=1)
+    corners = [*product(*(axis[1:] for command in gait.commands for axis in command.axes))]
+    guard = np.concatenate([np.hstack([guard, np.tile(v, (LEVELS, 1))]) for v in corners])
     values = evaluate(program, {"u": guard}, POINT)
     return {name: float(np.max(np.abs(value))) for name, value in values.items()}

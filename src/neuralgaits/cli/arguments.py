@@ -39,6 +39,15 @@ class Train:
     """Seed of initial weights and samples; 0 if not given."""
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; the spec's own number if not given."""
+    speed: Annotated[str | None, arg(metavar="V|A:B")] = None
+    """Mean speed to walk at [m/s], or a range of them, as in 0.55:0.90: one policy that is told how
+    fast at each touchdown."""
+    step_length: Annotated[str | None, arg(metavar="A:B")] = None
+    """Range of step lengths to be told [m]."""
+    step_height: Annotated[str | None, arg(metavar="A:B")] = None
+    """Range of heights of the next foothold to be told [m], as in --step-height=-0.02:0.02."""
+    slope: Annotated[str | None, arg(metavar="A:B")] = None
+    """Range of slopes of the ground to be told [degrees], as in --slope=-5:5."""
     certify: bool = False
     """Prove the conditions (level 1) after training; where that fails, train on with samples of
     the boxes that are left, until the proof stands."""

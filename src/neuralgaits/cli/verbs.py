@@ -1,5 +1,6 @@
 """One function a verb: call the workflow, judge the answer, say how to show it."""
 
+import math
 import sys
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,9 @@ from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
 from neuralgaits.cli.words import Verb
 from neuralgaits.errors import InputError, Interrupted
 
-_TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out")
+_COMMANDS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
+"""Flags of commands, and their units."""
+_TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out", *_COMMANDS)
 """Settings of a training that a resumed run has of its own."""
 
 
@@ -87,6 +90,9 @@ def _train(verb: Train) -> Outcome:
     }
     if "hidden" in given:
         given["hidden"] = _widths(given["hidden"])
+    for name in _COMMANDS:
+        if name in given:
+            given[name] = _interval(name, given[name])
     if verb.resume is not None:
         given = {"resume": _unfinished(verb.resume, given, verb.output.json)}
     from neuralgaits.cli.progress import TrainingProgress
@@ -102,6 +108,25 @@ def _train(verb: Train) -> Outcome:
     return Outcome(done, done.proved, screen.show_training, undecided=not done.proved)
 
 
+def _interval(name: str, text: str) -> float | tuple[float, float]:
+    """A number, or LOW:HIGH, of a flag; degrees become radians.
+
+    Raises: InputError.
+    """
+    flag, single = f"--{name.replace('_', '-')}", name == "speed"
+    form = "a number or LOW:HIGH" if single else "LOW:HIGH"
+    try:
+        values = [float(part) for part in text.split(":")]
+    except ValueError:
+        values = []
+    allowed = (1, 2) if single else (2,)
+    if len(values) not in allowed or not all(map(math.isfinite, values)):
+        raise InputError(f"{flag}: expected {form} in {_COMMANDS[name]}, found {text!r}")
+    if name == "slope":
+        values = [math.radians(value) for value in values]
+    return values[0] if len(values) == 1 else (values[0], values[1])
+
+
 def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
     """The run folder to go on with; on stderr if the caller left open which, unless `quiet`.
 
@@ -109,7 +134,7 @@ def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
         no such run.
     """
     if given:
-        flags = ", ".join(f"--{name}" for name in given)
+        flags = ", ".join(f"--{name.replace('_', '-')}" for name in given)
         raise InputError(
             f"expected --resume alone, found it with {flags}: a run goes on with its own "
             "settings; drop them, or train anew without --resume"

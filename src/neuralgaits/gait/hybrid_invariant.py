@@ -16,24 +16,25 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.gait.activations import logistic
-from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.commands import Step
 from neuralgaits.gait.network import Network, scaled_inputs
 from neuralgaits.gait.policy import AbstractPolicy
-from neuralgaits.gait.posture import Posture, hip_indices, walking_posture
-from neuralgaits.gait.reset_residual import AbstractResetResidual, rates_after
-from neuralgaits.robots.dynamics import angular_momentum, swing_foot
+from neuralgaits.gait.posture import Posture, walking_posture
+from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.step_ends import (
+    Foothold,
+    Guard,
+    Start,
+    cubic_between,
+    inside,
+    on_foothold,
+    start_after,
+)
 
 if TYPE_CHECKING:
-    from neuralgaits.robots import Impact, PlanarBiped
-
-# How far inside the output bounds the end points are kept, as a share of the bounds' width:
-# on the bound the logit is infinite and a warm start would turn to NaN.
-END_POINT_MARGIN = 1e-3
-# Newton steps that put the swing foot on the ground at the guard: quadratic convergence from
-# a posture within a few centimetres leaves rounding error only.
-FOOT_NEWTON_STEPS = 6
+    from neuralgaits.robots import PlanarBiped
 
 
 class HybridInvariantPolicy(AbstractPolicy):
@@ -53,6 +54,8 @@ class HybridInvariantPolicy(AbstractPolicy):
         cubic: coefficients of H in powers of t; follow likewise. [4, m]
         start_outputs, start_slopes: outputs and slopes after the impact; follow likewise. [m]
         momentum_ratio: z2 after impact / z2 before; follows likewise.
+        told: what the robot was told of this step; None for a gait without commands.
+        then: the policy of the next step, if the command stays; None for this one.
     """
 
     network: Network
@@ -69,6 +72,8 @@ class HybridInvariantPolicy(AbstractPolicy):
     start_slopes: Float[Array, " m"]
     momentum_ratio: Float[Array, ""]
     z2_dependence: bool = eqx.field(static=True)
+    told: Step | None = None
+    then: "HybridInvariantPolicy | None" = None
 
     @classmethod
     def init(
@@ -132,6 +137,16 @@ class HybridInvariantPolicy(AbstractPolicy):
         return self.lower + (self.upper - self.lower) * share
 
     @property
+    def step(self) -> Step | None:
+        """What the robot was told of this step."""
+        return self.told
+
+    @property
+    def following(self) -> "HybridInvariantPolicy":
+        """The policy of the next step, if the command stays."""
+        return self if self.then is None else self.then
+
+    @property
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """z1 after the impact and at the guard (m)."""
         return self.z_start, self.z_guard
@@ -140,29 +155,27 @@ class HybridInvariantPolicy(AbstractPolicy):
         self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
     ) -> "HybridInvariantPolicy":
         """Recompute start of the step and cubic from the robot's impact at the guard."""
-        width = self.upper - self.lower
-        inner_lower = self.lower + END_POINT_MARGIN * width
-        inner_upper = self.upper - END_POINT_MARGIN * width
-        guard = jnp.clip(self.guard_outputs, inner_lower, inner_upper)
-        guard = _foot_on_ground(robot, self.z_guard, guard)
-        q = lift(robot, jnp.asarray(self.z_guard), guard)
-        dq = lift(robot, jnp.ones_like(q[0]), jnp.asarray(self.guard_slopes))
-        after = _after_impact(robot, q, dq, reset_residual)
-        speed = robot.hip_gradient @ after.dq
-        start, start_slopes = after.q[1:], after.dq[1:] / speed
-        z_start = robot.hip_gradient @ after.q
-        span = self.z_guard - z_start
-        logits, logit_slopes = [], []
-        for outputs, slopes in ((start, start_slopes), (guard, self.guard_slopes)):
-            share = (jnp.clip(outputs, inner_lower, inner_upper) - self.lower) / width
-            logits.append(jnp.log(share / (1.0 - share)))
-            logit_slopes.append(slopes * span / (width * share * (1.0 - share)))
-        (p0, p1), (d0, d1) = logits, logit_slopes
-        cubic = jnp.stack([p0, d0, 3.0 * (p1 - p0) - 2.0 * d0 - d1, 2.0 * (p0 - p1) + d0 + d1])
-        ratio = angular_momentum(robot, after.q, after.dq) / angular_momentum(robot, q, dq)
+        outputs = inside(self.guard_outputs, self.lower, self.upper)
+        outputs = on_foothold(robot, self.z_guard, outputs, Foothold())
+        guard = Guard(self.z_guard, outputs, self.guard_slopes)
+        return self.between(start_after(robot, guard, reset_residual), guard)
+
+    def between(
+        self, start: Start, guard: Guard, *, exact: bool = False
+    ) -> "HybridInvariantPolicy":
+        """The same policy from one end of a step to another.
+
+        Unless `exact`, the path is kept inside the bounds; start and guard are kept as they are.
+        """
+        first, last = start, guard
+        if not exact:
+            first = start._replace(outputs=inside(start.outputs, self.lower, self.upper))
+            last = guard._replace(outputs=inside(guard.outputs, self.lower, self.upper))
         return eqx.tree_at(
             lambda p: (
                 p.guard_outputs,
+                p.guard_slopes,
+                p.z_guard,
                 p.z_start,
                 p.cubic,
                 p.start_outputs,
@@ -170,7 +183,16 @@ class HybridInvariantPolicy(AbstractPolicy):
                 p.momentum_ratio,
             ),
             self,
-            (guard, z_start, cubic, start, start_slopes, ratio),
+            (
+                guard.outputs,
+                guard.slopes,
+                guard.z1,
+                start.z1,
+                cubic_between(first, last, self.lower, self.upper),
+                start.outputs,
+                start.slopes,
+                start.momentum_ratio,
+            ),
         )
 
     def trainable(self) -> "HybridInvariantPolicy":
@@ -186,34 +208,3 @@ class HybridInvariantPolicy(AbstractPolicy):
 @eqx.filter_jit
 def _match(policy: HybridInvariantPolicy, robot: "PlanarBiped") -> HybridInvariantPolicy:
     return policy.matched(robot)
-
-
-def _after_impact(
-    robot: "PlanarBiped",
-    q: Coordinates,
-    dq: Coordinates,
-    reset_residual: AbstractResetResidual | None,
-) -> "Impact":
-    after = robot.impact(q, dq)
-    if reset_residual is None:
-        return after
-    # The rates are those of dz1 = 1 m/s: any z2 gives the same ratios.
-    correction = reset_residual(reset_residual.centre)
-    z2 = angular_momentum(robot, q, dq)
-    return after._replace(dq=rates_after(robot, after.q, after.dq, correction, z2))
-
-
-def _foot_on_ground(robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated) -> Actuated:
-    """Move the swing hip until the swing foot is on the ground at the guard."""
-    hip = hip_indices(robot)[-1]
-    direction = np.zeros(robot.n - 1, dtype=outputs.dtype)
-    direction[hip] = 1.0
-
-    def height(angle):
-        return swing_foot(robot, lift(robot, jnp.asarray(z_guard), outputs + angle * direction))[1]
-
-    angle = jnp.zeros_like(outputs[hip])
-    for _ in range(FOOT_NEWTON_STEPS):
-        value, slope = jax.jvp(height, (angle,), (jnp.ones_like(angle),))
-        angle = angle - value / slope
-    return outputs + angle * direction

@@ -14,6 +14,8 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Coordinates, Planar, Scalar, ZeroState
+from neuralgaits.errors import SpecError
+from neuralgaits.gait.commands import Ground, Step
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.policy import (
     AbstractPolicy,
@@ -25,6 +27,14 @@ from neuralgaits.gait.policy import (
 from neuralgaits.gait.reset_residual import AbstractResetResidual, rates_after
 from neuralgaits.robots import Impact, PlanarBiped, dynamics
 from neuralgaits.robots import impact as impacts
+
+
+def turned(vector: Planar, slope: Scalar) -> Planar:
+    """A vector along and across ground of this slope [rad]. [2]."""
+    along, across = jnp.cos(slope), jnp.sin(slope)
+    return jnp.stack(
+        [vector[0] * along + vector[1] * across, vector[1] * along - vector[0] * across]
+    )
 
 
 class Point:
@@ -199,6 +209,53 @@ class Point:
         """Swing-foot velocity, (x, z) [m/s]. [2]."""
         return dynamics.swing_foot_velocity(self.robot, self.q, self.dq)
 
+    @property
+    def step(self) -> Step:
+        """What the robot was told of this step: `p.step["speed"]` is (before, after).
+
+        Raises: SpecError for a gait without commands.
+        """
+        if self.policy.step is None:
+            raise SpecError("expected a gait with commands, found one without: give the spec some")
+        return self.policy.step
+
+    @property
+    def _ground(self) -> Ground | None:
+        return None if self.policy.step is None else self.policy.step.ground
+
+    @cached_property
+    def foot_above_ground(self) -> Scalar:
+        """Swing foot above the line between the two footholds of this step [m]."""
+        if self._ground is None:
+            return self.foot[1]
+        return self.foot[1] - (self._ground.level + self._ground.rise * self.foot[0])
+
+    @cached_property
+    def foot_lift_rate(self) -> Scalar:
+        """Rate of the swing foot's height above that line [m/s]."""
+        if self._ground is None:
+            return self.foot_velocity[1]
+        return self.foot_velocity[1] - self._ground.rise * self.foot_velocity[0]
+
+    @property
+    def landing_rise(self) -> Scalar | float:
+        """Metres of height a metre of the ground under the next foothold."""
+        return 0.0 if self._ground is None else jnp.tan(self._ground.landing_slope)
+
+    @cached_property
+    def contact_force(self) -> Planar:
+        """Force on the stance foot along and across the ground under it [N]. [2]."""
+        if self._ground is None:
+            return self.force
+        return turned(self.force, self._ground.stance_slope)
+
+    @cached_property
+    def contact_impulse(self) -> Planar:
+        """Impulse on the new stance foot along and across the ground under it [N s]. [2]."""
+        if self._ground is None:
+            return self.impact.impulse
+        return turned(self.impact.impulse, self._ground.landing_slope)
+
     @cached_property
     def impact(self) -> Impact:
         """Full state after an impact in this state, and its impulse.
@@ -225,4 +282,5 @@ class Point:
     @cached_property
     def after(self) -> "Point":
         """The point of the zero dynamics manifold above `z_after`, outputs re-zeroed."""
-        return Point(self.robot, self.policy, self.residual, self.z_after, self.reset_residual)
+        policy = self.policy.following
+        return Point(self.robot, policy, self.residual, self.z_after, self.reset_residual)

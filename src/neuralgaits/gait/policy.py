@@ -11,6 +11,7 @@ import numpy as np
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Commands, Pair, Step
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
@@ -26,6 +27,21 @@ class AbstractPolicy(eqx.Module):
     @abstractmethod
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
+
+    @property
+    def commands(self) -> Commands:
+        """What a family of policies is told at each touchdown; () for a policy of all steps."""
+        return ()
+
+    @property
+    def step(self) -> Step | None:
+        """What the robot was told of the step of this policy; None for a gait without commands."""
+        return None
+
+    @property
+    def following(self) -> "AbstractPolicy":
+        """The policy of the next step, if the command stays: itself, for one that takes none."""
+        return self
 
     @property
     @abstractmethod
@@ -45,6 +61,25 @@ class AbstractPolicy(eqx.Module):
             robot: whose impact it is matched to.
             reset_residual: corrects that impact.
         """
+
+    def at(
+        self,
+        robot: "PlanarBiped",
+        pair: Pair,
+        reset_residual: AbstractResetResidual | None = None,
+        *,
+        exact: bool = False,
+    ) -> "AbstractPolicy":
+        """The policy of a step between two commands: itself, for one that takes none.
+
+        Args:
+            robot: whose impact it is matched to.
+            pair: commands of the step before and of this one. [p] each
+            reset_residual: corrects that impact.
+            exact: one smooth formula of the pair, for proofs.
+        """
+        del robot, pair, reset_residual, exact
+        return self
 
     @abstractmethod
     def trainable(self) -> "AbstractPolicy":

@@ -47,7 +47,7 @@ class ZeroDynamics(eqx.Module):
 
     def guard(self, z: ZeroState) -> Scalar:
         """Swing-foot height (m): the step ends where it falls through zero with z1 > 0."""
-        return self.point(z).foot[1]
+        return self.point(z).foot_above_ground
 
     def reset(self, z: ZeroState) -> ZeroState:
         """Reset map z+ = Phi_z(Delta(Phi^-1(0, z))). Returns: [2] (m, kg m^2/s)."""

@@ -1,7 +1,7 @@
 """What a training was asked: `config.json` of a run, without what `runs` itself puts there."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
 
@@ -55,6 +55,20 @@ class Stated:
     data: Mapping[str, Any]
 
 
+@dataclass(frozen=True)
+class Range:
+    """A command of a gait.
+
+    Attributes:
+        low, high: its range (see `gait.commands` for units).
+        largest_change: from one step to the next; None for any.
+    """
+
+    low: float
+    high: float
+    largest_change: float | None = None
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Asked(Record):
     """What a training was asked.
@@ -71,6 +85,8 @@ class Asked(Record):
         rate: share of the recipe's learning rate.
         disturbance: what may be added to dz (m/s, N m); None if nothing.
         parent: the run that this one was refined from; None for one that was trained.
+        commands: what the gait is told at each touchdown, by name.
+        speed: mean speed that is aimed at (m/s); None for whatever comes.
     """
 
     robot: str
@@ -85,10 +101,14 @@ class Asked(Record):
     rate: float = 1.0
     disturbance: Pair | None = None
     parent: str | None = None
+    commands: Mapping[str, Range] = field(default_factory=dict)
+    speed: float | None = None
 
     def unsaid(self) -> Collection[str]:
-        """Settings of `refine` are not those of `train`."""
-        return ("rate", "disturbance", "parent") if self.parent is None else ()
+        """Settings of `refine` are not those of `train`; no commands are not said."""
+        refined = () if self.parent is not None else ("rate", "disturbance", "parent")
+        told = (name for name in ("commands", "speed") if not getattr(self, name))
+        return (*refined, *told)
 
     @property
     def learning_rate(self) -> float | None:

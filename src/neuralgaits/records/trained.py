@@ -1,10 +1,11 @@
 """What `train` and `refine` found: `summary.json` of a run, and `nan.json` of one that failed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from neuralgaits.errors import RunError
+from neuralgaits.records.asked import Range
 from neuralgaits.records.record import Count, Record, Texts
 from neuralgaits.runs.commands import resuming
 from neuralgaits.runs.names import SUMMARY
@@ -101,6 +102,8 @@ class Trained(Record):
         program_hash: of it.
         after_impact: what the real impact leaves of the outputs, at worst (units in the names).
         certificate: None if no proof was asked for.
+        commands: what the gait is told at each touchdown, by name.
+        aims: what fresh samples say of each.
         compile_s, train_s, wall_s: times.
     """
 
@@ -115,6 +118,8 @@ class Trained(Record):
     program_hash: str | None = None
     after_impact: Mapping[str, float] | None = None
     certificate: TrainingProof | None = None
+    commands: Mapping[str, Range] = field(default_factory=dict)
+    aims: Mapping[str, Violations] = field(default_factory=dict)
     compile_s: float = 0.0
     train_s: float = 0.0
     wall_s: float

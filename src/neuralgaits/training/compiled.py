@@ -20,7 +20,9 @@ VALIDATION_SAMPLES = 8
 """Validation samples for each training sample."""
 
 
-def make_steps(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optimizer) -> Callable:
+def make_steps(
+    spec: GaitSpec, light, disturbance: Disturbance, unflatten, optimizer, steps_in_all: int = 0
+) -> Callable:
     """Gradient steps in one loop.
 
     Args:
@@ -29,26 +31,40 @@ def make_steps(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optim
         disturbance: that the conditions must bear beside them (m/s, N m).
         unflatten: flat parameters to the trained leaves.
         optimizer: of optax.
+        steps_in_all: which the recipe's curriculum is a share of; 0 for none.
 
     Returns: (parameters, optimiser state, key, first step, count, extra) to parameters, state and
         the `Loss` of the last step before it was taken.
     """
     robot, layout, sampler, fixed, residuals = light
+    growth = spec.recipe.curriculum * steps_in_all
+
+    def grown(index):
+        return jnp.minimum(1.0, (index + 1.0) / growth) if growth else 1.0
 
     def loss(parameters, u, counts, pushes):
         gait = eqx.combine(unflatten(parameters), fixed).matched(robot, residuals.reset)
-        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes, layout.aimed)
         result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
         return result.total, result
 
     def step(parameters, state, key, index, extra):
         key = jax.random.fold_in(key, index)
-        u, counts = with_extra(extra, 1, sampler.draw(key), layout.counts, key)
+        drawn = sampler.draw(key, grown(index))
+        u, counts = with_extra(extra, 1, drawn, layout.counts, key)
         gradient_of = jax.value_and_grad(loss, has_aux=True)
         u, pushes = u.astype(jnp.float32), pushes_of(disturbance, key, len(u), jnp.float32)
         (_, result), gradient = gradient_of(parameters, u, counts, pushes)
-        update, state = optimizer.update(gradient, state, parameters)
-        return optax.apply_updates(parameters, update), state, result
+        update, after = optimizer.update(gradient, state, parameters)
+        moved = optax.apply_updates(parameters, update)
+        if not spec.commands:
+            return moved, after, result
+        # A fence that crosses another at some rare pair of commands must not end it all.
+        good = jnp.all(jnp.isfinite(jnp.asarray(moved)))
+        kept = jax.tree.map(
+            lambda new, old: jnp.where(good, new, old), (moved, after), (parameters, state)
+        )
+        return *kept, result
 
     def steps(parameters, state, key, first, count, extra):
         # A step runs for a millisecond or two: calling it from Python took a third of the time.
@@ -62,7 +78,7 @@ def make_steps(spec: GaitSpec, light, disturbance: Disturbance, unflatten, optim
             return parameters, state, same
 
         zero = jnp.zeros((), single)
-        start = Loss(zero, jnp.zeros(len(spec.conditions), single), zero)
+        start = Loss(zero, jnp.zeros(len(spec.trained_for), single), zero)
         return jax.lax.fori_loop(0, count, body, (parameters, state, start))
 
     return quick_jit(steps)
@@ -84,7 +100,7 @@ def make_evaluate(
     def evaluate(gait, key, extra, share):
         u, counts = with_extra(extra, VALIDATION_SAMPLES, sampler.draw(key), layout.counts, key)
         pushes = pushes_of(disturbance, key, len(u), u.dtype, share)
-        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes, layout.aimed)
         return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
 
     return quick_filter_jit(evaluate)

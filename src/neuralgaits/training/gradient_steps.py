@@ -104,7 +104,7 @@ class GradientSteps:
         return head | terms
 
     def _names(self) -> Sequence[str]:
-        return [condition.name for condition in self.spec.conditions]
+        return [condition.name for condition in self.spec.trained_for]
 
     def _refuse_nan(self, trainer: Trainer, kept: TrainState, save: Save) -> NoReturn:
         """Save the last good state, and walk on from it to the step that turned to NaN."""

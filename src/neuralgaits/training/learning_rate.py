@@ -3,7 +3,8 @@
 import jax
 import optax
 
-from neuralgaits.barriers import Gait, GaitSpec, Recipe
+from neuralgaits.barriers import GaitSpec, Recipe
+from neuralgaits.barriers.regions import AnyGait
 
 
 def schedule(recipe: Recipe, steps: int) -> optax.Schedule:
@@ -23,7 +24,7 @@ def schedule(recipe: Recipe, steps: int) -> optax.Schedule:
     return optax.join_schedules([rise, later], [warmup]) if warmup else later
 
 
-def width_factor(spec: GaitSpec, gait: Gait) -> float:
+def width_factor(spec: GaitSpec, gait: AnyGait) -> float:
     """Share of the recipe's rate for the widths of a gait: at most 1.
 
     A recipe is made for the spec's own widths. A step of Adam moves every weight alike, so it
@@ -39,7 +40,7 @@ def width_factor(spec: GaitSpec, gait: Gait) -> float:
     return (own / asked) ** 0.5
 
 
-def _widest(gait: Gait) -> int | None:
+def _widest(gait: AnyGait) -> int | None:
     """The widest hidden layer; None for a policy without a network."""
     network = getattr(gait.policy, "network", None)
     return None if network is None else max(len(bias) for bias in network.biases[:-1])

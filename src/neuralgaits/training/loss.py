@@ -12,7 +12,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Scalar
-from neuralgaits.barriers import Barrier, Gait, GaitSpec
+from neuralgaits.barriers import Barrier, GaitSpec
+from neuralgaits.barriers.aims import middle_of
+from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.training.pushes import Pushed
@@ -31,6 +33,7 @@ class Layout(NamedTuple):
         mean_of: averages columns into conditions. [K, C]
         absolute: True for conditions penalised by the size of their error. [C]
         weight: of each condition. [C]
+        aimed: rows on which the spec's aims are evaluated.
     """
 
     columns: dict[str, slice]
@@ -39,6 +42,7 @@ class Layout(NamedTuple):
     mean_of: Float[np.ndarray, "K C"]
     absolute: np.ndarray
     weight: Float[np.ndarray, " C"]
+    aimed: slice
 
 
 class Loss(NamedTuple):
@@ -51,37 +55,55 @@ class Loss(NamedTuple):
     """Mean squared torque in the recipe's unit, weight included."""
 
 
-def lay_out(spec: GaitSpec, robot: PlanarBiped, gait: Gait, sampler: Sampler) -> Layout:
+def lay_out(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, sampler: Sampler) -> Layout:
     """Measure the conditions once and tabulate them."""
-    shapes = jax.eval_shape(
-        lambda u: spec.margins(gait, ZeroDynamics(robot, gait.policy), u),
-        jax.ShapeDtypeStruct((2,), jnp.zeros(0).dtype),
-    )
-    sizes = [int(np.prod(shapes[c.name].shape)) for c in spec.conditions]
+    asked = spec.trained_for
+
+    def margins(u):
+        step = gait.at(robot, u[2:])
+        zd = ZeroDynamics(robot, step.policy)
+        point = zd.point(step.z(u[:2]))
+        return {c.name: c.margins(step, zd, point) for c in asked}
+
+    shapes = jax.eval_shape(margins, jax.ShapeDtypeStruct((spec.chart_size,), jnp.zeros(0).dtype))
+    sizes = [int(np.prod(shapes[c.name].shape)) for c in asked]
     ends = np.cumsum([0, *sizes])
-    columns = {c.name: slice(int(ends[i]), int(ends[i + 1])) for i, c in enumerate(spec.conditions)}
+    columns = {c.name: slice(int(ends[i]), int(ends[i + 1])) for i, c in enumerate(asked)}
     total, rows = int(ends[-1]), len(sampler.low)
     counts = np.zeros((rows, total), dtype=bool)
-    mean_of = np.zeros((total, len(spec.conditions)))
+    mean_of = np.zeros((total, len(asked)))
     scale = np.ones(total)
-    for i, c in enumerate(spec.conditions):
+    for i, c in enumerate(asked):
         block = columns[c.name]
         scale[block], mean_of[block, i] = c.scale, 1.0 / sizes[i]
         for name, part in sampler.rows.items():
             if contains(spec.regions[c.region], spec.regions[name]):
                 counts[part, block] = True
-    absolute = np.array([c.absolute_loss for c in spec.conditions])
-    weight = np.array([spec.weights.get(c.name, 1.0) for c in spec.conditions])
-    return Layout(columns, scale, counts, mean_of, absolute, weight)
+    # Aims are costly, and only of interest on rows of their own.
+    first = len(spec.conditions)
+    aimed = _aims_rows(spec, sampler)
+    counts[aimed, : int(ends[first])] = False
+    counts[: aimed.start, int(ends[first]) :] = False
+    absolute = np.array([c.absolute_loss for c in asked])
+    weight = np.array([spec.weights.get(c.name, 1.0) for c in asked])
+    return Layout(columns, scale, counts, mean_of, absolute, weight, aimed)
+
+
+def _aims_rows(spec: GaitSpec, sampler: Sampler) -> slice:
+    """Rows of the regions of aims, which are the last ones."""
+    total = len(sampler.low)
+    starts = [sampler.rows[c.region].start for c in spec.aims]
+    return slice(min(starts, default=total), total)
 
 
 def margin_matrix(
     spec: GaitSpec,
     robot: PlanarBiped,
-    gait: Gait,
-    u: Float[Array, "N 2"],
+    gait: AnyGait,
+    u: Float[Array, "N n"],
     residuals: Residuals = NO_RESIDUALS,
     pushes: Float[Array, "N 2"] | None = None,
+    aimed: slice | None = None,
 ) -> tuple[Float[Array, "N K"], Float[Array, "N m"]]:
     """Margins of all conditions at all samples, in their own units, and torques.
 
@@ -92,26 +114,45 @@ def margin_matrix(
         u: samples.
         residuals: what was learned of the robot beyond its model.
         pushes: what is added to dz at each sample (m/s, N m), None for nothing.
+        aimed: rows on which the spec's aims are evaluated, 0 elsewhere; None for no rows.
 
-    Returns: [N, K], columns in the order of the spec, and [N, m] (N m).
+    Returns: [N, K], columns in the order of the spec, aims last, and [N, m] (N m).
     """
 
-    def one(sample, push):
+    def at(sample, push):
         flow, reset = residuals
         moved = flow if push is None else Pushed(flow, push)
-        zd = ZeroDynamics(robot, gait.policy, moved, reset)
-        point = zd.point(gait.z(sample))
+        step = gait.at(robot, sample[2:], reset)
+        zd = ZeroDynamics(robot, step.policy, moved, reset)
+        return step, zd, zd.point(step.z(sample[:2]))
+
+    def one(sample, push):
+        step, zd, point = at(sample, push)
         # One derivative for all barriers: a network inside, as after a reset, is passed once.
         barriers = [c for c in spec.conditions if isinstance(c, Barrier)]
         values, rates = point.rate(lambda p: [c.function(p) for c in barriers])
         known = {c.name: c.bent(*both) for c, *both in zip(barriers, values, rates, strict=True)}
         margins = [
-            jnp.ravel(known[c.name] if c.name in known else c.margins(gait, zd, point))
+            jnp.ravel(known[c.name] if c.name in known else c.margins(step, zd, point))
             for c in spec.conditions
         ]
         return jnp.concatenate(margins), point.torque
 
-    return jax.vmap(one)(u, pushes)
+    margins, torque = jax.vmap(one)(u, pushes)
+    if not spec.aims:
+        return margins, torque
+
+    def aims(sample):
+        step, zd, _ = at(sample, None)
+        middle = middle_of(step, zd)
+        return jnp.concatenate([c.of(middle) for c in spec.aims])
+
+    rows = slice(0, 0) if aimed is None else aimed
+    width = jax.eval_shape(aims, jax.ShapeDtypeStruct(u.shape[1:], u.dtype)).shape[0]
+    more = jnp.zeros((len(u), width), margins.dtype)
+    if u[rows].shape[0]:
+        more = more.at[rows].set(jax.vmap(aims)(u[rows]).astype(more.dtype))
+    return jnp.concatenate([margins, more], axis=1), torque
 
 
 def barrier_loss(
@@ -157,7 +198,7 @@ def _with_absolute(
 ) -> Float[Array, " C"]:
     """Replace the terms of equalities under absolute loss by their mean error norm."""
     terms = jnp.asarray(terms)
-    for i, c in enumerate(spec.conditions):
+    for i, c in enumerate(spec.trained_for):
         if c.absolute_loss:
             block = layout.columns[c.name]
             rows = layout.counts[:, block.start]

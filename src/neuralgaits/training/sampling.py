@@ -8,21 +8,26 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._types import Array, Float
+from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Box
+from neuralgaits.gait.commands import Commands
 
 
 class Sampler(NamedTuple):
     """A plan of one batch: each row is a stratum of a box of a region.
 
     Attributes:
-        low, high: corners of each row's stratum in the chart. [N, 2]
+        low, high: corners of each row's stratum in (phase, level). [N, 2]
         rows: region name to its rows.
+        ends: of the axes of commands, the same for all rows. [2, k]
+        corners: share of the samples of such an axis that lie on its ends.
     """
 
     low: Float[np.ndarray, "N 2"]
     high: Float[np.ndarray, "N 2"]
     rows: dict[str, slice]
+    ends: Float[np.ndarray, "2 k"]
+    corners: float
 
     @classmethod
     def plan(
@@ -30,13 +35,18 @@ class Sampler(NamedTuple):
         regions: Mapping[str, Sequence[Box]],
         counts: Mapping[str, int],
         overshoot: tuple[float, float] = (0.0, 0.0),
+        *,
+        commands: Commands = (),
+        corners: float = 0.0,
     ) -> "Sampler":
         """Lay out the strata.
 
         Args:
             regions: name to boxes of the chart.
             counts: name to number of samples.
-            overshoot: how far samples reach beyond the chart's own edges, per axis.
+            overshoot: how far samples reach beyond the edges of (phase, level), per axis.
+            commands: of the gait, two axes each.
+            corners: of `Recipe`.
         """
         lows, highs, rows, position = [], [], {}, 0
         for name, count in counts.items():
@@ -47,12 +57,32 @@ class Sampler(NamedTuple):
                 highs.append(np.stack([edges[1:], np.full(share, high[1])], axis=1))
             rows[name] = slice(position, position + count)
             position += count
-        return cls(np.concatenate(lows), np.concatenate(highs), rows)
+        ends = np.array([axis[1:] for command in commands for axis in command.axes]).T
+        ends = ends.reshape(2, 2 * len(commands))
+        return cls(np.concatenate(lows), np.concatenate(highs), rows, ends, corners)
 
-    def draw(self, key: PRNGKeyArray) -> Float[Array, "N 2"]:
-        """One uniform point a stratum. Returns: [N, 2] (phase, level)."""
+    def draw(self, key: PRNGKeyArray, grown: Scalar | float = 1.0) -> Float[Array, "N n"]:
+        """One uniform point a stratum.
+
+        Args:
+            key: random key.
+            grown: share of the axes of commands that is drawn from, about their middles.
+
+        Returns: [N, n] (phase, level, then the axes of commands).
+        """
         share = jax.random.uniform(key, self.low.shape, dtype=jnp.zeros(0).dtype)
-        return self.low + (self.high - self.low) * share
+        u = self.low + (self.high - self.low) * share
+        if self.ends.shape[1] == 0:
+            return u
+        shape = (len(self.low), self.ends.shape[1])
+        share = jax.random.uniform(jax.random.fold_in(key, 2), shape, dtype=u.dtype)
+        # Wider than the axis and clipped: what is beyond lies on its ends.
+        wide = (share - 0.5) / (1.0 - self.corners)
+        low, high = self.ends
+        middle = 0.5 * (low + high)
+        return jnp.concatenate(
+            [u, middle + grown * (high - low) * jnp.clip(wide, -0.5, 0.5)], axis=1
+        )
 
 
 def contains(outer: Sequence[Box], inner: Sequence[Box]) -> bool:

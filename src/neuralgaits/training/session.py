@@ -7,7 +7,7 @@ from typing import NamedTuple
 import jax
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers import Gait
+from neuralgaits.barriers.regions import AnyGait, Gait
 from neuralgaits.runs.names import START, STATE
 from neuralgaits.training.gradient_steps import GradientSteps, Progress
 from neuralgaits.training.posture_start import start_from_posture
@@ -25,7 +25,7 @@ class Session(NamedTuple):
     train_s: float
 
     @property
-    def gait(self) -> Gait:
+    def gait(self) -> AnyGait:
         """The best that was found."""
         return self.trainer.gait(self.state.best)
 
@@ -43,7 +43,7 @@ def take_all_steps(run: Run, progress: Progress | None) -> Session:
     trainer = Trainer.build(
         run.robot,
         run.spec,
-        run.gait,
+        run.trained,
         steps=asked.steps,
         seed=asked.seed,
         residuals=run.residuals,
@@ -68,10 +68,10 @@ def take_all_steps(run: Run, progress: Progress | None) -> Session:
 def _start(run: Run, trainer: Trainer) -> TrainState:
     """The last checkpoint if there is one, else the beginning."""
     if (run.path / STATE).is_file():
-        return run.folder.read_tree(STATE, trainer.init(run.gait))
-    asked, recipe, gait = run.asked, run.spec.recipe, run.gait
+        return run.folder.read_tree(STATE, trainer.init(run.trained))
+    asked, recipe, gait = run.asked, run.spec.recipe, run.trained
     cold = START not in run.folder.copies
-    if cold and asked.init == "posture" and recipe.posture_steps:
+    if cold and asked.init == "posture" and recipe.posture_steps and isinstance(gait, Gait):
         key = jax.random.fold_in(jax.random.key(asked.seed), 1)
         gait = start_from_posture(run.robot, gait, recipe.posture_steps, key)
     return trainer.init(gait)

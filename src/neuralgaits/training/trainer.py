@@ -7,6 +7,7 @@ cast to float64 and matched to the robot once more.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -17,7 +18,8 @@ import optax
 from jax.flatten_util import ravel_pytree
 
 from neuralgaits._types import Array, Float
-from neuralgaits.barriers import Gait, GaitSpec, Recipe
+from neuralgaits.barriers import GaitSpec, Recipe
+from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import Residuals
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
@@ -94,7 +96,7 @@ class Trainer:
     _evaluate: Callable
     _unflatten: Callable
     _optimizer: optax.GradientTransformation
-    _template: Gait
+    _template: AnyGait
     _light: tuple
     _layout: Layout
     _validation_layout: Layout
@@ -106,7 +108,7 @@ class Trainer:
         cls,
         robot: PlanarBiped,
         spec: GaitSpec,
-        template: Gait,
+        template: AnyGait,
         *,
         steps: int,
         seed: int,
@@ -127,9 +129,10 @@ class Trainer:
             rate: factor on the recipe's learning rate.
         """
         recipe = spec.recipe
-        sampler = Sampler.plan(spec.regions, recipe.samples, recipe.overshoot)
+        plan = partial(Sampler.plan, spec.regions, commands=spec.commands, corners=recipe.corners)
+        sampler = plan(recipe.samples, recipe.overshoot)
         more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
-        validation = Sampler.plan(spec.regions, more)
+        validation = plan(more)
         layout = lay_out(spec, robot, template, sampler)
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
@@ -141,7 +144,7 @@ class Trainer:
             cast(fixed, np.float32),
             cast(residuals, np.float32),
         )
-        step = make_steps(spec, light, disturbance, unflatten, optimizer)
+        step = make_steps(spec, light, disturbance, unflatten, optimizer, steps)
         checked = lay_out(spec, robot, template, validation)
         evaluate = make_evaluate(spec, robot, validation, checked, residuals, disturbance)
         return cls(
@@ -183,7 +186,7 @@ class Trainer:
         """Shapes and types of such rows, to read them from a file."""
         return Extra.shapes(self._layout)
 
-    def init(self, gait: Gait) -> TrainState:
+    def init(self, gait: AnyGait) -> TrainState:
         """State before the first step."""
         trained, _ = eqx.partition(gait, gait.trainable())
         flat, _ = ravel_pytree(cast(trained, jnp.float32))
@@ -219,13 +222,13 @@ class Trainer:
             return state._replace(best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64))
         return state
 
-    def gait(self, parameters: Float[Array, " P"]) -> Gait:
+    def gait(self, parameters: Float[Array, " P"]) -> AnyGait:
         """The gait with these parameters, in float64 and matched to the robot."""
         trained = cast(self._unflatten(parameters), np.float64)
         gait = eqx.combine(trained, self._template)
         return _matched(gait, self.robot, self.residuals.reset)
 
-    def report(self, gait: Gait, *, seed: int) -> Report:
+    def report(self, gait: AnyGait, *, seed: int) -> Report:
         """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
 
         Samples of extra boxes count for the loss alone.
@@ -246,9 +249,14 @@ class Trainer:
 
 def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTransformation:
     rate = replace(recipe, learning_rate=factor * recipe.learning_rate)
-    return optax.adamw(schedule(rate, steps), weight_decay=recipe.weight_decay)
+    steps_of = optax.adamw(schedule(rate, steps), weight_decay=recipe.weight_decay)
+    if recipe.largest_gradient is None:
+        return steps_of
+    return optax.chain(optax.clip_by_global_norm(recipe.largest_gradient), steps_of)
 
 
 @eqx.filter_jit
-def _matched(gait: Gait, robot: PlanarBiped, reset_residual: AbstractResetResidual | None) -> Gait:
+def _matched(
+    gait: AnyGait, robot: PlanarBiped, reset_residual: AbstractResetResidual | None
+) -> AnyGait:
     return gait.matched(robot, reset_residual)

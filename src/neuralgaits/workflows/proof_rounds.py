@@ -17,7 +17,8 @@ import numpy as np
 
 from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.barriers import GaitSpec
+from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
 from neuralgaits.records.certified import FOLDER
 from neuralgaits.records.trained import ProofHistory, ProofRound, TrainingProof
@@ -66,7 +67,9 @@ class ProofRounds:
         self.folder, self.robot, self.spec = folder, robot, spec
         self.steps, self.watch = steps, watch
 
-    def run(self, trainer: Trainer, gait: Gait, budget: float | None) -> tuple[Gait, TrainingProof]:
+    def run(
+        self, trainer: Trainer, gait: AnyGait, budget: float | None
+    ) -> tuple[AnyGait, TrainingProof]:
         """Certify and repair until the proof stands, or rounds or budget end.
 
         Args:
@@ -102,7 +105,7 @@ class ProofRounds:
             self.folder.write_tree(REPAIR, state)
         return gait, self._summary(history, trainer.steps, time.monotonic() - began)
 
-    def _under_way(self, repairer: Trainer, gait: Gait) -> RepairState | None:
+    def _under_way(self, repairer: Trainer, gait: AnyGait) -> RepairState | None:
         """The repair that a killed run was in."""
         if not (self.folder.path / REPAIR).is_file():
             return None
@@ -132,7 +135,7 @@ class ProofRounds:
         return self.steps.take(trainer, state.training, save, before=before, deadline=deadline)
 
     def _certify(
-        self, gait: Gait, number: int, steps: int, deadline: float, history: list[ProofRound]
+        self, gait: AnyGait, number: int, steps: int, deadline: float, history: list[ProofRound]
     ) -> dict[str, Boxes]:
         """Certify the gait and add the round. Returns: the boxes left open, by region."""
         self.folder.write_tree(WEIGHTS, gait)

@@ -99,5 +99,5 @@ def refine(
     folder = RunFolder.create(
         config, copies, name=parent.robot.name, seed=seed, root=root, out=place
     )
-    child = Run(folder, parent.robot, parent.spec, parent.gait)
+    child = Run(folder, parent.robot, parent.spec, parent.trained)
     return train_to_the_end(child, progress=progress, watch=watch, root=root, began=began)

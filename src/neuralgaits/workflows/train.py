@@ -9,7 +9,9 @@ import numpy as np
 
 from neuralgaits._settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.analysis.run import Run, open_parts, untrained
-from neuralgaits.barriers import Gait, GaitSpec, specs, user_code
+from neuralgaits.barriers import GaitSpec, specs, user_code
+from neuralgaits.barriers.commanded import Interval, commands_of
+from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import (
     after_impact,
@@ -18,7 +20,8 @@ from neuralgaits.certificate.provable import (
     why_not_provable,
 )
 from neuralgaits.errors import InputError, Interrupted, RunError
-from neuralgaits.records.asked import Asked, Proving, asked_of
+from neuralgaits.gait.commands import Commands
+from neuralgaits.records.asked import Asked, Proving, Range, asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
@@ -44,6 +47,10 @@ def train(
     resume: str | Path | None = None,
     certify: bool = False,
     budget: float | None = None,
+    speed: float | Interval | None = None,
+    step_length: Interval | None = None,
+    step_height: Interval | None = None,
+    slope: Interval | None = None,
     progress: Progress | None = None,
     watch: Watch | None = None,
     root: Path = RUNS_ROOT,
@@ -64,6 +71,10 @@ def train(
         certify: after training, prove the conditions (level 1); where that fails, train on with
             samples of the boxes that are left, until the proof stands.
         budget: seconds for proofs and further training; None for as long as it takes.
+        speed: mean speed to walk at (m/s), or a range of them: one policy, told at each touchdown.
+        step_length: range of footholds' distances to be told (m).
+        step_height: range of their heights above the stance foot (m).
+        slope: range of slopes of the ground (rad).
         progress: called with (step, steps, loss) now and then.
         watch: told how the proof goes on.
         root: folder of the runs.
@@ -85,7 +96,21 @@ def train(
     else:
         _check(seed, init, hidden, steps)
         check_proof_budget(certify, budget)
-        loaded = specs.load(spec, robot) if isinstance(spec, str) else spec
+        one, spread = (None, speed) if isinstance(speed, tuple) else (speed, None)
+        told = commands_of(
+            speed=spread, step_length=step_length, step_height=step_height, slope=slope
+        )
+        if one is not None and told:
+            raise InputError(
+                "expected one speed, or a range of it beside other commands, found --speed "
+                f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"
+            )
+        if (told or one is not None) and not isinstance(spec, str):
+            raise InputError(
+                "expected a spec by name with a speed or commands, found a GaitSpec: build it "
+                "with specs.commanded"
+            )
+        loaded = specs.load(spec, robot, told, one) if isinstance(spec, str) else spec
         with user_code.blamed():
             gait = loaded.new_gait(jax.random.key(seed), init, hidden)
         if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
@@ -105,6 +130,8 @@ def train(
             described=loaded.describe(),
             not_provable_because=unprovable,
             certify=Proving(budget) if certify else None,
+            commands=ranges_of(told),
+            speed=one,
         )
         copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
         place = None if out is None else Path(out)
@@ -135,7 +162,7 @@ def train_to_the_end(
         else:
             rounds = ProofRounds(run.folder, run.robot, run.spec, session.steps, watch or Watch())
             gait, proof = rounds.run(session.trainer, gait, run.asked.certify.budget_s)
-        done = replace(run, gait=gait)
+        done = replace(run, trained=gait)
         finish(run.folder, _summary(done, session, proof, began), root)
         return done
     except KeyboardInterrupt as stop:
@@ -144,10 +171,12 @@ def train_to_the_end(
 
 def _summary(run: Run, session: Session, proof: TrainingProof | None, began: float) -> Trained:
     """What a training says of itself, with the hash of its conditions as a Program."""
-    asked, report = run.asked, session.trainer.report(run.gait, seed=FRESH_SAMPLES_SEED)
+    asked, report = run.asked, session.trainer.report(run.trained, seed=FRESH_SAMPLES_SEED)
+    found = {name: violations(margins) for name, margins in report.margins.items()}
+    aims = {aim.name: found.pop(aim.name) for aim in run.spec.aims}
     program = None
     if asked.not_provable_because is None:
-        program = trace_spec(run.spec, run.robot, run.gait, run.residuals)
+        program = trace_spec(run.spec, run.robot, run.trained, run.residuals)
     return Trained(
         run=str(run.path),
         robot=asked.robot,
@@ -155,11 +184,13 @@ def _summary(run: Run, session: Session, proof: TrainingProof | None, began: flo
         seed=asked.seed,
         steps=int(session.state.step) + (0 if proof is None else proof.repair_steps),
         loss=report.loss,
-        conditions={name: violations(margins) for name, margins in report.margins.items()},
+        conditions=found,
         provable=program is not None,
         program_hash=None if program is None else program.hash,
-        after_impact=after_impact(run.robot, run.gait, run.residuals),
+        after_impact=after_impact(run.robot, run.trained, run.residuals),
         certificate=proof,
+        commands=asked.commands,
+        aims=aims,
         compile_s=session.compile_s,
         train_s=session.train_s,
         wall_s=time.perf_counter() - began,
@@ -183,6 +214,11 @@ def _resumed(
     return folder, *open_parts(folder)
 
 
+def ranges_of(commands: Commands) -> dict[str, Range]:
+    """Commands as a run's config has them."""
+    return {c.name: Range(c.low, c.high, c.largest_change) for c in commands}
+
+
 def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | None) -> None:
     check_seed(seed)
     if init not in ("posture", "random"):
@@ -192,7 +228,7 @@ def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | No
     check_steps(steps)
 
 
-def _widths(gait: Gait) -> tuple[int, ...] | None:
+def _widths(gait: AnyGait) -> tuple[int, ...] | None:
     """Widths of the hidden layers, None for a policy without a network."""
     network = getattr(gait.policy, "network", None)
     return None if network is None else tuple(len(bias) for bias in network.biases[:-1])

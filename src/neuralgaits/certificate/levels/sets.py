@@ -106,7 +106,7 @@ def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str,
     point, landed = zd.point(gait.z(u)), return_map.landing(gait, zd, u)
     start, guard = gait.span
     return {
-        "foot": point.foot[1],
+        "foot": point.foot_above_ground,
         "foot_rate": point.foot_velocity[1],
         "pace": point.dz[0] / (guard - start),
         "slope": return_map.slope(gait, point),

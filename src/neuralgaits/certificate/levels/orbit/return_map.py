@@ -59,7 +59,7 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     def ends(phase, zeta):
         point = zd.point(state(gait, phase, zeta))
         after = point.z_after
-        return point.foot[1], gait.phase(after[0]), 0.5 * after[1] * after[1]
+        return point.foot_above_ground, gait.phase(after[0]), 0.5 * after[1] * after[1]
 
     zeta = 0.5 * gait.z(u)[1] ** 2
     here, one, zero = (u[0], zeta), jnp.ones_like(zeta), jnp.zeros_like(zeta)

@@ -1,0 +1,128 @@
+"""What a gait is trained towards but that no theorem needs: where in its tube it walks, how fast.
+
+An aim reads the steady gait, that of a command that stays, along the middle of its tube. Aims are
+trained for and reported; a certificate does not speak of them.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.barriers.conditions import AbstractCondition
+from neuralgaits.barriers.regions import Gait
+from neuralgaits.errors import SpecError
+from neuralgaits.gait import Point, ZeroDynamics
+
+LEVEL = 0.5
+"""Of the middle of a tube."""
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
+"""Of Gauss, on [-1, 1]: the time of a step to 0.1 %."""
+
+
+class Middle(NamedTuple):
+    """The steady gait along the middle of its tube: at Gauss nodes of the phase and the guard."""
+
+    gait: Gait
+    slope_error: Float[Array, " k"]
+    """Slope of the flow against the middle's own, in tube widths a step. [k]"""
+    level_after: Scalar
+    """Level after the reset of the middle's end."""
+    speed: Scalar
+    """Step length over the time of a step [m/s]."""
+
+
+def middle_of(gait: Gait, zd: ZeroDynamics) -> Middle:
+    """The middle of the steady gait that belongs to the gait of a step.
+
+    Args:
+        gait: of one step; its command after is the one that stays.
+        zd: zero dynamics under it.
+    """
+    steady = gait.following
+    moving = ZeroDynamics(zd.robot, steady.policy, zd.residual, zd.reset_residual)
+    start, guard = steady.span
+    dtype = jnp.asarray(guard).dtype
+    phases = jnp.asarray(np.append(0.5 * (NODES + 1.0), 1.0), dtype)
+
+    def at(phase: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        point = moving.point(steady.z(jnp.stack([phase, jnp.full_like(phase, LEVEL)])))
+        along = point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
+        low, high = steady.tube.fences(phase)
+        error = (along - jnp.mean(steady.tube.fence_slopes(phase))) / (high - low)
+        return error, point.dz[0], point.foot[0], steady.level(point.z_after)
+
+    errors, rates, ahead, levels = jax.vmap(at)(phases)
+    time = jnp.sum(jnp.asarray(0.5 * WEIGHTS, dtype) / rates[:-1]) * (guard - start)
+    return Middle(steady, errors, levels[-1], ahead[-1] / time)
+
+
+@dataclass(frozen=True)
+class AbstractAim(AbstractCondition):
+    """What all aims share: a tolerance, in the unit of what they look at."""
+
+    tolerance: float
+
+    @abstractmethod
+    def error(self, middle: Middle) -> Float[Array, "..."]:
+        """What should be zero."""
+
+    def of(self, middle: Middle) -> Float[Array, "..."]:
+        """Tolerance minus and plus the error."""
+        error = jnp.atleast_1d(self.error(middle))
+        return jnp.concatenate([self.tolerance - error, self.tolerance + error])
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+        """The same from the gait of a step."""
+        del point
+        return self.of(middle_of(gait, zd))
+
+
+@dataclass(frozen=True)
+class MiddleFollowed(AbstractAim):
+    """The flow on the middle of the tube runs along it; in widths a step."""
+
+    def error(self, middle: Middle) -> Float[Array, " k"]:
+        """Slopes against the middle's own."""
+        return middle.slope_error
+
+
+@dataclass(frozen=True)
+class MiddleReturns(AbstractAim):
+    """The return map brings the middle back to itself, to first order; in widths.
+
+    What the flow drifts along a step and what the reset adds may cancel, and the orbit is where
+    they do: as far from the middle as this error over one minus the map's slope.
+    """
+
+    def error(self, middle: Middle) -> Scalar:
+        """Drift over a step, plus the level after the reset from the middle."""
+        weights = jnp.asarray(0.5 * WEIGHTS, middle.slope_error.dtype)
+        return weights @ middle.slope_error[:-1] + middle.level_after - LEVEL
+
+
+@dataclass(frozen=True)
+class MeanSpeed(AbstractAim):
+    """The mean speed along the middle is the asked one; a relative error.
+
+    Attributes:
+        speed: asked for [m/s]; None for the command `speed`.
+    """
+
+    speed: float | None = None
+
+    def error(self, middle: Middle) -> Scalar:
+        """Speed over the asked one, minus one."""
+        asked = self.speed
+        if asked is None:
+            step = middle.gait.policy.step
+            if step is None:
+                raise SpecError(
+                    f"aim {self.name!r}: expected a speed, or a gait told one, found none"
+                )
+            asked = step["speed"][1]
+        return middle.speed / asked - 1.0

@@ -1,0 +1,177 @@
+"""The default spec for a gait with commands: the walk of `walking`, over all that it is told.
+
+Conditions are those of the plain gait, asked at every pair of commands that may follow each other.
+"""
+
+import math
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed
+from neuralgaits.barriers.regions import Box, CommandedGait, CommandedTube, Gait
+from neuralgaits.barriers.spec import GaitSpec, Init
+from neuralgaits.barriers.walking import pendulum_height, start_tube, walking
+from neuralgaits.errors import SpecError
+from neuralgaits.gait import walking_posture
+from neuralgaits.gait.commanded import CommandedPolicy
+from neuralgaits.gait.commands import Command, Commands, factors
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+SPEED_CHANGE = 0.2
+"""Largest change of speed a step, as a share of its range: a return map that contracts by 0.7 lets
+a tube follow a change of about 0.4 of its width a step."""
+START_WIDTH, SIDES = 0.17, (-1.0, 1.0)
+"""Half width of the first tube, in shares of the speed."""
+MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
+"""Rows that aims are looked at for: any will do, they look at the whole middle."""
+SLOWEST = 0.3
+"""Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for."""
+MORE_SAMPLES, MORE_STEPS, LEARNING_RATE = 2, 4000, 3e-3
+
+
+Interval = tuple[float, float]
+"""Lower and upper end of a range."""
+_LARGEST_CHANGES = {"speed": SPEED_CHANGE, "slope": SPEED_CHANGE}
+"""Shares of the range; footholds may follow each other as they like."""
+
+
+def commands_of(**ranges: Interval | None) -> Commands:
+    """Commands of this package with their usual largest changes.
+
+    Args:
+        ranges: by name; those that are None are left out.
+    """
+    found = []
+    for name, interval in ranges.items():
+        if interval is not None:
+            low, high = interval
+            share = _LARGEST_CHANGES.get(name)
+            change = None if share is None else share * abs(high - low)
+            found.append(Command(name, low, high, change or None))
+    return tuple(found)
+
+
+def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
+    """The default specification of a gait that is told `commands`.
+
+    Args:
+        robot: with knees.
+        commands: at least one.
+    """
+    slowest = next((c.low for c in commands if c.name == "speed"), None)
+    plain = walking(robot, forward=None if slowest is None else SLOWEST * slowest)
+    aims = _middle_aims()
+    if any(c.name == "speed" for c in commands):
+        aims = (*aims, MeanSpeed("mean-speed", "middle", 0.04, 0.04))
+    samples = {name: MORE_SAMPLES * count for name, count in plain.recipe.samples.items()}
+    recipe = replace(
+        plain.recipe,
+        steps=MORE_STEPS,
+        samples=samples | {"middle": 24},
+        learning_rate=LEARNING_RATE,
+        curriculum=0.5,
+        corners=0.2,
+        largest_gradient=5.0,
+    )
+    return replace(
+        plain,
+        regions=dict(plain.regions) | {"middle": (MIDDLE,)},
+        new_gait=partial(_new_gait, robot, commands),
+        recipe=recipe,
+        commands=commands,
+        aims=aims,
+    )
+
+
+def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
+    """The default specification of a gait that walks at one mean speed.
+
+    Args:
+        robot: with knees.
+        speed: mean, over a step (m/s).
+    """
+    if not 0.0 < speed < math.inf:
+        raise SpecError(f"expected a speed above 0 m/s, found {speed:g}")
+    plain = walking(robot, forward=SLOWEST * speed)
+    recipe = replace(plain.recipe, samples=dict(plain.recipe.samples) | {"middle": 1})
+    return replace(
+        plain,
+        regions=dict(plain.regions) | {"middle": (MIDDLE,)},
+        new_gait=partial(_new_gait_at, robot, speed),
+        recipe=recipe,
+        aims=(*_middle_aims(), MeanSpeed("mean-speed", "middle", 0.04, 0.04, speed)),
+    )
+
+
+def _middle_aims() -> tuple[AbstractAim, ...]:
+    """That the orbit runs in the middle of its tube: what its speed is then that of."""
+    return (
+        MiddleFollowed("middle-followed", "middle", 0.12, 0.12),
+        MiddleReturns("middle-returns", "middle", 0.03, 0.03),
+    )
+
+
+def _new_gait_at(
+    robot: "PlanarBiped",
+    speed: float,
+    key: PRNGKeyArray,
+    init: Init,
+    hidden: tuple[int, ...] | None,
+) -> Gait:
+    gait = walking(robot).new_gait(key, init, hidden)
+    assert isinstance(gait, Gait)
+    lower, upper = np.array(gait.tube.lower), np.array(gait.tube.upper)
+    lower[0], upper[0] = (_energy(robot, side, speed**2) for side in SIDES)
+    return eqx.tree_at(lambda g: (g.tube.lower, g.tube.upper), gait, (lower, upper))
+
+
+def _new_gait(
+    robot: "PlanarBiped",
+    commands: Commands,
+    key: PRNGKeyArray,
+    init: Init,
+    hidden: tuple[int, ...] | None,
+) -> CommandedGait:
+    policy = CommandedPolicy.init(robot, commands, key=key, hidden=hidden or (32, 32))
+    if init == "random":
+        full = 10.0 * policy.network.weights[-1]
+        policy = eqx.tree_at(
+            lambda p: p.network.weights, policy, (*policy.network.weights[:-1], full)
+        )
+    guard = walking_posture(robot).z_guard
+    tube = CommandedTube.around(start_tube(robot, None, (-guard, guard)), commands)
+    for i, command in enumerate(commands):
+        if command.name == "speed":
+            tube = _faster(robot, tube, i, command)
+    return CommandedGait(policy, tube)
+
+
+def _faster(robot: "PlanarBiped", tube: CommandedTube, i: int, command: Command) -> CommandedTube:
+    """Fences of a linear inverted pendulum whose mean speed is about the commanded one."""
+    middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
+    terms = factors(len(tube.told))
+    series = []
+    for side, fence in zip(SIDES, (tube.lower, tube.upper), strict=True):
+        share, new = (1.0 + side * START_WIDTH) ** 2, np.array(fence)
+        new[0, 0] = _energy(robot, side, middle**2)
+        new[terms.index((i,)), 0] = share * 2.0 * middle * half
+        new[terms.index((i, i)), 0] = share * half**2
+        series.append(new)
+    return eqx.tree_at(lambda t: (t.lower, t.upper), tube, tuple(series))
+
+
+def _energy(robot: "PlanarBiped", side: float, mean_square: float) -> float:
+    """Coefficient of T_0 of a fence around a walk with this mean squared speed (m^2/s^2).
+
+    A parabola is its energy plus (g/h) z1^2: a third of that at the guard in the mean, half in T_0.
+    """
+    guard = walking_posture(robot).z_guard
+    swung = float(robot.gravity) / pendulum_height(robot) * guard**2
+    return (1.0 + side * START_WIDTH) ** 2 * mean_square - swung / 3.0 + 0.5 * swung

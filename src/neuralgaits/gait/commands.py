@@ -1,0 +1,184 @@
+"""Commands: what a gait is told at each touchdown, and what one step knows of them.
+
+During a step a robot knows two values of each command: `before`, of the step that ended, which
+fixed the posture that this step begins in, and `after`, which fixes where it ends.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._names import why_no_name
+from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.errors import InputError, SpecError
+
+UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "rad"}
+"""Commands that this package knows the meaning of, and their units."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """One number that a gait is told at each touchdown.
+
+    Attributes:
+        name: `UNITS` has those with a meaning here; any other is a spec's own.
+        low, high: range of the command, in its unit.
+        largest_change: from one step to the next; None for any.
+    """
+
+    name: str
+    low: float
+    high: float
+    largest_change: float | None = None
+
+    def __post_init__(self):
+        """Refuse names that are none and ranges that hold nothing."""
+        if why := why_no_name(self.name):
+            raise SpecError(f"expected a printable name of a command, found {why}; rename it")
+        if not (math.isfinite(self.high - self.low) and self.low < self.high):
+            raise SpecError(
+                f"command {self.name}: expected a range LOW:HIGH with LOW < HIGH, "
+                f"found {self.low:g}:{self.high:g}"
+            )
+        change = self.largest_change
+        if change is not None and not 0.0 < change:
+            raise SpecError(
+                f"command {self.name}: expected a largest change above 0, or none, found {change:g}"
+            )
+
+    @property
+    def unit(self) -> str:
+        """Of its values."""
+        return UNITS.get(self.name, "-")
+
+    @property
+    def axes(self) -> tuple[tuple[str, float, float], ...]:
+        """Two axes of the chart, (name, low, high), on which all pairs lie.
+
+        Where any value may follow any, (before, after); else (middle, difference): the pairs
+        that may follow each other are then a box, with corners where one of a pair is up to half
+        of the largest change outside the range.
+        """
+        if self.largest_change is None:
+            return (
+                (f"{self.name} before", self.low, self.high),
+                (f"{self.name} after", self.low, self.high),
+            )
+        change = self.largest_change
+        return ((self.name, self.low, self.high), (f"change of {self.name}", -change, change))
+
+    def pair(self, first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
+        """(before, after) at a point of its two axes."""
+        if self.largest_change is None:
+            return first, second
+        return first - 0.5 * second, first + 0.5 * second
+
+    def coordinates(self, before: float, after: float) -> tuple[float, float]:
+        """The point of its two axes that has this pair."""
+        if self.largest_change is None:
+            return before, after
+        return 0.5 * (before + after), after - before
+
+    def scaled(self, value: Float[Array, "..."]) -> Float[Array, "..."]:
+        """Values in units of half the range, 0 in its middle."""
+        return (value - 0.5 * (self.low + self.high)) / (0.5 * (self.high - self.low))
+
+
+Commands = tuple[Command, ...]
+
+
+class Pair(NamedTuple):
+    """The two values of every command that a step knows. [p] each, in their units."""
+
+    before: Float[Array, " p"]
+    after: Float[Array, " p"]
+
+    @property
+    def steady(self) -> "Pair":
+        """The pair of the next step, if the command stays."""
+        return Pair(self.after, self.after)
+
+
+class Ground(NamedTuple):
+    """The ground of one step: the line between its footholds, and how both of them lie."""
+
+    rise: Scalar
+    """Of the line, metres a metre."""
+    level: Scalar
+    """Of the line under the stance foot, above the foot [m]."""
+    stance_slope: Scalar
+    """Of the ground under the stance foot [rad]."""
+    landing_slope: Scalar
+    """Of the ground under the next foothold [rad]."""
+
+
+class Step(eqx.Module):
+    """What one step was told, and the ground that follows from it.
+
+    Attributes:
+        pair: values of the commands.
+        ground: None for level ground.
+        names: of the commands.
+    """
+
+    pair: Pair
+    ground: Ground | None
+    names: tuple[str, ...] = eqx.field(static=True)
+
+    def __getitem__(self, name: str) -> tuple[Scalar, Scalar]:
+        """(before, after) of a command."""
+        if name not in self.names:
+            raise SpecError(
+                f"expected one of the gait's commands, {', '.join(self.names)}, found {name!r}"
+            )
+        at = self.names.index(name)
+        return self.pair.before[at], self.pair.after[at]
+
+
+def pair_at(commands: Commands, v: Float[Array, " k"]) -> Pair:
+    """The pair at a point of the commands' axes, two a command. [2 p]."""
+    found = [c.pair(v[2 * i], v[2 * i + 1]) for i, c in enumerate(commands)]
+    before, after = (jnp.stack([pair[i] for pair in found]) for i in (0, 1))
+    return Pair(before, after)
+
+
+def values(commands: Commands, given: Mapping[str, float]) -> Float[np.ndarray, " p"]:
+    """Values by name as an array.
+
+    Raises: InputError on names that are none, missing ones and values outside their range.
+    """
+    names = [c.name for c in commands]
+    if set(given) != set(names):
+        raise InputError(
+            f"expected a value for each of the gait's commands, {', '.join(names) or 'none'}, "
+            f"found {', '.join(given) or 'none'}"
+        )
+    for c in commands:
+        value = given[c.name]
+        if not c.low <= value <= c.high:
+            raise InputError(
+                f"expected {c.name} between {c.low:g} and {c.high:g} {c.unit}, found {value:g}"
+            )
+    return np.array([float(given[name]) for name in names])
+
+
+def scaled(commands: Commands, value: Float[Array, " p"]) -> Float[Array, " p"]:
+    """Commands in units of half their ranges, 0 in the middle."""
+    return jnp.stack([c.scaled(value[i]) for i, c in enumerate(commands)])
+
+
+def factors(count: int) -> list[tuple[int, ...]]:
+    """Monomials up to degree 2, as the commands that are multiplied: (), (0,), ..., (0, 1), ..."""
+    pairs = [(i, j) for i in range(count) for j in range(i, count)]
+    return [(), *((i,) for i in range(count)), *pairs]
+
+
+def powers(x: Float[Array, " p"]) -> Float[Array, " M"]:
+    """Values of the monomials of `factors`. Returns: [M]."""
+    one = jnp.ones_like(x[0])
+    return jnp.stack([math.prod((x[i] for i in part), start=one) for part in factors(len(x))])

@@ -1,0 +1,155 @@
+"""Both ends of a step: the posture at a guard, what its impact leaves, and the cubic between two.
+
+The swing foot is put on its foothold by a fixed number of Newton steps, so that all of it is one
+formula of the guard's outputs and slopes. Hybrid invariance as in Westervelt, Grizzle and
+Koditschek (2003).
+"""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar
+from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.posture import hip_indices
+from neuralgaits.gait.reset_residual import AbstractResetResidual, rates_after
+from neuralgaits.robots.dynamics import angular_momentum, swing_foot
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import Impact, PlanarBiped
+
+# How far inside the output bounds the end points are kept, as a share of the bounds' width:
+# on the bound the logit is infinite and a warm start would turn to NaN.
+END_POINT_MARGIN = 1e-3
+# Newton steps that put the swing foot on the ground at the guard: quadratic convergence from
+# a posture within a few centimetres leaves rounding error only.
+FOOT_NEWTON_STEPS = 6
+
+
+class Guard(NamedTuple):
+    """The end of a step, the swing foot on its foothold."""
+
+    z1: Scalar
+    """Where it is [m]."""
+    outputs: Actuated
+    """Desired outputs there [rad]. [m]"""
+    slopes: Actuated
+    """d y_d / d z1 there [rad/m]. [m]"""
+
+
+class Start(NamedTuple):
+    """The beginning of a step: what the impact at a guard leaves."""
+
+    z1: Scalar
+    """Where it is [m]."""
+    outputs: Actuated
+    """Desired outputs there [rad]. [m]"""
+    slopes: Actuated
+    """d y_d / d z1 there [rad/m]. [m]"""
+    momentum_ratio: Scalar
+    """z2 after the impact / z2 before."""
+
+
+class Foothold(NamedTuple):
+    """Where the swing foot has to be at a guard, from the stance foot."""
+
+    length: Scalar | None = None
+    """Ahead of it [m]; None leaves it to the posture."""
+    height: Scalar | float = 0.0
+    """Above it [m]."""
+    rise: Scalar | float = 0.0
+    """Metres more of height a metre of length."""
+
+
+def on_foothold(
+    robot: "PlanarBiped",
+    z_guard: Scalar,
+    outputs: Actuated,
+    foothold: Foothold,
+    steps: int = FOOT_NEWTON_STEPS,
+) -> Actuated:
+    """Move the swing hip until the swing foot is on its foothold, and the knee for the length.
+
+    Args:
+        robot: the biped.
+        z_guard: z1 there (m).
+        outputs: near them, [m] (rad).
+        foothold: where the foot has to be.
+        steps: of Newton's method.
+    """
+    hip = hip_indices(robot)[-1]
+    moved = [hip] if foothold.length is None else [hip, robot.n - 2]
+    directions = np.eye(robot.n - 1, dtype=outputs.dtype)[moved]
+
+    def miss(shift: Float[Array, " k"]) -> Float[Array, " k"]:
+        along, up = swing_foot(
+            robot, lift(robot, jnp.asarray(z_guard), outputs + shift @ directions)
+        )
+        high = up - (foothold.height + foothold.rise * along)
+        return high[None] if foothold.length is None else jnp.stack([high, along - foothold.length])
+
+    shift = jnp.zeros(len(moved), outputs.dtype)
+    for _ in range(steps):
+        value, push = jax.linearize(miss, shift)
+        shift = shift - _solved(
+            [push(row) for row in np.eye(len(moved), dtype=outputs.dtype)], value
+        )
+    return outputs + shift @ directions
+
+
+def start_after(
+    robot: "PlanarBiped", guard: Guard, reset_residual: AbstractResetResidual | None
+) -> Start:
+    """The start of the step that follows a guard, by the real impact, legs relabelled."""
+    q = lift(robot, jnp.asarray(guard.z1), guard.outputs)
+    dq = lift(robot, jnp.ones_like(q[0]), jnp.asarray(guard.slopes))
+    after = _after_impact(robot, q, dq, reset_residual)
+    speed = robot.hip_gradient @ after.dq
+    ratio = angular_momentum(robot, after.q, after.dq) / angular_momentum(robot, q, dq)
+    return Start(robot.hip_gradient @ after.q, after.q[1:], after.dq[1:] / speed, ratio)
+
+
+def cubic_between(
+    start: Start, guard: Guard, lower: Actuated, upper: Actuated
+) -> Float[Array, "4 m"]:
+    """Coefficients in powers of the phase of the cubic in logit space with these ends."""
+    width, span = upper - lower, guard.z1 - start.z1
+    logits, logit_slopes = [], []
+    for end in (start, guard):
+        share = (end.outputs - lower) / width
+        logits.append(jnp.log1p((2.0 * share - 1.0) / (1.0 - share)))
+        logit_slopes.append(end.slopes * span / (width * share * (1.0 - share)))
+    (p0, p1), (d0, d1) = logits, logit_slopes
+    return jnp.stack([p0, d0, 3.0 * (p1 - p0) - 2.0 * d0 - d1, 2.0 * (p0 - p1) + d0 + d1])
+
+
+def inside(outputs: Actuated, lower: Actuated, upper: Actuated) -> Actuated:
+    """Outputs clipped to END_POINT_MARGIN inside their bounds."""
+    margin = END_POINT_MARGIN * (upper - lower)
+    return jnp.clip(outputs, lower + margin, upper - margin)
+
+
+def _solved(columns: list[Float[Array, " k"]], right: Float[Array, " k"]) -> Float[Array, " k"]:
+    """Cramer's rule for one or two unknowns, columns of the matrix given."""
+    if len(columns) == 1:
+        return right / columns[0]
+    (a, c), (b, d) = columns
+    u, v = right
+    return jnp.stack([u * d - b * v, a * v - c * u]) / (a * d - b * c)
+
+
+def _after_impact(
+    robot: "PlanarBiped",
+    q: Coordinates,
+    dq: Coordinates,
+    reset_residual: AbstractResetResidual | None,
+) -> "Impact":
+    after = robot.impact(q, dq)
+    if reset_residual is None:
+        return after
+    # The rates are those of dz1 = 1 m/s: any z2 gives the same ratios.
+    correction = reset_residual(reset_residual.centre)
+    z2 = angular_momentum(robot, q, dq)
+    return after._replace(dq=rates_after(robot, after.q, after.dq, correction, z2))
