@@ -5,12 +5,13 @@ import shutil
 import time
 from pathlib import Path
 
+from neuralgaits.certificate.levels.full_order.of_run import certify_full_order, model_of
+from neuralgaits.certificate.levels.full_order.prove import SHARES, looks_of
+
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.full_order import prove as full_order
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.margins import BANDWIDTH
-from neuralgaits.certificate.levels.full_order.of_run import certify_full_order, model_of
-from neuralgaits.certificate.levels.full_order.prove import SHARES, looks_of
 from neuralgaits.certificate.levels.full_order.theorem import premises
 from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems

@@ -178,11 +178,22 @@ def _concluded(claims: Claims, report: Report) -> Report:
     if wrong:
         reason = f"level {wrong[0].level} does not follow: {wrong[0].reason}"
         return replace(report, verdict="rejected", reason=reason)
-    levels = tuple(replace(answer, verdict="consistent") for answer in claimed)
+    more = _fixed(claims)
+    levels = tuple(
+        replace(answer, verdict="consistent", words=answer.words + more) for answer in claimed
+    )
     report = replace(report, levels=levels, holds=True)
     if reason := _why_incomplete(claims):
         return replace(report, verdict="undecided", reason=reason)
     return report
+
+
+def _fixed(claims: Claims) -> tuple[str, ...]:
+    """What a theorem says of the chart's axes beside phase and level, if there are any."""
+    given = [f"{axis.name} in [{axis.low!r}, {axis.high!r}]" for axis in claims.chart.parameters]
+    if not given:
+        return ()
+    return (f"this holds for each fixed {' and '.join(given)}; of one that changes it says nothing",)
 
 
 def _why_incomplete(claims: Claims) -> str | None:
