@@ -193,7 +193,8 @@ def _fixed(claims: Claims) -> tuple[str, ...]:
     given = [f"{axis.name} in [{axis.low!r}, {axis.high!r}]" for axis in claims.chart.parameters]
     if not given:
         return ()
-    return (f"this holds for each fixed {' and '.join(given)}; of one that changes it says nothing",)
+    fixed = " and ".join(given)
+    return (f"this holds for each fixed {fixed}; of one that changes it says nothing",)
 
 
 def _why_incomplete(claims: Claims) -> str | None:
