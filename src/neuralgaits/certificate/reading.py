@@ -84,7 +84,9 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     run = folder.path
     found = hashes(run)
     if more := [n for n in summary.sha256 if n not in found and summary.sha256[n] is not None]:
-        raise _Unfit(f"{SUMMARY} rests on {more[0]} as well, as in an earlier version")
+        raise _Unfit(
+            f"{SUMMARY} is about another file too, {more[0]}, as earlier versions"
+        )
     for name in FILES:
         digest = found[name]
         if summary.sha256.get(name) != digest:
@@ -162,7 +164,7 @@ def _levels(summary: Certified, asked: Asked, proof: Claims | None) -> Iterator[
         elif entry.level in found:
             yield found[entry.level]
         else:
-            raise _Unfit(f"{SUMMARY} calls level {entry.level} proved, and {PROOF} claims it not")
+            raise _Unfit(f"{SUMMARY} calls level {entry.level} proved, and no proof file claims it")
 
 
 def _verdict(summary: Certified) -> Verdict:

@@ -13,7 +13,7 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.demo import FOLDER
-from support.forgeries.base import Base, Table
+from support.forgeries.base import About, Base, Table
 from support.forgeries.edits import claim, root, sha256, spec_file
 
 PROOF = "certificate/proof.json"
@@ -35,9 +35,8 @@ def make(scratch: Path, *, boxes: bool = False) -> Base:
     else:
         (full / PROOF).write_text(json.dumps(full_order_table(open_run(full))))
         add_level_4(full)
-    runs = {"walk": walk, "small": small, "full": full}
-    proofs = {about: _read(folder / PROOF) for about, folder in runs.items()}
-    return Base(proofs, runs, scratch)
+    runs: dict[About, Path] = {"walk": walk, "small": small, "full": full}
+    return Base({about: _read(runs[about] / PROOF) for about in runs}, runs, scratch)
 
 
 def add_level_4(folder: Path) -> None:
