@@ -8,55 +8,60 @@ its faces; MuJoCo has sampled control and compliant contact, and its shares are 
 Asked: proved with epsilon >= 0.03 [h/s]; of 10,000 walks none leaves the set.
 """
 
+import shutil
+import tempfile
 import time
+from pathlib import Path
 
 from common import seeds, show, trained
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.levels.full_order.conclude import constants
-from neuralgaits.certificate.levels.full_order.of_run import model_of
-from neuralgaits.certificate.levels.full_order.prove import FullOrderResult, full_order
+from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.records.certified import PROOF, Conclusion
+from neuralgaits.workflows.certify import certify
 from support.full_order_check import check_by_force, check_in_mujoco
 
 DEFAULT_SEEDS = 5
 
 
-def prove(name: str, run: Run) -> FullOrderResult:
+def prove(name: str, run: Run) -> tuple[Conclusion, FullOrder | None]:
     """Prove, and print a row."""
     before = time.process_time()
-    found = full_order(model_of(run))
-    seconds = f"{found.wall_s:.1f} s, {time.process_time() - before:.1f} s of processor time"
-    show(f"{name}: level 4", found.conclusion.verdict, "proved")
-    show(f"{name}: time, {found.boxes} boxes", seconds)
-    if found.conclusion.reason is not None:
-        for obstacle in found.conclusion.reason.split("; "):
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(shutil.copytree(run.path, Path(folder) / "run"))
+        summary = certify(copy, level=4).summary
+        shape = read_claims(copy / PROOF).theorems.full if summary.full_order_proof else None
+    found = summary.levels[-1]
+    seconds = f"{summary.wall_s:.1f} s, {time.process_time() - before:.1f} s of processor time"
+    show(f"{name}: level 4", found.verdict, "proved")
+    show(f"{name}: time of all levels, {summary.boxes} boxes", seconds)
+    if found.reason is not None:
+        for obstacle in found.reason.split("; "):
             print(f"    in the way: {obstacle}", flush=True)
-    if found.shape is not None:
-        shape = found.shape
+    if shape is not None:
         show(f"{name}: epsilon, least", min(b.epsilon for b in shape.barriers), ">= 0.03")
         show(f"{name}: sqrt(V) in the set at the start of a step [rad]", shape.radius)
-        show(f"{name}: sqrt(v_sym) [rad]", found.conclusion.figures["sqrt v_sym"])
-    return found
+        show(f"{name}: sqrt(v_sym) [rad]", found.figures["sqrt v_sym"])
+    return found, shape
 
 
-def describe(found: FullOrderResult) -> None:
+def describe(found: Conclusion) -> None:
     """Print every constant."""
-    assert found.shape is not None
-    for constant in constants(found.shape):
+    for constant in found.constants:
         value = f"{constant.value:.6g} {constant.unit}"
         print(f"    {constant.name:24s} {value:28s} {constant.meaning}", flush=True)
 
 
-def walk(name: str, run: Run, found: FullOrderResult) -> None:
+def walk(name: str, run: Run, shape: FullOrder) -> None:
     """Try the set by force, in the model and in MuJoCo."""
-    assert found.shape is not None
-    forced = check_by_force(run, found.shape)
+    forced = check_by_force(run, shape)
     left = f"{forced.left} of {forced.walks}"
     show(f"{name}: walks of {forced.steps} impacts that leave the set", left, "0")
     show(f"{name}: time of these walks [s]", forced.wall_s)
     for number, least in sorted(forced.least.items()):
         print(f"    least {number}: {least:.3e}", flush=True)
-    mujoco = check_in_mujoco(run, found.shape)
+    mujoco = check_in_mujoco(run, shape)
     title = f"{name}: MuJoCo, {mujoco.episodes} episodes of {mujoco.steps} steps:"
     show(f"{title} walk", f"{100.0 * mujoco.walked:.0f} %")
     show(f"{title} stay", f"{100.0 * mujoco.stayed:.0f} %")
@@ -70,10 +75,10 @@ def main() -> None:
     cases += [("rabbit", "rabbit", 0, "walking"), ("walking-mlp", "amber3m", 0, "walking-mlp")]
     for name, robot, seed, spec in cases:
         run = trained(robot, seed, spec)
-        found = prove(name, run)
-        if seed == 0 and found.shape is not None:
+        found, shape = prove(name, run)
+        if seed == 0 and shape is not None:
             describe(found)
-            walk(name, run, found)
+            walk(name, run, shape)
 
 
 if __name__ == "__main__":

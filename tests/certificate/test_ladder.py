@@ -2,13 +2,17 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels import ladder
+from neuralgaits.certificate.levels.chart import Axis, Chart
 from neuralgaits.certificate.levels.level import Level
-from neuralgaits.certificate.proof_file import coverage, theorem_tables
+from neuralgaits.certificate.proof_file import check, coverage, theorem_tables
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.programs import Constant, Input, Operation, Output, Program
 from neuralgaits.records.certified import Conclusion
+from support import small_proof
 
 BOX = (0.0, 0.0), (1.0, 1.0)
 
@@ -43,7 +47,8 @@ def taller(monkeypatch):
     monkeypatch.setattr(ladder, "LEVELS", (*ladder.LEVELS, DUMMY))
     monkeypatch.setattr(theorem_tables, "LEVELS", ladder.LEVELS)
     by_number = {level.number: level for level in ladder.LEVELS}
-    monkeypatch.setattr(theorem_tables, "BY_NUMBER", by_number)
+    for module in (theorem_tables, check):
+        monkeypatch.setattr(module, "BY_NUMBER", by_number)
 
 
 def test_an_entry_is_all_that_a_proof_file_and_its_check_need(taller):
@@ -54,6 +59,33 @@ def test_an_entry_is_all_that_a_proof_file_and_its_check_need(taller):
     (high,) = ladder.conclude(theorems.parameters, [], {("hover/up", *BOX): 2.0})
     (low,) = ladder.conclude(theorems.parameters, [], {("hover/up", *BOX): 0.5})
     assert (high.verdict, low.verdict, low.reason) == ("proved", "undecided", "low")
+
+
+def test_a_theorem_holds_for_each_fixed_value_of_further_axes(taller, tmp_path):
+    """A proof file of the new level, in three axes, through reader and checker."""
+    del taller
+    chart = Chart((Axis("speed", 0.25, 0.5),))
+    about = Program(
+        (Input("u", (3,)),),
+        (Constant(None, np.array([2.0])), Constant("hover.curve", np.array([0.5, 0.25]))),
+        (Operation("inner", (0, 0), 1), Operation("add", (1, 3), 1)),
+        (Output("bowl", (), 4), Output("hover/up", (), 4)),
+    )
+    box = chart.whole(*BOX)
+    bowl, up = (small_proof.statement(about, {name: 2.0}, box=box) for name in ("bowl", "hover/up"))
+    up |= {"region": "hovering", "scales": {"hover/up": 1.0}}
+    theorems = Theorems.of(Hovering(0.5, (0.5, 0.25)), claimed=(5,))
+    table = small_proof.with_program(small_proof.proof(), about) | {
+        "chart": chart.table(),
+        "statements": [bowl, up],
+        "theorems": list(theorems.tables()),
+    }
+    found = small_proof.checked(tmp_path, table)
+    assert found.verdict == "consistent", found.reason
+    (level,) = found.levels
+    assert level.words == (
+        "this holds for each fixed speed in [0.25, 0.5]; of one that changes it says nothing",
+    )
 
 
 def test_without_its_entry_it_is_refused():

@@ -43,6 +43,7 @@ def test_what_is_forged_is_true(proofcheck, base, traced, tmp_path):
             alone, known = ask_python(file), ask_python(file, run)
         assert (alone.word, known.word) == (YES["alone"], YES["run"]), (about, alone, known)
     assert ask_report(base.runs["walk"]).word == "3"
+    assert ask_report(base.runs["full"]).word == "4"
 
 
 def test_the_table_has_no_kind_twice_and_enough_of_them():

@@ -14,13 +14,13 @@ import pytest
 
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
-from neuralgaits.certificate.levels.full_order.prove import trace_full_order
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     FullOrder,
     premises,
     series,
 )
+from neuralgaits.certificate.levels.sets import Sets
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.programs import POINT, evaluate
 from support.checker_case import SetCase, bounds
@@ -32,7 +32,7 @@ POINTS, BOXES, SAMPLES = 6, 6, 40
 
 @dataclass(frozen=True)
 class FullCase(SetCase):
-    """The outputs of level 4, for a set and constants around nothing in particular.
+    """The outputs of levels 1 and 4, for a set and constants around nothing in particular.
 
     Attributes:
         radius: of the outputs, in the step and at the guard [rad].
@@ -72,12 +72,8 @@ class FullCase(SetCase):
         )
 
     @cached_property
-    def program(self):
-        return trace_full_order(self.full_model, self.shape)
-
-    @property
-    def theorems(self) -> list[dict[str, Any]]:
-        return list(Theorems.of(self.shape).tables())
+    def sets(self) -> Sets:
+        return Sets({4: self.shape})
 
     @cached_property
     def table(self) -> dict[str, Any]:

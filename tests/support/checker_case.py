@@ -223,7 +223,8 @@ class SetCase(Case):
         thin = [tuple((low + share * (high - low)).tolist()) for share in (0.4, 0.6)]
         rates = [tuple(row) for row in np.random.default_rng(4).normal(size=(3, 4)).tolist()]
         pushed = WalkingSet(0.01, 0.008, 0.1, 0.8, self.disturbance, ("lean", "bent", "brisk"), ())
-        return Sets(pushed, Orbit(self.attraction, 0.99, 1.01, thin[0], thin[1], *rates))
+        orbit = Orbit(self.attraction, 0.99, 1.01, thin[0], thin[1], *rates)
+        return Sets({2: pushed, 3: orbit})
 
     @cached_property
     def spec(self):

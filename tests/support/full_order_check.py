@@ -21,7 +21,6 @@ from neuralgaits.certificate.levels.full_order.margins import (
     output_coordinates,
     scaled_coordinates,
 )
-from neuralgaits.certificate.levels.full_order.of_run import model_of
 from neuralgaits.certificate.levels.full_order.theorem import FENCES, FullOrder
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
@@ -60,6 +59,11 @@ class Edges(NamedTuple):
         sigma = [barrier.sigma for barrier in shape.barriers]
         numbers = (shape.radius, shape.shrink, tight, sigma)
         return cls(*(np.asarray(part, dtype=np.float64) for part in numbers))
+
+
+def model_of(run: Run, bandwidth: float) -> FullOrderModel:
+    """Robot, gait and spec of a run at full order."""
+    return FullOrderModel(run.robot, run.gait, run.spec, bandwidth)
 
 
 Walker = Callable[[Edges, Float[np.ndarray, "B 2"], Float[np.ndarray, "B two_m"]], ExactWalk]

@@ -1,6 +1,9 @@
 """The full-order theorem of the default gait: proved, checked again, and tried by force."""
 
-from dataclasses import replace
+import shutil
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -10,29 +13,30 @@ from flint import arb
 
 from neuralgaits.barriers import Barrier
 from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels.full_order import of_run
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.margins import (
     BANDWIDTH,
     output_coordinates,
     scaled_coordinates,
 )
-from neuralgaits.certificate.levels.full_order.of_run import model_of
-from neuralgaits.certificate.levels.full_order.prove import full_order
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, series
+from neuralgaits.certificate.levels.full_order.theorem import REGION, FullOrder, premises, series
 from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.search.schedule import SearchInterrupted
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.prune import prune
+from neuralgaits.records.certified import PROOF, Conclusion
 from neuralgaits.workflows import check_proof
+from neuralgaits.workflows.certify import Certificate, certify
 from support.full_order_check import (
     check_by_force,
     check_in_mujoco,
+    model_of,
     states_of,
     walker,
 )
@@ -40,14 +44,45 @@ from support.full_order_check import (
 pytestmark = pytest.mark.slow
 
 
+@dataclass(frozen=True)
+class Result:
+    """Level 4 of a certificate, and the file that it stands in with the others."""
+
+    certificate: Certificate
+    file: Path
+
+    @cached_property
+    def claims(self) -> Claims:
+        return read_claims(self.file)
+
+    @property
+    def conclusion(self) -> Conclusion:
+        return self.certificate.conclusions[-1]
+
+    @property
+    def shape(self) -> FullOrder:
+        assert self.claims.theorems.full is not None
+        return self.claims.theorems.full
+
+    @property
+    def program(self) -> Program:
+        return self.claims.program
+
+    @property
+    def statements(self) -> list[Statement]:
+        return [one for one in self.claims.statements if one.region == REGION]
+
+
 @pytest.fixture(scope="module")
-def result(trained):
-    return full_order(model_of(trained))
+def result(trained, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("level-4") / "run"
+    shutil.copytree(trained.path, folder)
+    return Result(certify(folder, level=4), folder / PROOF)
 
 
 @pytest.fixture(scope="module")
 def model(trained):
-    return model_of(trained)
+    return model_of(trained, BANDWIDTH)
 
 
 def test_the_default_gait_is_proved_between_and_across_impacts(result):
@@ -130,7 +165,7 @@ def test_statements_hold_in_balls_on_parts_of_their_boxes(result):
     draw = np.random.default_rng(0)
     algebra = BallAlgebra(2)
     for statement in result.statements:
-        low, high = _leaves(statement)
+        low, high = statement.leaves()
         chosen = draw.choice(len(low), min(3, len(low)), replace=False)
         # Parts of them: a checker splits where balls are less tight than what found the tree.
         corner, size = low[chosen], 0.25 * (high[chosen] - low[chosen])
@@ -228,29 +263,50 @@ def _with_numbers_of(program: Program, shape: FullOrder) -> Program:
     return replace(program, constants=constants)
 
 
-def _leaves(statement) -> tuple[np.ndarray, np.ndarray]:
-    fields = {name: getattr(statement, name) for name in Statement.__dataclass_fields__}
-    return Statement(**fields).leaves()
-
-
-@pytest.fixture(scope="module")
-def file(trained, result, tmp_path_factory):
-    path = tmp_path_factory.mktemp("level-4") / "full-order.json"
-    of_run.proof(trained, result).write(path)
-    return path
-
-
-def test_the_proof_file_says_what_was_proved_and_is_about_the_run(trained, result, file):
-    claims = read_claims(file)
-    shape = claims.theorems.full
-    assert shape is not None
-    assert (shape, claims.theorems.claimed) == (result.shape, (4,))
-    assert claims.program == result.program
+def test_one_file_says_what_was_proved_and_is_about_the_run(trained, result):
+    claims, summary = result.claims, result.certificate.summary
+    assert summary.verdict == "proved"
+    assert summary.full_order_proof == summary.proof == str(result.file)
+    assert claims.theorems.claimed == (2, 3, 4)
     told = retrace.answer(trained.path, claims.theorems)
     assert check_proof.program_differences(claims, told) == []
-    assert file.stat().st_size < 200_000
+    assert result.file.stat().st_size < 300_000
     # The conclusion is drawn from the file alone; its boxes are bounded again by the checker.
-    assert conclude_full_order(shape, proved_bounds(claims.statements)).words
+    assert conclude_full_order(result.shape, proved_bounds(claims.statements)).words
+    # Nothing but premises of level 4 depends on outputs off zero.
+    assert claims.off_zero and all(name.startswith("full/") for name in claims.off_zero)
+
+
+def test_levels_1_to_3_are_proved_as_without_level_4(trained, result, tmp_path):
+    folder = shutil.copytree(trained.path, tmp_path / "run")
+    certify(folder, level=3)
+    roots = [(one.conditions, one.low, one.high) for one in read_claims(folder / PROOF).statements]
+    below = [one for one in result.claims.statements if one.region != REGION]
+    assert roots == [(one.conditions, one.low, one.high) for one in below]
+
+
+def test_an_interrupted_level_4_is_resumed(result, tmp_path):
+    folder = shutil.copytree(result.file.parents[1], tmp_path / "run")
+
+    def ctrl_c(share, boxes):
+        if boxes > result.certificate.summary.boxes / 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(SearchInterrupted):
+        certify(folder, level=4, progress=ctrl_c)
+    cut = read_claims(folder / PROOF)
+    assert cut.theorems.full == result.shape and 4 not in cut.theorems.claimed
+    done = certify(folder, level=4, resume=True)
+    assert [level.verdict for level in done.conclusions] == ["proved"] * 3
+    whole = {(s.conditions, s.low, s.high) for s in result.statements}
+    stated = read_claims(folder / PROOF).statements
+    assert {(s.conditions, s.low, s.high) for s in stated if s.region == REGION} == whole
+
+
+def test_a_finished_level_4_is_resumed_to_the_same_file(result, tmp_path):
+    folder = shutil.copytree(result.file.parents[1], tmp_path / "run")
+    certify(folder, level=4, resume=True)
+    assert (folder / PROOF).read_bytes() == result.file.read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -263,12 +319,12 @@ def test_the_proof_file_says_what_was_proved_and_is_about_the_run(trained, resul
         ({"guard_strip": 1e-4}, "does not follow"),
     ],
 )
-def test_other_constants_than_the_programs_are_rejected(file, result, change, reason):
-    claims = read_claims(file)
+def test_other_constants_than_the_programs_are_rejected(result, change, reason):
+    claims = result.claims
     if "barriers" in change:
         first, *rest = result.shape.barriers
         change = {"barriers": (replace(first, coupling=0.0), *rest)}
-    theorems = Theorems.of(replace(result.shape, **change), claimed=claims.theorems.claimed)
+    theorems = Theorems({4: replace(result.shape, **change)}, (4,))
     # One statement is enough: these are seen before and after the boxes are bounded.
     short = _about(claims, "full/mismatch")
     found = check(replace(claims, theorems=theorems, statements=(short,)))
@@ -276,8 +332,8 @@ def test_other_constants_than_the_programs_are_rejected(file, result, change, re
     assert reason in str(found.reason)
 
 
-def test_points_of_the_file_are_checked_in_balls(file):
-    claims = read_claims(file)
+def test_points_of_the_file_are_checked_in_balls(result):
+    claims = result.claims
     chosen = _about(claims, "full/pace")
     for bound, verdict in ((chosen.bounds["full/pace"], "holds"), (5.0, "rejected")):
         one = replace(

@@ -17,7 +17,6 @@ struct ProofFile {
   Model model;
   string underivable;              // Why nothing follows from `model` here; empty if it does.
   std::optional<Program> program;  // If statements are to be bounded by it.
-  bool states_conditions = true;   // Whether the Program has any: a file may be of level 4 alone.
   Regions regions;
   std::map<string, Condition> conditions;
   Theorems theorems;

@@ -466,7 +466,7 @@ void read_conditions(const Json& table, const ProgramFacts& program, int joints,
     const string& name = table.names[i];
     only_a_name(name, "a condition");
     const Condition condition = condition_of(table.items[i], joints);
-    if (!program.outputs.count(name) && (program.has_conditions() || !program.ball))
+    if (!program.outputs.count(name))
       throw Inconsistent{"the spec's condition " + name + " is no output of the Program"};
     if (!file.regions.count(condition.region))
       throw Inconsistent{name + " is about the region " + condition.region + ", which is none"};
@@ -543,6 +543,8 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
   file.spec = named(*table.find("spec"), "spec").name;
   file.weights_sha256 = text("weights_sha256");
   const ProgramFacts program = program_facts(*table.find("program"), file.chart);
+  if (!program.has_conditions())
+    refuse("a file of level 4 alone, as earlier versions wrote it beside the others");
   string written;
   canonical(*table.find("program"), written);
   const string hash = sha256(written);
@@ -552,7 +554,6 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
 
   read_model(table, program, by_program, file);
   file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
-  file.states_conditions = program.has_conditions();
   if (auto& full = file.theorems.full; full && file.underivable.empty()) {
     find_conditions(*full, file.conditions);
     if (file.model.flow || file.model.reset)

@@ -69,7 +69,6 @@ string read_file(const string& path) {
 // Boxes of conditions without a statement.
 vector<string> unclaimed(const ProofFile& file) {
   vector<string> found;
-  if (!file.states_conditions) return found;
   for (const auto& [name, condition] : file.conditions) {
     if (!file.regions.count(condition.region)) found.push_back(name);
     else for (const Box& box : file.regions.at(condition.region)) {
@@ -210,19 +209,21 @@ int check(const ProofFile& file) {
   string answer = file.program ? "consistent: every statement follows from the Program in the file; "
                                  "nothing was derived from the robot's numbers: "
                                : "proved of the robot, policy and spec above: ";
-  answer += std::to_string(claims) + " claims";
-  if (file.states_conditions)
-    answer += " of " + std::to_string(file.conditions.size()) + " conditions";
-  else
-    say("of the spec's conditions on their own (level 1) this file states nothing");
+  answer += std::to_string(claims) + " claims of " + std::to_string(file.conditions.size()) +
+            " conditions";
   if (worst.verdict == proved)
     for (const auto& [level, words] : levels) {
       say("level " + std::to_string(level) + " " + good(file));
       for (const string& line : words) say("  " + line);
+      if (file.chart.size() > 2) {
+        string given;
+        for (size_t axis = 2; axis < file.chart.size(); ++axis)
+          given += (axis > 2 ? " and " : "") + file.chart[axis].name + " in " +
+                   interval_words(file.chart[axis].low, file.chart[axis].high);
+        say("  this holds for each fixed " + given + "; of one that changes it says nothing");
+      }
       answer += ", level " + std::to_string(level);
     }
-  if (worst.verdict == proved && file.theorems.full && !file.theorems.full->claimed)
-    worst = {undecided, "every statement of the file holds, but level 4 is not claimed", 0};
   if (worst.verdict == proved && !missing.empty())
     worst = {undecided, "every statement holds, but conditions have none on " +
                             std::to_string(missing.size()) + " boxes of their regions", 0};

@@ -19,7 +19,6 @@ from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, d
 from neuralgaits.errors import InputError
 from neuralgaits.records.asked import asked_of
 from neuralgaits.records.certified import (
-    FULL_ORDER,
     PROOF,
     SUMMARY,
     Certified,
@@ -33,7 +32,7 @@ from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import MAP, RESIDUAL
 from neuralgaits.runs.shape import complaint
 
-FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF, FULL_ORDER)
+FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
 """What a certificate is about, and what it rests on."""
 DAMAGED = f"{SUMMARY} is damaged or of another version"
 
@@ -45,14 +44,13 @@ class CertificateReading(NamedTuple):
         summary: of `certify`, with margins and levels as the proof files have them; None if there
             is no certificate of the run's own.
         reason: why there is none; None if there is, or if `certify` was never called.
-        proof, full: the proof files.
+        proof: the proof file.
         map_fits: whether the map of boxes is the one that was made with them.
     """
 
     summary: Certified | None = None
     reason: str | None = None
     proof: Claims | None = None
-    full: Claims | None = None
     map_fits: bool = False
 
 
@@ -85,6 +83,10 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     """Raises: _Unfit; or what Python raises where something is not as `certify` writes it."""
     run = folder.path
     found = hashes(run)
+    if more := [n for n in summary.sha256 if n not in found and summary.sha256[n] is not None]:
+        raise _Unfit(
+            f"{SUMMARY} is about another file too, {more[0]}, as earlier versions"
+        )
     for name in FILES:
         digest = found[name]
         if summary.sha256.get(name) != digest:
@@ -95,37 +97,37 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
             )
     config = asked_of(folder)
     asked = Asked.read(config.regions, {one.name: one.data for one in config.conditions})
-    proof, full = (_claims(run, file, asked) for file in (PROOF, FULL_ORDER))
+    proof = _claims(run, asked)
     if set(summary.conditions) != set(asked.conditions):
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
     summary = replace(
         summary,
         conditions=dict(_conditions(summary, asked, proof)),
-        levels=tuple(_levels(summary, asked, proof, full)),
+        levels=tuple(_levels(summary, asked, proof)),
     )
     summary = replace(summary, verdict=_verdict(summary))
     map_fits = found[MAP] is not None and summary.sha256.get(MAP) == found[MAP]
-    return CertificateReading(summary, None, proof, full, map_fits)
+    return CertificateReading(summary, None, proof, map_fits)
 
 
-def _claims(run: Path, file: str, asked: Asked) -> Claims | None:
+def _claims(run: Path, asked: Asked) -> Claims | None:
     """A proof file about the run's own files, whose statements are those of its spec."""
-    if not (run / file).is_file():
+    if not (run / PROOF).is_file():
         return None
     try:
-        claims = read_claims(run / file)
+        claims = read_claims(run / PROOF)
         wrong = differences(claims, run)
     except InputError as error:
-        raise _Unfit(f"{file} is damaged or of another version: {error}") from None
+        raise _Unfit(f"{PROOF} is damaged or of another version: {error}") from None
     if claims.program.hash != claims.program_hash:
         wrong.append("its Program has another hash than it says")
     full = claims.theorems.full is not None
     rigid = claims.model is not None and "residuals" not in claims.model
     if (run / RESIDUAL).is_file() and (full or rigid):
         wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
-    wrong += contradictions(claims.statements, claims.theorems, None if full else asked)
+    wrong += contradictions(claims.statements, claims.theorems, asked)
     if wrong:
-        raise _Unfit(f"{file} is not about this run: {wrong[0]}")
+        raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     return claims
 
 
@@ -147,14 +149,10 @@ def _conditions(
         yield name, replace(row, margin=min(bounds[box] for box in own))
 
 
-def _levels(
-    summary: Certified, asked: Asked, proof: Claims | None, full: Claims | None
-) -> Iterator[Conclusion]:
-    """Levels above 1; one that is proved is claimed by a proof file and follows from it."""
-    found: dict[int, Conclusion] = {}
-    for claims in (proof, full):
-        if claims is not None:
-            found |= {one.level: one for one in _concluded(claims, asked)}
+def _levels(summary: Certified, asked: Asked, proof: Claims | None) -> Iterator[Conclusion]:
+    """Levels above 1; one that is proved is claimed by the proof file and follows from it."""
+    concluded = [] if proof is None else _concluded(proof, asked)
+    found = {one.level: one for one in concluded}
     below = True
     for entry in summary.levels:
         # Level 4 rests on no other; level 3 on level 2.

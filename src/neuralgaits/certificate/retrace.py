@@ -61,45 +61,42 @@ def _read(file: Path) -> dict[str, Any] | None:
 def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
     """What a proof with these theorems must be about, in this process.
 
-    Returns: "program_hash" and "model" (or None); for levels 1 to 3 "regions" and "conditions" as a
-        model has them, "barriers" and "carried", names of conditions; for level 4 "barriers".
+    Returns: "program_hash" and "model" (or None), "regions" and "conditions" as a model has them,
+        "barriers" and "carried", names of conditions, "full_order", names of level 4's barriers.
+        If those are not the theorems', no Program is traced, and both of the first are None.
     Raises: InputError if the run cannot be opened or traced.
     """
     # These import JAX, and the run's spec.
     from neuralgaits.analysis.run import open_run
     from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
-    from neuralgaits.certificate.levels.full_order.prove import trace_full_order
     from neuralgaits.certificate.levels.sets import Sets, trace_certificate
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
 
     opened = open_run(run)
-    if theorems.full is not None:
-        if opened.learned is not None:
-            raise InputError(
-                "expected a run of the rigid model for a proof of level 4, found one whose "
-                f"dynamics carry a learned residual, {run}: level 4 is not about it"
-            )
-        model = FullOrderModel(opened.robot, opened.gait, opened.spec, theorems.full.bandwidth)
-        found: dict[str, Any] = {"barriers": model.names, "program_hash": None}
-        if [barrier.name for barrier in theorems.full.barriers] == model.names:
-            program = trace_full_order(model, theorems.full)
-            data = model_data(opened.robot, opened.gait, opened.spec, program)
-            found |= {"program_hash": program.hash, "model": plain(data)}
-        return found
-    spec, gait, residuals = opened.spec, opened.gait, opened.residuals
-    sets = Sets(theorems.walking, theorems.orbit)
-    program = trace_certificate(spec, opened.robot, gait, sets, residuals)
+    spec, robot, gait, residuals = opened.spec, opened.robot, opened.gait, opened.residuals
+    full = theorems.full
+    if full is not None and opened.learned is not None:
+        raise InputError(
+            "expected a run of the rigid model for a proof of level 4, found one whose "
+            f"dynamics carry a learned residual, {run}: level 4 is not about it"
+        )
     described = plain(spec.describe())
     barriers, carried = names_of(spec)
-    return {
-        "program_hash": program.hash,
-        "model": plain(model_data(opened.robot, gait, spec, program, residuals)),
+    found: dict[str, Any] = {
+        "program_hash": None,
+        "model": None,
         "regions": described["regions"],
         "conditions": {row["name"]: row for row in described["conditions"]},
         "barriers": list(barriers),
         "carried": list(carried),
+        "full_order": FullOrderModel(robot, gait, spec).names if full is not None else [],
     }
+    if full is None or [barrier.name for barrier in full.barriers] == found["full_order"]:
+        program = trace_certificate(spec, robot, gait, Sets(theorems.parameters), residuals)
+        model = model_data(robot, gait, spec, program, residuals)
+        found |= {"program_hash": program.hash, "model": plain(model)}
+    return found
 
 
 def _main(run: str, file: str) -> None:

@@ -47,8 +47,6 @@ def show_proof(result: Certified) -> None:
     show_sentence(verdict(result.verdict), f"{asked}{reason}")
     facts = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
     facts += [("proof", result.proof), ("map", result.map)]
-    if "full_order_proof" in result:
-        facts.append(("proof of level 4", result.full_order_proof))
     show_facts(facts)
 
 

@@ -31,6 +31,14 @@ def prune(program: Program, outputs: Collection[str]) -> Program:
     )
 
 
+def reading(program: Program, given: str) -> set[str]:
+    """Names of the outputs that depend on an input."""
+    flags = [item.name == given for item in program.inputs] + [False] * len(program.constants)
+    for operation in program.operations:
+        flags.append(any(flags[operand] for operand in operation.operands))
+    return {output.name for output in program.outputs if flags[output.value]}
+
+
 def _needed(program: Program, outputs: Collection[Output]) -> list[int]:
     """Numbers of the values that the outputs depend on, and of all inputs, in order."""
     needed = set(range(len(program.inputs))) | {output.value for output in outputs}

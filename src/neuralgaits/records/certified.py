@@ -9,7 +9,7 @@ from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 
 FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
-PROOF, FULL_ORDER = f"{FOLDER}/proof.json", f"{FOLDER}/full-order.json"
+PROOF = f"{FOLDER}/proof.json"
 LEVELS = (1, 2, 3, 4)
 
 Verdict = Literal["proved", "refuted", "undecided"]
@@ -105,7 +105,9 @@ class Certified(Record):
         conditions: level 1.
         levels: above 1, as far as they were asked for.
         boxes: that were bounded.
-        proof, map, full_order_proof: files; None if there are none.
+        proof, map: files; None if there are none.
+        full_order_proof: the file that level 4's premises stand in, which is the proof; None if
+            there are none.
         sha256: of what it is about and rests on, by file; None where there is no such file.
         wall_s: time.
         reason: why there is no answer, or no Program.

@@ -24,9 +24,9 @@ def certificate_of(run: Run) -> Certificate:
         for name, row in found.summary.conditions.items()
         if row.verdict == "proved" and row.margin is not None
     }
-    theorems = [None if claims is None else claims.theorems for claims in (found.proof, found.full)]
-    orbit = None if theorems[0] is None else _orbit(run, level(3), theorems[0].orbit)
-    shape = None if theorems[1] is None else _full(level(4), theorems[1].full)
+    theorems = None if found.proof is None else found.proof.theorems
+    orbit = None if theorems is None else _orbit(run, level(3), theorems.orbit)
+    shape = None if theorems is None else _full(level(4), theorems.full)
     fourth = level(4)
     reason = (None if fourth is None else fourth.reason) or Certificate.no_full
     return Certificate(

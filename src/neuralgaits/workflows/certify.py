@@ -12,7 +12,6 @@ from threadpoolctl import threadpool_limits
 from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.conditions.judge import judge
-from neuralgaits.certificate.levels.full_order.of_run import certify_full_order
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.levels.sets import (
@@ -133,32 +132,8 @@ def certify(
     except SearchInterrupted as stop:
         _written(task, problems, stop.states, began, "interrupted")
         raise
-    if level == HIGHEST:
-        # The summary that follows speaks of the proofs that are there then.
-        (trained.path / certified.FULL_ORDER).unlink(missing_ok=True)
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
-    done = _written(task, problems, states, began, ended)
-    return done if level < HIGHEST else _at_full_order(done, trained, began, deadline, progress)
-
-
-def _at_full_order(
-    below: Certificate, run: Run, began: float, deadline: float, progress: Progress | None
-) -> Certificate:
-    """Level 4 added to a certificate of the others, which is in the run's folder already."""
-    found = certify_full_order(run, deadline, progress)
-    told = below.summary
-    return _finish(
-        run,
-        HIGHEST,
-        below.conditions,
-        [*below.conclusions, found.conclusion],
-        began,
-        map=told.map,
-        proof=told.proof,
-        reason=told.reason,
-        boxes=told.boxes + found.boxes,
-        full_order_proof=None if found.file is None else str(found.file),
-    )
+    return _written(task, problems, states, began, ended)
 
 
 def _refuse(level: int, disturbance: tuple[float, float]) -> None:
@@ -218,22 +193,21 @@ def _written(
     more: dict[str, Any] = {
         "map": str(write_map(run, [p for p, _ in own], [s for _, s in own], proof.parent)),
         "proof": str(proof) if statements else None,
+        "full_order_proof": str(proof) if statements and task.sets.full_order else None,
     }
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
         more["reason"] = f"{ended or 'the search ran out of boxes'}; {MORE}"
-    level = min(task.level, LEVEL)  # Level 4 has a search and a file of its own.
-    return _finish(run, level, verdicts, conclusions, began, boxes=box_count(states), **more)
+    return _finish(run, task.level, verdicts, conclusions, began, boxes=box_count(states), **more)
 
 
 def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
     """The answers of the levels above 1 that were asked for."""
     sets, boxes = task.sets, condition_boxes(task.run.spec)
-    found = conclude(sets.parameters, boxes, proved_bounds(statements))
-    first = 2 + len(found)
-    for level in range(first, min(task.level, LEVEL) + 1):
-        reason = sets.reason if level == first else f"level {level - 1} is not proved"
-        found.append(Conclusion(level, "undecided", reason, (), {}))
-    return found
+    found = {one.level: one for one in conclude(sets.parameters, boxes, proved_bounds(statements))}
+    for level in range(2, task.level + 1):
+        reason = sets.reasons.get(level, f"level {level - 1} is not proved")
+        found.setdefault(level, Conclusion(level, "undecided", reason, (), {}))
+    return [found[level] for level in sorted(found)]
 
 
 def _no_program(run: Run) -> dict[str, ConditionVerdict]:

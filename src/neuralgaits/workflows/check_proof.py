@@ -83,9 +83,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
     found = retrace.ask(folder, claims.theorems)
     try:
         wrong = program_differences(claims, found)
-        asked = None
-        if claims.theorems.full is None:
-            asked = Asked.read(found["regions"], found["conditions"])
+        asked = Asked.read(found["regions"], found["conditions"])
     except (KeyError, TypeError, ValueError) as error:
         raise RunError(
             f"expected the conditions of {folder}, traced again, found an answer that is none "
@@ -97,8 +95,8 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
 def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
     """What differs between a proof and the run's own conditions, traced again."""
     walking, full = claims.theorems.walking, claims.theorems.full
-    if full is not None and [barrier.name for barrier in full.barriers] != found["barriers"]:
-        return [f"the run's barriers are {', '.join(found['barriers'])}, not those of the file"]
+    if full is not None and [barrier.name for barrier in full.barriers] != found["full_order"]:
+        return [f"the run's barriers are {', '.join(found['full_order'])}, not those of level 4"]
     if found["program_hash"] != claims.program_hash:
         return [
             f"the run's conditions have the hash {found['program_hash']}, not {claims.program_hash}"

@@ -17,7 +17,7 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
-from neuralgaits.records.certified import FULL_ORDER, PROOF
+from neuralgaits.records.certified import PROOF
 from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.starts import momentum_range
@@ -99,16 +99,13 @@ def controller_files(design: Design, reference: Reference) -> dict[str, str]:
 
 def _origin(trained: Run) -> Origin:
     found = read_certificate(trained.folder)
-    about, verdict, file = found.summary, None, PROOF
+    about, verdict = found.summary, None
     if about is not None and found.proof is not None:
         verdict = f"{about.verdict} at level {about.level}"
-        if about.level == 4 and found.full is not None:
-            # The hash that is named is that of the file that says so; it rests on no other.
-            file = FULL_ORDER
     return Origin(
         robot_sha256=_sha256(trained.path / ROBOT),
         policy_sha256=_sha256(trained.path / WEIGHTS),
-        proof_sha256=None if verdict is None else _sha256(trained.path / file),
+        proof_sha256=None if verdict is None else _sha256(trained.path / PROOF),
         proof_verdict=verdict,
         spec=trained.asked.spec,
         version=__version__,

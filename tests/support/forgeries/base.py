@@ -108,7 +108,7 @@ class Base:
 
     Attributes:
         proofs: "small" is level 1 of two conditions, the region of one in two boxes; "walk" is
-            levels 1 to 3 of the default gait; "full" is its level 4.
+            levels 1 to 3 of the default gait; "full" is all four.
         runs: folder of each.
         scratch: where spoilt copies go.
     """

@@ -2,10 +2,21 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
-from support.forgeries.base import LOOSE, Answer, Case, Table, Theme, refused, true
-from support.forgeries.edits import constant, constantly, number, parameters, program_of, put, renew
+from support.forgeries.base import LOOSE, NO, OPEN, Answer, Case, Table, Theme, refused, true
+from support.forgeries.edits import (
+    constant,
+    constantly,
+    more_outputs,
+    number,
+    parameters,
+    program_of,
+    put,
+    rename,
+    without,
+)
 
 THEME = Theme("full")
 FALLS = refused("rejected unreadable")
@@ -163,14 +174,9 @@ _barriers("with one renamed", lambda b: [*b[:3], b[3] | {"name": "upright"}], FA
 def _(case: Case) -> None:
     table, old, new = case.table, "torso-upper", "safe"
     parameters(table, 4)["barriers"][3]["name"] = new
-    for row in table["program"]["outputs"]:
-        row[0] = row[0].replace(old, new)
-    table["program"]["outputs"].sort()
-    renew(table)
-    for statement in table["statements"]:
-        statement["conditions"] = [n.replace(old, new) for n in statement["conditions"]]
-        for part in ("scales", "bounds"):
-            statement[part] = {n.replace(old, new): v for n, v in statement[part].items()}
+    for name in [row[0] for row in table["program"]["outputs"]]:
+        if name.startswith("full/") and name.endswith(old):
+            rename(table, name, name.replace(old, new))
 
 
 @_kind("a premise left out")
@@ -186,6 +192,98 @@ def _(case: Case) -> None:
             statement["bounds"]["full/contact"] = -1.0
 
 
+def _of(table: Table, what: Callable[[str], bool]) -> None:
+    """Only the statements about outputs of some kind."""
+    table["statements"] = [s for s in table["statements"] if what(s["conditions"][0])]
+
+
+@_kind("all of its premises left out")
+def _(case: Case) -> None:
+    _of(case.table, lambda name: not name.startswith("full/"))
+
+
+@_kind("nothing but its premises, all levels claimed")
+def _(case: Case) -> None:
+    _of(case.table, lambda name: name.startswith("full/"))
+
+
+@_kind("nothing but its premises, it alone claimed", alone=OPEN, run=OPEN)
+def _(case: Case) -> None:
+    """What is said of it is true, and the spec's conditions are not proved."""
+    _of(case.table, lambda name: name.startswith("full/"))
+    for theorem in case.table["theorems"]:
+        theorem["claimed"] = theorem["level"] == 4
+
+
+@_kind("its premises, and conditions but one", alone=NO, run=NO)
+def _(case: Case) -> None:
+    without(case.table, ["knee"])
+
+
+@_kind("premises of level 3 left out")
+def _(case: Case) -> None:
+    _of(case.table, lambda name: not name.startswith("orbit/"))
+
+
+@_kind("a premise under the label of level 3", alone=NO, run=NO)
+def _(case: Case) -> None:
+    for statement in case.table["statements"]:
+        if "full/impulse" in statement["conditions"]:
+            statement["region"] = "orbit"
+
+
+@_kind("a premise on the box of level 3's", alone=NO, run=NO)
+def _(case: Case) -> None:
+    statements = case.table["statements"]
+    other = next(s for s in statements if "orbit/fence-lower" in s["conditions"])
+    for statement in statements:
+        if "full/impulse" in statement["conditions"]:
+            statement |= {"root": other["root"], "tree": other["tree"]}
+
+
+@_kind("a premise that computes what one of level 3 does", alone=LOOSE)
+def _(case: Case) -> None:
+    more_outputs(case.table, {"full/inertia": "orbit/inside"})
+
+
+@_kind("a condition that depends on outputs off zero", alone=LOOSE)
+def _(case: Case) -> None:
+    more_outputs(case.table, {"foot-rises": "full/foot-rises"})
+
+
+@_kind("the strips of level 2 moved")
+def _(case: Case) -> None:
+    found = parameters(case.table, 2)
+    found["start_strip"] = number(found["start_strip"], 2.0)
+
+
+@_kind("the thin tube of level 3 wider, in the parameters only")
+def _(case: Case) -> None:
+    found = parameters(case.table, 3)
+    found["upper"] = [number(text, 1.01) for text in found["upper"]]
+
+
+@_kind("level 3 taken out from between")
+def _(case: Case) -> None:
+    """Its premises are then those of no theorem."""
+    del case.table["theorems"][1]
+
+
+@_kind("level 4 before the others", alone=refused("unreadable"))
+def _(case: Case) -> None:
+    case.table["theorems"].reverse()
+
+
+@_kind("a file of level 4 alone, as earlier versions wrote it", alone=refused("unreadable"))
+def _(case: Case) -> None:
+    table = case.table
+    _of(table, lambda name: name.startswith("full/"))
+    del table["theorems"][:2]
+    program = program_of(table)
+    outputs = tuple(row for row in program.outputs if row.name.startswith("full/"))
+    put(table, replace(program, outputs=outputs))
+
+
 @_kind("the model of another proof beside it", alone=LOOSE)
 def _(case: Case) -> None:
     case.table["model"] = case.base.proofs["small"]["model"]
@@ -193,7 +291,7 @@ def _(case: Case) -> None:
 
 @_kind("its theorem under level 2", alone=refused("unreadable"))
 def _(case: Case) -> None:
-    case.table["theorems"][0]["level"] = 2
+    case.table["theorems"][2]["level"] = 2
 
 
 @_kind("its theorem twice", alone=refused("unreadable"))

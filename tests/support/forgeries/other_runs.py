@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 from safetensors.numpy import load_file, save_file
 
-from support.forgeries.base import LOOSE, NO, REJECTED, About, Answer, Case, Theme, refused, true
-from support.forgeries.edits import NOBODY, constant, program_of, sha256, spec_file
-from support.forgeries.runs import FULL_ORDER, PROOF, renew_summary
+from support.forgeries.base import LOOSE, NO, REJECTED, About, Answer, Case, Theme, true
+from support.forgeries.edits import NOBODY, constant, sha256, spec_file
 
 THEME = Theme("small")
 WEIGHTS = "policy.safetensors"
@@ -172,22 +171,3 @@ def _(case: Case) -> None:
     config = json.loads(file.read_text())
     config["robot"] = "atlas"
     file.write_text(json.dumps(config))
-
-
-@of_run(
-    "a level 4 whose hashes are another run's beside this proof",
-    about="walk",
-    run=None,
-    report=refused("none 1 2 3"),
-)
-def _(case: Case) -> None:
-    folder = case.folder()
-    full = json.loads((folder / FULL_ORDER).read_text())
-    full["weights_sha256"] = NOBODY
-    (folder / FULL_ORDER).write_text(json.dumps(full))
-    summary = folder / "certificate/summary.json"
-    found = json.loads(summary.read_text())
-    found["levels"].append({"level": 4, "verdict": "proved", "figures": {}, "reason": None})
-    summary.write_text(json.dumps(found))
-    renew_summary(folder)
-    assert (folder / PROOF).is_file() and program_of(case.table)

@@ -13,7 +13,6 @@ import numpy as np
 
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels import sets
-from neuralgaits.certificate.levels.full_order import prove as full_order
 from neuralgaits.certificate.proof_file import reader as claims
 from neuralgaits.certificate.proof_file import shared_check
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
@@ -49,13 +48,11 @@ def traced_once(known: Traced) -> Iterator[None]:
     And a Program is read once, which most forgeries leave as it was. Not for a run whose code is
     hostile.
     """
-    traces = {sets: "trace_certificate", full_order: "trace_full_order"}
     with ExitStack() as stack:
         stack.enter_context(programs_read_once(known))
         stack.enter_context(mock.patch.object(retrace, "ask", _here))
-        for module, name in traces.items():
-            trace = _once(getattr(module, name), known)
-            stack.enter_context(mock.patch.object(module, name, trace))
+        trace = _once(sets.trace_certificate, known)
+        stack.enter_context(mock.patch.object(sets, "trace_certificate", trace))
         yield
 
 
@@ -102,8 +99,6 @@ def _key(part: Any) -> Any:
         return part.layout.xml
     if hasattr(part, "describe"):
         return repr(part.describe())
-    if hasattr(part, "gait") and hasattr(part, "bandwidth"):
-        return (*map(_key, (part.robot, part.gait, part.spec)), part.bandwidth)
     if hasattr(part, "policy"):
         return tuple(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(part) if _number(leaf))
     return repr(part)

@@ -1,12 +1,14 @@
 """Run folders whose summary says what no proof file there does, with all its hashes made anew."""
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from support.forgeries.base import Case, Table, Theme, refused
+from neuralgaits.workflows.demo import FOLDER
+from support.forgeries.base import About, Case, Table, Theme, refused
 from support.forgeries.edits import NOBODY, constantly, without
-from support.forgeries.runs import FULL_ORDER, PROOF, SUMMARY, renew_summary
+from support.forgeries.runs import PROOF, SUMMARY, add_level_4, renew_summary
 
 THEME = Theme("walk")
 NO_LEVEL, LEVEL_2, LEVEL_3 = (refused(f"none {words}") for words in ("", "1 2", "1 2 3"))
@@ -14,10 +16,10 @@ NO_LEVEL, LEVEL_2, LEVEL_3 = (refused(f"none {words}") for words in ("", "1 2", 
 Edit = Callable[[Path], None]
 
 
-def _report(what: str, edit: Edit, answer=NO_LEVEL) -> None:
+def _report(what: str, edit: Edit, answer=NO_LEVEL, about: About = "walk") -> None:
     """The proof in the folder is looked at by whoever shows the run, not by a checker."""
 
-    @THEME.forgery(what, cpp=None, alone=None, run=None, report=answer)
+    @THEME.forgery(what, cpp=None, alone=None, run=None, report=answer, about=about)
     def _(case: Case) -> None:
         folder = case.folder()
         edit(folder)
@@ -52,25 +54,6 @@ def _written(file: str, text: str) -> Edit:
     return edit
 
 
-def _copied(file: str, to: str) -> Edit:
-    def edit(folder: Path) -> None:
-        (folder / to).write_text((folder / file).read_text())
-
-    return edit
-
-
-def _level_4(table: Table) -> None:
-    table["levels"].append(
-        {
-            "level": 4,
-            "verdict": "proved",
-            "reason": None,
-            "figures": {"r_bar": 0.005, "gamma": 45.0},
-        }
-    )
-    table["level"] = 4
-
-
 def _unclaimed(*levels: int) -> Callable[[Table], None]:
     def change(table: Table) -> None:
         for theorem in table["theorems"]:
@@ -86,14 +69,14 @@ def _(case: Case) -> None:
     other_weights(case.folder())
 
 
-no_files = _then(_gone(PROOF), _gone(FULL_ORDER))
-_report("a summary without proof files", no_files)
+no_file = _gone(PROOF)
+_report("a summary without proof files", no_file)
 _report(
     "another run's summary, which names no proof",
-    _then(no_files, _json(SUMMARY, lambda t: t.update(proof=None))),
+    _then(no_file, _json(SUMMARY, lambda t: t.update(proof=None))),
 )
-_report("a summary whose proof is empty", _then(_gone(FULL_ORDER), _written(PROOF, "")))
-_report("a summary whose proof is an empty object", _then(_gone(FULL_ORDER), _written(PROOF, "{}")))
+_report("a summary whose proof is empty", _written(PROOF, ""))
+_report("a summary whose proof is an empty object", _written(PROOF, "{}"))
 _report(
     "a summary whose proof is of other weights",
     _json(PROOF, lambda t: t.update(weights_sha256=NOBODY)),
@@ -132,37 +115,37 @@ _report(
     _json(PROOF, lambda t: t.update(theorems=[])),
     refused("none 1"),
 )
-_report(
-    "a summary of level 4 whose proof is not there",
-    _then(_gone(FULL_ORDER), _json(SUMMARY, _level_4)),
-    LEVEL_3,
-)
-_report(
-    "a summary of level 4 whose proof claims nothing",
-    _then(_json(FULL_ORDER, _unclaimed(4)), _json(SUMMARY, _level_4)),
-    LEVEL_3,
-)
-_report(
-    "a summary of level 4 whose proof is of other weights",
-    _then(_json(FULL_ORDER, lambda t: t.update(weights_sha256=NOBODY)), _json(SUMMARY, _level_4)),
-    LEVEL_3,
-)
-_report(
-    "a summary of level 4 whose proof is this run's level 3",
-    _then(
-        _copied(PROOF, FULL_ORDER),
-        _json(SUMMARY, _level_4),
-    ),
-    LEVEL_3,
-)
-_report(
-    "a summary of level 4 whose proof has one statement",
-    _then(
-        _json(FULL_ORDER, lambda t: t.update(statements=t["statements"][:1])),
-        _json(SUMMARY, _level_4),
-    ),
-    LEVEL_3,
-)
+_report("a summary of level 4 whose proof is of level 3", add_level_4, LEVEL_3)
+
+
+def _of_level_4(what: str, change: Callable[[Table], object]) -> None:
+    _report(f"a summary of level 4 whose proof {what}", _json(PROOF, change), LEVEL_3, "full")
+
+
+def _only(table: Table, what: Callable[[str], bool]) -> None:
+    table["statements"] = [s for s in table["statements"] if what(s["conditions"][0])]
+
+
+_of_level_4("does not claim it", _unclaimed(4))
+_of_level_4("is of other weights", lambda t: t.update(weights_sha256=NOBODY))
+_of_level_4("states none of its premises", lambda t: _only(t, lambda n: "full/" not in n))
+_of_level_4("leaves one premise out", lambda t: _only(t, lambda n: n != "full/impulse"))
+_of_level_4("states nothing else", lambda t: _only(t, lambda n: "full/" in n))
+_of_level_4("has one statement", lambda t: t.update(statements=t["statements"][:1]))
+_of_level_4("has no theorem of it", lambda t: t["theorems"].pop())
+
+
+def _earlier(folder: Path) -> None:
+    """Level 4 in a file of its own, which the summary names."""
+    file = folder / "certificate/full-order.json"
+    file.write_text((folder / PROOF).read_text())
+    shutil.copyfile(FOLDER / PROOF, folder / PROOF)
+    summary = json.loads((folder / SUMMARY).read_text())
+    summary["sha256"]["certificate/full-order.json"] = None
+    (folder / SUMMARY).write_text(json.dumps(summary))
+
+
+_report("a summary of level 4 that has a file of its own", _earlier, LEVEL_3, "full")
 
 
 @THEME.forgery("other weights than when it was proved", cpp=None, alone=None, report=NO_LEVEL)

@@ -270,7 +270,6 @@ _DOORS: dict[str, tuple[Reader, ...]] = {
     f"{RUN}/state.safetensors": (read_state,),
     f"{RUN}/certificate/summary.json": _CERTIFICATE,
     f"{RUN}/certificate/proof.json": (check_file, *_CERTIFICATE),
-    f"{RUN}/certificate/full-order.json": (check_file, *_CERTIFICATE),
     f"{RUN}/certificate/map.safetensors": (pictures("certificate-map"),),
     f"{RUN}/certificate/boxes-*.safetensors": (resume_proof,),
     f"{RUN}/simulation/summary.json": (page, pictures("walk-tiles", rare=True)),

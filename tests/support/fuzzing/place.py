@@ -79,7 +79,7 @@ class Place:
     @cached_property
     def problems(self) -> list[Problem]:
         """What the boxes of the run's certificate are about, in their order."""
-        sets = find_sets(self.run.spec, self.run.gait, self.run.zero_dynamics, 3, (0.0, 0.0))
+        sets = find_sets(self.run.spec, self.run.gait, self.run.zero_dynamics, 4, (0.0, 0.0))
         run = self.run
         program = trace_certificate(run.spec, run.robot, run.gait, sets, run.residuals)
         return [*condition_problems(run.spec, program), *premise_problems(run.spec, sets, program)]

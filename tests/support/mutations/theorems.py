@@ -28,7 +28,7 @@ def number(base: Base, draw: Draw) -> Mutation:
 def full_order_number(base: Base, draw: Draw) -> Mutation:
     """A number of level 4 that the Program has too, by a last place or a thousandth."""
     table = base.copy()
-    found = table["theorems"][0]["parameters"]
+    found = table["theorems"][-1]["parameters"]
     alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
     barrier = int(draw.integers(len(found["barriers"])))
     of_barrier = "alpha epsilon coupling reset reset_slope"

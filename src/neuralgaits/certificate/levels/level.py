@@ -1,7 +1,7 @@
 """What a level above 1 is to those who read a proof: parameters, premises and a conclusion.
 
-How its parameters are found, and what its premises are as functions of a gait, stands beside it in
-the level's folder (`find.py`, `margins.py`). Needs no JAX.
+How its parameters are found, and what its premises are as functions of a gait, is its entry of
+`sets.SOUGHT`. Needs no JAX.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -29,7 +29,8 @@ class Level:
             it rests on beside the levels below.
         conclude: from parameters, boxes of level 1 and proved bounds.
         rests_on: numbers of the levels that have to be proved.
-        full_order: whether its premises are about outputs off zero: about xi of the unit ball.
+        full_order: whether its premises are about outputs off zero: about xi of the unit ball. It
+            rests on no condition of level 1 then.
     """
 
     number: int

@@ -1,7 +1,9 @@
-"""The sets of levels 2 and 3 of a gait: found at points, traced, and laid out for the search."""
+"""The sets of the levels above 1 of a gait: found at points, traced, laid out for the search."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,17 +12,20 @@ from numpy.polynomial.chebyshev import chebval
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.levels.chart import PLAIN, Chart, Corner
+from neuralgaits.certificate.levels.full_order import margins as full_order
+from neuralgaits.certificate.levels.full_order.looks import set_of
+from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
 from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
 from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
 from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_orbit
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.certificate.levels.walking_set.find import find_set
-from neuralgaits.certificate.levels.walking_set.theorem import SET, WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.errors import SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
@@ -30,30 +35,104 @@ from neuralgaits.robots import PlanarBiped
 
 CLAIMED = 0.4
 """Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
+TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25}
+"""Share of the smallest margin seen that is proved, by label: level 4 tells slack, and each further
+box costs; of the others the sign is all that matters."""
 NO_RESIDUALS = Residuals()
+Margins = dict[str, Float[Array, "..."]]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A gait under its spec, of which sets are looked for.
+
+    Attributes:
+        spec, gait, zd: of a run.
+        disturbance: bound on what may be added to dz at level 2 (m/s, N m).
+    """
+
+    spec: GaitSpec
+    gait: Gait
+    zd: ZeroDynamics
+    disturbance: tuple[float, float] = (0.0, 0.0)
+
+    @cached_property
+    def look(self) -> Look:
+        """What the finders of levels 2 and 3 look at."""
+        return look_at(self.gait, self.zd)
+
+
+class Sought(NamedTuple):
+    """What a level of `ladder.LEVELS` is to those who prove it.
+
+    Attributes:
+        find: of a subject and the parameters below: parameters, and what outputs that enclose
+            constants must reach; or one sentence that says why there are none.
+        margins: its premises as functions of parameters, a chart point, and xi of the unit ball.
+    """
+
+    find: Callable[[Subject, Parameters], tuple[Any, Mapping[str, float]] | str]
+    margins: Callable[[GaitSpec, Gait, ZeroDynamics, Any, Array, Array], Margins]
+
+
+def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+    del known
+    found = find_set(of.spec, of.look, of.disturbance)
+    if isinstance(found, str):
+        return found
+    return found, {"set/reset-phase": -found.start_strip}
+
+
+def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+    del known
+    if of.zd.residual is not None or of.zd.reset_residual is not None:
+        return "it is about the rigid model, and the run's dynamics carry a residual"
+    try:
+        found = set_of(full_order.FullOrderModel(of.zd.robot, of.gait, of.spec))
+    except SpecError as error:  # The levels below read less of the robot.
+        return str(error)
+    return found if isinstance(found, str) else (found, {})
+
+
+SOUGHT = {
+    2: Sought(
+        _find_walking,
+        lambda spec, gait, zd, shape, u, xi: walking_set.margins(spec, gait, zd, shape, u),
+    ),
+    3: Sought(
+        lambda of, known: find_orbit(
+            of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2]
+        ),
+        lambda spec, gait, zd, shape, u, xi: orbit_set.margins(gait, zd, shape, u),
+    ),
+    4: Sought(
+        _find_full_order,
+        lambda spec, gait, zd, shape, u, xi: full_order.margins(
+            full_order.FullOrderModel(zd.robot, gait, spec), shape, u, xi
+        ),
+    ),
+}
+"""By number."""
 
 
 @dataclass(frozen=True)
 class Sets:
-    """What levels 2 and 3 are about.
+    """What the levels above 1 are about.
 
     Attributes:
-        walking: the walking set; None if none was looked for or found.
-        orbit: thin tube and bounds; likewise.
-        reason: why one that was looked for was not found.
+        parameters: of the levels whose sets were found.
+        reasons: why one that was looked for was not found, by level.
         least: what outputs that enclose constants must reach, to be proved; 0 for the others.
     """
 
-    walking: WalkingSet | None = None
-    orbit: Orbit | None = None
-    reason: str | None = None
+    parameters: Parameters = field(default_factory=dict)
+    reasons: Mapping[int, str] = field(default_factory=dict)
     least: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def parameters(self) -> Parameters:
-        """Of the levels whose sets were found."""
-        known = {2: self.walking, 3: self.orbit}
-        return {number: part for number, part in known.items() if part is not None}
+    def full_order(self) -> bool:
+        """Whether one of them is about outputs off zero."""
+        return any(level.full_order for level in LEVELS if level.number in self.parameters)
 
 
 def find_sets(
@@ -64,19 +143,18 @@ def find_sets(
     disturbance: tuple[float, float],
 ) -> Sets:
     """Look for the sets that a level speaks of. Raises: SpecError if nothing can be traced."""
-    if level < 2:
-        return Sets()
-    look = look_at(gait, zd)
-    walking = find_set(spec, look, disturbance)
-    if isinstance(walking, str):
-        return Sets(reason=walking)
-    least = {"set/reset-phase": -walking.start_strip}
-    if level < 3:
-        return Sets(walking, least=least)
-    found = find_orbit(look, fences_of(gait), float(gait.tube.unit), walking)
-    if isinstance(found, str):
-        return Sets(walking, reason=found, least=least)
-    return Sets(walking, found.orbit, least=least | dict(found.least))
+    of = Subject(spec, gait, zd, disturbance)
+    parameters, reasons, least = {}, {}, {}
+    for entry in LEVELS:
+        if entry.number > level or not set(entry.rests_on) <= set(parameters):
+            continue
+        found = SOUGHT[entry.number].find(of, parameters)
+        if isinstance(found, str):
+            reasons[entry.number] = found
+        else:
+            parameters[entry.number], more = found
+            least |= more
+    return Sets(parameters, reasons, least)
 
 
 def look_at(gait: Gait, zd: ZeroDynamics) -> Look:
@@ -125,15 +203,18 @@ def trace_certificate(
 ) -> Program:
     """Margins of the spec's conditions and of the sets, as one Program of the chart point u.
 
+    And of xi, anywhere in the unit ball, if a set is about outputs off zero.
+
     Raises: SpecError naming the operation and line that cannot be traced.
     """
     zd = ZeroDynamics(robot, gait.policy, *residuals)
 
-    def margins(u):
-        return spec.margins(gait, zd, u) | set_margins(spec, gait, zd, sets, u)
+    def margins(u, xi=None):
+        return spec.margins(gait, zd, u) | set_margins(spec, gait, zd, sets, u, xi)
 
+    inputs = {"u": (2,)} | ({"xi": (full_order.size_of(robot),)} if sets.full_order else {})
     parameters = {"policy": gait.policy, "tube": gait.tube}
-    return trace(margins, {"u": (2,)}, parameters=parameters | _named(sets))
+    return trace(margins, inputs, parameters=parameters | _named(sets))
 
 
 def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
@@ -149,14 +230,12 @@ def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
 
 
 def set_margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, "2"]
-) -> dict[str, Float[Array, "..."]]:
-    """Margins of the sets at one chart point, by output name."""
+    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, "2"], xi: Any = None
+) -> Margins:
+    """Margins of the sets at one chart point and one xi, by output name."""
     found = {}
-    if sets.walking is not None:
-        found |= walking_set.margins(spec, gait, zd, sets.walking, u)
-    if sets.orbit is not None:
-        found |= orbit_set.margins(gait, zd, sets.orbit, u)
+    for number, shape in sets.parameters.items():
+        found |= SOUGHT[number].margins(spec, gait, zd, shape, u, xi)
     return found
 
 
@@ -186,8 +265,9 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
 
 
 def confirmer(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets) -> Confirm:
-    """Asks the margins' own Python functions, in float64, about one point."""
+    """Asks the margins' own Python functions, in float64, about one point, with outputs zero."""
     conditions = {condition.name: condition for condition in spec.conditions}
+    xi = jnp.zeros(full_order.size_of(zd.robot))
 
     def confirm(name: str, u: np.ndarray) -> Counterexample | None:
         z = gait.z(u)
@@ -195,7 +275,7 @@ def confirmer(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets) -> Confi
             condition = conditions[name]
             margin = np.min(condition.margins(gait, zd, zd.point(z))) / condition.scale
         else:
-            margin = np.min(set_margins(spec, gait, zd, sets, jnp.asarray(u))[name])
+            margin = np.min(set_margins(spec, gait, zd, sets, jnp.asarray(u), xi)[name])
         if not margin < 0.0:
             return None
         state = (float(z[0]), float(z[1]))
@@ -207,12 +287,13 @@ def confirmer(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets) -> Confi
 def premise_problems(
     spec: GaitSpec, sets: Sets, program: Program, chart: Chart = PLAIN
 ) -> list[Problem]:
-    """Root boxes of levels 2 and 3 with what must hold on each."""
+    """Root boxes of the levels above 1 with what must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}
-    roots: dict[tuple[str, Corner, Corner], list[str]] = {}
+    roots: dict[tuple[str, str, Corner, Corner], list[str]] = {}
     found = labelled_premises(sets.parameters, condition_boxes(spec))
     for region, name, low, high in found:
-        names = roots.setdefault((region, low, high), [])
+        kind = full_order.APART.get(name.split(" ")[0], "")
+        names = roots.setdefault((region, kind, low, high), [])
         if name not in names:
             names.append(name)
     return [
@@ -224,7 +305,7 @@ def premise_problems(
             prune(program, names),
             least=tuple(sets.least.get(name, 0.0) for name in names),
             claimed=Problem.claimed if region == SET else CLAIMED,
-            tight=Problem.tight if region == SET else 0.0,
+            tight=TIGHT.get(region, 0.0),
         )
-        for (region, low, high), names in roots.items()
+        for (region, _, low, high), names in roots.items()
     ]

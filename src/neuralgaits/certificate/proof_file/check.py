@@ -112,27 +112,27 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
     return _concluded(claims, report)
 
 
-def tied(report: Report, claims: Claims, asked: Asked | None) -> Report:
+def tied(report: Report, claims: Claims, asked: Asked) -> Report:
     """A consistent file once its Program is known to be a run's: proved, or what stands against it.
 
     Args:
         report: of `check`.
         claims: of the file.
-        asked: conditions and regions of the run's spec; None if the file is about level 4 alone.
+        asked: conditions and regions of the run's spec.
     """
     if not report.holds:
         return report
     if wrong := contradictions(claims.statements, claims.theorems, asked):
         return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]), levels=())
-    if asked is not None:
-        report = replace(report, unclaimed=_not_on_all(claims, asked))
-        if missing := unstated(claims.statements, asked):
-            verdict: Verdict = "rejected" if claims.theorems.claimed else "undecided"
-            reason = why_incomplete(missing, len(asked.conditions))
-            return replace(report, verdict=verdict, reason=reason, levels=())
+    report = replace(report, unclaimed=_not_on_all(claims, asked))
+    levels = tuple(replace(level, verdict="proved") for level in report.levels)
+    if missing := unstated(claims.statements, asked):
+        reason = why_incomplete(missing, len(asked.conditions))
+        if any(not BY_NUMBER[level.level].full_order for level in levels):
+            return replace(report, verdict="rejected", reason=reason, levels=())
+        return replace(report, verdict="undecided", reason=reason, levels=levels)
     if report.verdict == "undecided":
         return report
-    levels = tuple(replace(level, verdict="proved") for level in report.levels)
     return replace(report, verdict="proved", reason=None, levels=levels)
 
 
@@ -178,17 +178,27 @@ def _concluded(claims: Claims, report: Report) -> Report:
     if wrong:
         reason = f"level {wrong[0].level} does not follow: {wrong[0].reason}"
         return replace(report, verdict="rejected", reason=reason)
-    levels = tuple(replace(answer, verdict="consistent") for answer in claimed)
+    more = _fixed(claims)
+    levels = tuple(
+        replace(answer, verdict="consistent", words=answer.words + more) for answer in claimed
+    )
     report = replace(report, levels=levels, holds=True)
     if reason := _why_incomplete(claims):
         return replace(report, verdict="undecided", reason=reason)
     return report
 
 
+def _fixed(claims: Claims) -> tuple[str, ...]:
+    """What a theorem says of the chart's axes beside phase and level, if there are any."""
+    given = [f"{axis.name} in [{axis.low!r}, {axis.high!r}]" for axis in claims.chart.parameters]
+    if not given:
+        return ()
+    fixed = " and ".join(given)
+    return (f"this holds for each fixed {fixed}; of one that changes it says nothing",)
+
+
 def _why_incomplete(claims: Claims) -> str | None:
-    """What a proof of the spec, or of level 4, would have to claim and this one does not."""
-    if claims.theorems.full is not None and not claims.theorems.claimed:
-        return "every statement of the file holds, but level 4 is not claimed"
+    """What a proof of the spec would have to claim and this one does not."""
     if claims.asked is not None:
         missing = unstated(claims.statements, claims.asked)
         return why_incomplete(missing, len(claims.asked.conditions)) if missing else None
@@ -206,10 +216,10 @@ def _why_incomplete(claims: Claims) -> str | None:
 
 def in_words(statement: Statement, claims: Claims) -> Iterator[str]:
     """One sentence for each condition of a statement."""
-    fibre = f", and {FIBRE} of the unit ball" if len(claims.program.inputs) > 1 else ""
     ends = zip(claims.chart.axes, statement.low, statement.high, strict=True)
     where = " and ".join(f"{axis.name} in [{low!r}, {high!r}]" for axis, low, high in ends)
     for name in statement.conditions:
+        fibre = f", and {FIBRE} of the unit ball" if name in claims.off_zero else ""
         yield (
             f"{name}: the margin is at least {statement.bounds[name]!r} of its scale "
             f"{statement.scales[name]!r} at every {where}{fibre} (region {statement.region})"

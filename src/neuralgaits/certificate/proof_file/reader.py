@@ -6,6 +6,7 @@ field by field; what it does not know may change the meaning of what it knows.
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from neuralgaits.certificate.proof_file.json_fields import (
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError
 from neuralgaits.programs.program import Program
+from neuralgaits.programs.prune import reading
 
 FIBRE = "xi"
 """Second input of a Program at full order: statements are about all of its unit ball."""
@@ -52,7 +54,7 @@ class InconsistentError(Exception):
 class Statement:
     """Every element of each output is at least bound times scale, everywhere on the root box.
 
-    And, if the Program has the input xi, for every xi of the unit ball.
+    And, if the output depends on an input xi of the Program, for every xi of the unit ball.
 
     Attributes:
         conditions: outputs of the Program.
@@ -107,7 +109,7 @@ class Claims:
         program: what the statements are about.
         program_hash: the hash that the file gives for it.
         statements: in the order of the file.
-        theorems: levels 2 and 3, or 4, whose premises are statements.
+        theorems: levels above 1, whose premises are statements.
         model: as in the file: data for readers that derive the dynamics, or None.
         asked: the spec's conditions and regions, as the model has them; None without one.
     """
@@ -122,6 +124,11 @@ class Claims:
     theorems: Theorems
     model: dict[str, Any] | None
     asked: Asked | None
+
+    @cached_property
+    def off_zero(self) -> set[str]:
+        """Outputs of the Program that depend on xi: what is stated of them holds in its ball."""
+        return reading(self.program, FIBRE)
 
 
 def halves(low: Corner, high: Corner, axis: int) -> tuple[tuple[Corner, Corner], ...]:
@@ -163,6 +170,8 @@ def _claims(table: Any) -> Claims:
     _refuse_names(outputs, premise_names(theorems))
     if (theorems.full is not None) is not (len(program.inputs) > 1):
         raise ValueError(f"a Program of {FIBRE} without level 4, or level 4 without {FIBRE}")
+    if all("/" in name for name in outputs):
+        raise ValueError("a file of level 4 alone, as earlier versions wrote it beside the others")
     entries = fields["statements"]
     if not isinstance(entries, list) or not entries:
         raise ValueError("no statements")
@@ -179,8 +188,7 @@ def _claims(table: Any) -> Claims:
         statements=tuple(_statement(entry, outputs, chart) for entry in entries),
         theorems=theorems,
         model=model,
-        # A file of level 4 alone has a model to derive the dynamics from, and states no condition.
-        asked=None if model is None or theorems.full is not None else _asked(model, outputs),
+        asked=None if model is None else _asked(model, outputs),
     )
 
 

@@ -84,9 +84,8 @@ class Theorems(NamedTuple):
             len(found) != len(tables)
             or list(found) != sorted(found)
             or any(below not in found for level in levels for below in level.rests_on)
-            or len({level.full_order for level in levels}) > 1
         ):
-            raise ValueError("theorems that are not of level 2, then 3, or of level 4 alone")
+            raise ValueError("theorems that do not rise, or without one that they rest on")
         return cls(found, tuple(claimed))
 
 

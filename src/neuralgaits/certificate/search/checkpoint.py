@@ -41,7 +41,7 @@ def load(path: Path, problem: Problem) -> Search:
     if metadata.get("problem") != fingerprint(problem):
         raise RunError(
             f"expected boxes of this run's conditions in {path}, found those of another gait, "
-            "spec or version: certify without --resume"
+            "spec, level or version: certify without --resume"
         )
     _refuse_unsigned(path, metadata)
     points = {

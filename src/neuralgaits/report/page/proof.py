@@ -3,7 +3,6 @@
 import shlex
 
 from neuralgaits.records.certified import (
-    FULL_ORDER,
     LEVELS,
     PROOF,
     SUMMARY,
@@ -146,24 +145,19 @@ def _conditions(found: Certified) -> Html:
 
 
 def _files(saved: Saved, found: Certified) -> list[Html]:
-    proofs = [file for file in (PROOF, FULL_ORDER) if file in saved.hashes]
-    if not proofs:
+    if PROOF not in saved.hashes:
         return [paragraph("There is no proof file: nothing was proved that could be checked.")]
-    rows = [(tag("code", file), tag("code", saved.hashes[file])) for file in proofs]
-    lines = [
-        command("check-proof", named(saved.folder.path / file), "--run", saved.name)
-        for file in proofs
-    ]
+    rows = [(tag("code", PROOF), tag("code", saved.hashes[PROOF]))]
+    line = command("check-proof", named(saved.folder.path / PROOF), "--run", saved.name)
     proof = saved.folder.path.resolve() / PROOF
     return [
         paragraph(
-            "A proof file holds the statements, the boxes and the arithmetic they are about. "
+            "The proof file holds the statements, the boxes and the arithmetic they are about. "
             "check-proof bounds every box anew in another arithmetic; proofcheck is a C++ "
-            "program that shares no code with this one and derives the robot's dynamics again "
-            "(levels 1 to 3)."
+            "program that shares no code with this one and derives the robot's dynamics again."
         ),
-        table("Proof files", ("file", "sha256"), rows),
-        shell(lines),
+        table("Proof file", ("file", "sha256"), rows),
+        shell([line]),
         paragraph("In the folder with the source of this program, where its Makefile is:"),
         shell(["make proofcheck", shlex.join(["build/proofcheck", str(proof)])]),
         paragraph(f"{number(found.boxes)} boxes, {number(found.wall_s)} s.", class_="quiet"),

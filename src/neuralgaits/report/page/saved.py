@@ -8,7 +8,7 @@ from typing import TypeVar
 from neuralgaits.errors import RunError
 from neuralgaits.records import walked
 from neuralgaits.records.asked import Asked, asked_of
-from neuralgaits.records.certified import FULL_ORDER, PROOF, SUMMARY, Certified, ConditionVerdict
+from neuralgaits.records.certified import PROOF, SUMMARY, Certified, ConditionVerdict
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.record import Record
@@ -32,7 +32,6 @@ _HASHED = (
     RESIDUAL,
     START,
     PROOF,
-    FULL_ORDER,
 )
 
 

@@ -53,7 +53,7 @@ def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
     figures = {constant.name: constant.value for constant in known}
     broken = [step for step in inequalities(shape) if not step.holds]
     missing = _missing(shape, bounds)
-    reasons = [_obstacle(step) for step in broken] + missing
+    reasons = [obstacle(step) for step in broken] + missing
     names = [barrier.name for barrier in shape.barriers]
     if names[:2] != list(FENCES) or len(set(names)) < len(names):
         reasons.insert(0, f"barriers {names}: two fences, then barriers of other names, are needed")
@@ -264,7 +264,8 @@ def _end(shape: FullOrder) -> arb:
     return limit if factor < 1 and limit < _after(shape) else _after(shape)
 
 
-def _obstacle(step: Inequality) -> str:
+def obstacle(step: Inequality) -> str:
+    """An inequality that does not hold, with both of its sides."""
     left, right = (value.str(4, radius=False) for value in (step.left, step.right))
     return f"{step.claim}: {left} against {right}"
 

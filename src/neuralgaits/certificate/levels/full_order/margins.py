@@ -53,6 +53,22 @@ BANDWIDTH = 30.0
 """Double pole of the outputs [rad/s]: that of `control.fblin`."""
 
 
+APART = {
+    "full/contact": "forces",
+    "full/torque": "forces",
+    "full/gain": "impact",
+    "full/landing-slope": "impact",
+    "full/reset-slope": "impact",
+    "full/coupling": "coupling",
+}
+"""Outputs that share most of their operations, and many of those: they are bounded apart."""
+
+
+def size_of(robot: PlanarBiped) -> int:
+    """Number of elements of eta and of xi: two for each actuated joint."""
+    return 2 * (robot.n - 1)
+
+
 @dataclass(frozen=True)
 class FullOrderModel:
     """Robot, gait and spec whose full order is looked at.
@@ -70,7 +86,7 @@ class FullOrderModel:
     @property
     def size(self) -> int:
         """Number of elements of eta, 2m."""
-        return 2 * (self.robot.n - 1)
+        return size_of(self.robot)
 
     @property
     def tightened(self) -> list[Barrier]:
