@@ -12,7 +12,7 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed
+from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed, MiddleReturns
 from neuralgaits.barriers.regions import Box, CommandedGait, CommandedTube, Gait
 from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import pendulum_height, start_tube, walking
