@@ -32,7 +32,7 @@ from neuralgaits.gait.network import Network
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.posture import Posture, walking_posture
 from neuralgaits.gait.reset_residual import AbstractResetResidual
-from neuralgaits.gait.step_ends import Foothold, Guard, Start, on_foothold, start_after
+from neuralgaits.gait.step_ends import Foothold, Guard, Start, inside, on_foothold, start_after
 from neuralgaits.robots.dynamics import swing_foot
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 NEWTON_STEPS = 4
 """That put the swing foot on its foothold: from a few centimetres off, 1e-12 m."""
+START_NEWTON_STEPS = 20
+"""The same from the nominal posture, which may be far off."""
 
 
 class CommandedPolicy(AbstractPolicy):
@@ -102,8 +104,6 @@ class CommandedPolicy(AbstractPolicy):
         )
         terms = factors(p)
         outputs, slopes = np.zeros((len(terms), m)), np.zeros((len(terms), m))
-        share = (posture.guard_outputs - posture.lower) / (posture.upper - posture.lower)
-        outputs[0] = np.log(share / (1.0 - share))
         slopes[0] = posture.guard_slopes
         z1 = np.zeros(len(terms))
         z1[0] = posture.z_guard
@@ -114,6 +114,11 @@ class CommandedPolicy(AbstractPolicy):
             elif command.name == "speed":
                 # A walk at twice the speed takes steps about half as long again.
                 z1[1 + i] = 0.5 * posture.z_guard * half / middle
+        middles = np.array([0.5 * (c.low + c.high) for c in commands])
+        # From here on a few Newton steps are enough.
+        guard = _start_guard(robot, z1[0], posture, _foothold(commands, middles))
+        share = (guard - posture.lower) / (posture.upper - posture.lower)
+        outputs[0] = np.log(share / (1.0 - share))
         return cls(
             network=network,
             guard_outputs=outputs,
@@ -235,6 +240,15 @@ class CommandedPolicy(AbstractPolicy):
             told=Step(pair, ground, tuple(command.name for command in self.commands)),
         )
         return policy.between(start, guard, exact=exact)
+
+
+@eqx.filter_jit
+def _start_guard(
+    robot: "PlanarBiped", z1: Scalar, posture: Posture, foothold: Foothold
+) -> Actuated:
+    """Outputs of the nominal posture with the swing foot on its foothold. [m]."""
+    outputs = on_foothold(robot, z1, posture.guard_outputs, foothold, START_NEWTON_STEPS)
+    return inside(outputs, posture.lower, posture.upper)
 
 
 def _value(commands: Commands, command: Float[Array, " p"], name: str) -> Scalar | None:

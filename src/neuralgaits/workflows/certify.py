@@ -181,7 +181,9 @@ def _written(
         proof.unlink(missing_ok=True)
     verdicts, own = {}, []
     for condition in run.spec.conditions:
-        roots = [pair for pair in pairs if pair[0].region == condition.region]
+        # A premise's label may be the name of a region.
+        own_boxes = [pair for pair in pairs if condition.name in pair[0].names]
+        roots = [pair for pair in own_boxes if pair[0].region == condition.region]
         claims = [s.bounds.get(condition.name) for s in statements if s.region == condition.region]
         claimed = [bound for bound in claims if bound is not None]
         margin = min(claimed) if len(claimed) == len(roots) else None

@@ -1,7 +1,7 @@
 """Write a trained gait for a robot, in C or ONNX, and compare it with Python."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -23,7 +23,6 @@ from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 
-FORMATS = ("c", "onnx")
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
@@ -66,13 +65,12 @@ def export_controller(
     Raises: InputError, SpecError or RunError with one line for bad input; MismatchError if what
         was written does not compile or is not what Python computes: then nothing is written.
     """
-    if format not in FORMATS:
-        raise InputError(f"unknown format {format!r}: expected one of {', '.join(FORMATS)}")
+    if format not in WRITERS:
+        raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
     trained, folder = open_run(run), Path(out)
     writing.refuse_used(folder, force=force)
     design = design_of(trained)
-    writer = _c if format == "c" else _onnx
-    files, told = writer(design, states)
+    files, told = WRITERS[format](design, states)
     return Export(
         told(
             run=str(trained.path),
@@ -157,3 +155,10 @@ def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], Told]:
         raise InputError(NO_EXTRA.format(error.name)) from None
     files = model_files(design)
     return files, check_models(design, files, states)
+
+
+WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], Told]]] = {
+    "c": _c,
+    "onnx": _onnx,
+}
+"""By format: of a design and a number of states to compare on, files and what is known of them."""
