@@ -114,9 +114,8 @@ class CommandedPolicy(AbstractPolicy):
             elif command.name == "speed":
                 # A walk at twice the speed takes steps about half as long again.
                 z1[1 + i] = 0.5 * posture.z_guard * half / middle
-        middles = np.array([0.5 * (c.low + c.high) for c in commands])
         # From here on a few Newton steps are enough.
-        guard = _start_guard(robot, z1[0], posture, _foothold(commands, middles))
+        guard = _start_guard(robot, z1[:1], posture, commands)
         share = (guard - posture.lower) / (posture.upper - posture.lower)
         outputs[0] = np.log(share / (1.0 - share))
         return cls(
@@ -244,10 +243,12 @@ class CommandedPolicy(AbstractPolicy):
 
 @eqx.filter_jit
 def _start_guard(
-    robot: "PlanarBiped", z1: Scalar, posture: Posture, foothold: Foothold
+    robot: "PlanarBiped", z1: Float[Array, "1"], posture: Posture, commands: Commands
 ) -> Actuated:
-    """Outputs of the nominal posture with the swing foot on its foothold. [m]."""
-    outputs = on_foothold(robot, z1, posture.guard_outputs, foothold, START_NEWTON_STEPS)
+    """Outputs of the nominal posture with the swing foot on the middle foothold. [m]."""
+    middle = jnp.array([0.5 * (c.low + c.high) for c in commands])
+    foothold = _foothold(commands, middle)
+    outputs = on_foothold(robot, z1[0], posture.guard_outputs, foothold, START_NEWTON_STEPS)
     return inside(outputs, posture.lower, posture.upper)
 
 
