@@ -10,7 +10,10 @@ import equinox as eqx
 import jax
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-QUICK = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 1}
+QUICK: dict[str, bool | int] = {"xla_backend_optimization_level": 1}
+if jax.__version_info__ < (0, 11):
+    # Later compilers know no such option, and refuse what they do not know.
+    QUICK["xla_cpu_use_fusion_emitters"] = False
 
 
 def quick_jit(function: Function) -> Function:

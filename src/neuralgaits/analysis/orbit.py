@@ -6,6 +6,7 @@ section, a scalar map of z2. Source: paper section 2.2; docs/notation.md.
 
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Float, ZeroState
@@ -50,7 +51,8 @@ def motion_of(zd: ZeroDynamics) -> Motion:
 
     def named(z):
         point = zd.point(z)
-        return {"dz": point.dz, "foot": point.foot, "z_after": point.z_after}
+        foot = jnp.stack([point.foot[0], point.foot_above_ground])
+        return {"dz": point.dz, "foot": foot, "z_after": point.z_after}
 
     return Look(named)
 

@@ -4,6 +4,7 @@ Conditions are those of the plain gait, asked at every pair of commands that may
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -31,10 +32,17 @@ START_WIDTH, SIDES = 0.17, (-1.0, 1.0)
 """Half width of the first tube, in shares of the speed."""
 MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
 """Rows that aims are looked at for: any will do, they look at the whole middle."""
-SLOWEST, WEIGHT_OF_SLOWEST = 0.4, 5.0
-"""Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for. It gives way
-first where one tube is to fit many speeds, and a lower fence that falls to zero spoils all else."""
-MORE_SAMPLES, MORE_STEPS, LEARNING_RATE = 2, 4000, 3e-3
+SLOWEST = 0.4
+"""Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for."""
+WEIGHTS = {
+    "speed": {"forward": 5.0},
+    "step_length": {"reset-above-lower-fence": 2.0, "reset-below-upper-fence": 2.0},
+}
+"""Of conditions that give way first: where tubes are to fit many speeds, a lower fence that falls
+to zero; where any foothold may follow any, the reset."""
+SHORTEST = 0.9
+"""Least step length, as a share of the shortest asked for: footholds are met exactly."""
+MORE_SAMPLES, MORE_STEPS, LEARNING_RATE, EFFORT = 2, 5000, 3e-3, 0.3
 
 
 Interval = tuple[float, float]
@@ -66,8 +74,12 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
         robot: with knees.
         commands: at least one.
     """
-    slowest = next((c.low for c in commands if c.name == "speed"), None)
-    plain = walking(robot, forward=None if slowest is None else SLOWEST * slowest)
+    lowest = {command.name: command.low for command in commands}
+    plain = walking(
+        robot,
+        forward=SLOWEST * lowest["speed"] if "speed" in lowest else None,
+        shortest=SHORTEST * lowest["step_length"] if "step_length" in lowest else None,
+    )
     aims = _middle_aims()
     if any(c.name == "speed" for c in commands):
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.03, 0.03))
@@ -77,6 +89,7 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
         steps=MORE_STEPS,
         samples=samples | {"middle": 24},
         learning_rate=LEARNING_RATE,
+        effort=EFFORT,
         curriculum=0.5,
         corners=0.2,
         widened=0.1,
@@ -89,8 +102,12 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
         recipe=recipe,
         commands=commands,
         aims=aims,
-        weights=dict(plain.weights) | {"forward": WEIGHT_OF_SLOWEST},
+        weights=dict(plain.weights) | _weights(lowest),
     )
+
+
+def _weights(names: Iterable[str]) -> dict[str, float]:
+    return {key: value for name in names for key, value in WEIGHTS.get(name, {}).items()}
 
 
 def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:

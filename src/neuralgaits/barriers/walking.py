@@ -71,6 +71,7 @@ def walking(
     policy: Literal["hybrid-invariant", "mlp"] = "hybrid-invariant",
     *,
     forward: float | None = None,
+    shortest: float | None = None,
 ) -> GaitSpec:
     """The default gait specification for a robot.
 
@@ -79,6 +80,7 @@ def walking(
         policy: "hybrid-invariant" (default), or "mlp" for a free network, which must then
             learn to match outputs and rates through the impact.
         forward: least rate of z1 (m/s), None for one that fits the robot.
+        shortest: least step length (m); likewise.
     """
     if policy not in ("hybrid-invariant", "mlp"):
         raise SpecError(f"walking: expected policy hybrid-invariant or mlp, found {policy!r}")
@@ -87,7 +89,7 @@ def walking(
             f"spec walking: expected a robot with knees, found none in {robot.name!r}: straight "
             "legs cannot clear the ground; write a spec of your own, FILE.py:NAME"
         )
-    conditions = [*_stance(robot, forward), *_swing_foot(robot), *_tube(), *_guard(robot)]
+    conditions = [*_stance(robot, forward), *_swing_foot(robot), *_tube(), *_guard(robot, shortest)]
     free = policy == "mlp"
     if free:
         conditions += _match(robot)
@@ -254,13 +256,14 @@ def _tube() -> list[AbstractCondition]:
     ]
 
 
-def _guard(robot: "PlanarBiped") -> list[AbstractCondition]:
+def _guard(robot: "PlanarBiped", shortest: float | None) -> list[AbstractCondition]:
     """A clean impact: long enough a step, a foot that lands, one that leaves, no slip."""
     unit = units(robot)
     push = unit.mass_kg * unit.speed / 21.5562
     step, speed = 0.3 * unit.length, 0.1 * unit.speed
+    least = step if shortest is None else shortest
     return [
-        Pointwise("step-length", "guard", step, f.at_least(f.foot_forward, step)),
+        Pointwise("step-length", "guard", step, f.at_least(f.foot_forward, least)),
         Pointwise("impulse", "guard", 5.0 * push, f.at_least(f.normal_impulse, 0.2 * push)),
         Pointwise("impulse-forward", "guard", 0.5 * 5.0 * push, f.impulse_cone_forward(0.5)),
         Pointwise("impulse-backward", "guard", 0.5 * 5.0 * push, f.impulse_cone_backward(0.5)),
