@@ -92,6 +92,30 @@ class Command:
 Commands = tuple[Command, ...]
 
 
+class Limits(NamedTuple):
+    """What commands may be, by their order. [p] each, in their units."""
+
+    low: Float[np.ndarray, " p"]
+    high: Float[np.ndarray, " p"]
+    change: Float[np.ndarray, " p"]
+    """Largest from one step to the next; the whole range where any value may follow any."""
+
+    @classmethod
+    def of(cls, commands: Commands) -> "Limits":
+        """Of some commands."""
+        low, high = (np.array([getattr(c, n) for c in commands], float) for n in ("low", "high"))
+        change = [
+            c.high - c.low if c.largest_change is None else min(c.largest_change, c.high - c.low)
+            for c in commands
+        ]
+        return cls(low, high, np.array(change, float))
+
+    @property
+    def middle(self) -> Float[np.ndarray, " p"]:
+        """The middle of every range."""
+        return 0.5 * (self.low + self.high)
+
+
 class Pair(NamedTuple):
     """The two values of every command that a step knows. [p] each, in their units."""
 
