@@ -21,6 +21,9 @@ UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "rad"}
 """Commands that this package knows the meaning of, and their units."""
 
 
+Number = float | Scalar
+
+
 @dataclass(frozen=True)
 class Command:
     """One number that a gait is told at each touchdown.
@@ -78,7 +81,7 @@ class Command:
             return first, second
         return first - 0.5 * second, first + 0.5 * second
 
-    def coordinates(self, before: float, after: float) -> tuple[float, float]:
+    def coordinates(self, before: Number, after: Number) -> tuple[Number, Number]:
         """The point of its two axes that has this pair."""
         if self.largest_change is None:
             return before, after
@@ -169,6 +172,12 @@ def pair_at(commands: Commands, v: Float[Array, " k"]) -> Pair:
     found = [c.pair(v[2 * i], v[2 * i + 1]) for i, c in enumerate(commands)]
     before, after = (jnp.stack([pair[i] for pair in found]) for i in (0, 1))
     return Pair(before, after)
+
+
+def coordinates_of(commands: Commands, pair: Pair) -> Float[Array, " k"]:
+    """The point of the commands' axes that has this pair. Returns: [2 p]."""
+    found = [c.coordinates(pair.before[i], pair.after[i]) for i, c in enumerate(commands)]
+    return jnp.stack([x for both in found for x in both]) if found else jnp.zeros(0)
 
 
 def values(commands: Commands, given: Mapping[str, float]) -> Float[np.ndarray, " p"]:
