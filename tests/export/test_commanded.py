@@ -1,11 +1,8 @@
 """A controller that is told commands: C against Python, wishes and touchdowns among the cases."""
 
-import re
 
-import numpy as np
 import pytest
 
-from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
 from neuralgaits.export.compare import agree, limits, questions
 from neuralgaits.export.reference import Reference

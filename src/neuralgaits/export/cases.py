@@ -254,8 +254,8 @@ def _at(
         force=_single(force),
         joints=_single(joints),
         djoints=_single(qvel[:, wires.joints]),
-        before=pair.before,
-        after=pair.after,
+        before=np.asarray(pair.before),
+        after=np.asarray(pair.after),
         step=_single(step),
         **told,
     )

@@ -94,9 +94,7 @@ def orders_of(
     return Orders(commands, rows[0], rows[1:] if len(rows) > 1 else rows)
 
 
-def _constant(
-    commands: Commands, given: str | Mapping[str, float]
-) -> Float[np.ndarray, " p"]:
+def _constant(commands: Commands, given: str | Mapping[str, float]) -> Float[np.ndarray, " p"]:
     wanted = _parsed(given) if isinstance(given, str) else dict(given)
     middle = dict(zip((c.name for c in commands), Limits.of(commands).middle, strict=True))
     unknown = [name for name in wanted if name not in middle]
@@ -129,7 +127,9 @@ def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
             lines = [line for line in csv.reader(file) if any(word.strip() for word in line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
-        raise InputError(f"expected a CSV file of commands at {path}, found none: {reason}") from None
+        raise InputError(
+            f"expected a CSV file of commands at {path}, found none: {reason}"
+        ) from None
     expected = ["step", *(f"{c.name}[{c.unit}]" for c in commands)]
     head = [re.sub(r"\s", "", word) for word in lines[0]] if lines else []
     if sorted(head) != sorted(expected):

@@ -24,7 +24,8 @@ class Strides(NamedTuple):
     @classmethod
     def of_rows(cls, rows: Float[np.ndarray, "K r"]) -> "Strides":
         """Of the numbers that the loops keep."""
-        return cls(*rows[:, :4].T, rows[:, 4:])
+        time, hip, length, height = rows[:, :4].T
+        return cls(time, hip, length, height, rows[:, 4:])
 
 
 def width(commands: int) -> int:
