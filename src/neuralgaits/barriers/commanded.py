@@ -24,15 +24,16 @@ from neuralgaits.gait.commands import Command, Commands, factors
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
-SPEED_CHANGE = 0.2
+SPEED_CHANGE = 0.15
 """Largest change of speed a step, as a share of its range: a return map that contracts by 0.7 lets
 a tube follow a change of about 0.4 of its width a step."""
 START_WIDTH, SIDES = 0.17, (-1.0, 1.0)
 """Half width of the first tube, in shares of the speed."""
 MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
 """Rows that aims are looked at for: any will do, they look at the whole middle."""
-SLOWEST = 0.3
-"""Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for."""
+SLOWEST, WEIGHT_OF_SLOWEST = 0.4, 5.0
+"""Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for. It gives way
+first where one tube is to fit many speeds, and a lower fence that falls to zero spoils all else."""
 MORE_SAMPLES, MORE_STEPS, LEARNING_RATE = 2, 4000, 3e-3
 
 
@@ -69,7 +70,7 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
     plain = walking(robot, forward=None if slowest is None else SLOWEST * slowest)
     aims = _middle_aims()
     if any(c.name == "speed" for c in commands):
-        aims = (*aims, MeanSpeed("mean-speed", "middle", 0.04, 0.04))
+        aims = (*aims, MeanSpeed("mean-speed", "middle", 0.03, 0.03))
     samples = {name: MORE_SAMPLES * count for name, count in plain.recipe.samples.items()}
     recipe = replace(
         plain.recipe,
@@ -78,6 +79,7 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
         learning_rate=LEARNING_RATE,
         curriculum=0.5,
         corners=0.2,
+        widened=0.1,
         largest_gradient=5.0,
     )
     return replace(
@@ -87,6 +89,7 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
         recipe=recipe,
         commands=commands,
         aims=aims,
+        weights=dict(plain.weights) | {"forward": WEIGHT_OF_SLOWEST},
     )
 
 
@@ -106,7 +109,7 @@ def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
         new_gait=partial(_new_gait_at, robot, speed),
         recipe=recipe,
-        aims=(*_middle_aims(), MeanSpeed("mean-speed", "middle", 0.04, 0.04, speed)),
+        aims=(*_middle_aims(), MeanSpeed("mean-speed", "middle", 0.03, 0.03, speed)),
     )
 
 

@@ -16,7 +16,7 @@ from numpy.polynomial.chebyshev import chebder, poly2cheb
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.gait.commanded import CommandedPolicy
-from neuralgaits.gait.commands import Commands, Pair, factors, pair_at, scaled
+from neuralgaits.gait.commands import Commands, Pair, factors, pair_at
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
@@ -167,11 +167,10 @@ class CommandedTube(eqx.Module):
         """The tube of one step.
 
         Args:
-            pair: commands of the step before and of this one.
+            pair: commands of the step before and of this one, by `CommandedPolicy.scaled`.
             exact: leave `Tube.kept_apart` out: one smooth formula.
         """
-        before, after = (scaled(self.told, command) for command in pair)
-        weights = _path_series(before, after)
+        weights = _path_series(*pair)
         product = _chebyshev_products(self.lower.shape[1])
         lower, upper = (
             jnp.einsum("mk,mj,kjl->l", s, weights, product.astype(weights.dtype))
@@ -309,7 +308,8 @@ class CommandedGait(eqx.Module):
         """
         pair = pair_at(self.commands, v)
         policy = self.policy.at(robot, pair, reset_residual, exact=exact)
-        tube, then = (self.tube.at(each, exact=exact) for each in (pair, pair.steady))
+        places = Pair(*map(self.policy.scaled, pair))
+        tube, then = (self.tube.at(each, exact=exact) for each in (places, places.steady))
         return Gait(policy, tube, then)
 
     def matched(

@@ -16,7 +16,16 @@ from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import Commands, Ground, Pair, Step, factors, powers, scaled
+from neuralgaits.gait.commands import (
+    Commands,
+    Ground,
+    Pair,
+    Step,
+    factors,
+    plain_curves,
+    powers,
+    scaled,
+)
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.hybrid_invariant import HybridInvariantPolicy
 from neuralgaits.gait.network import Network
@@ -46,6 +55,8 @@ class CommandedPolicy(AbstractPolicy):
         guard_z1: of z1 at the guard [m]. [M]
         lower, upper: output bounds [rad]. [m]
         input_scale, input_shift: network input scaling of z. [2]
+        curves: cubics of the scaled commands, powers upwards: a speed that is asked for to the
+            place in the family that walks at it, see `training.calibration`. [p, 4]
         told: what the gait is told, as `commands`.
     """
 
@@ -57,6 +68,7 @@ class CommandedPolicy(AbstractPolicy):
     upper: Float[Array, " m"]
     input_scale: Float[Array, "2"]
     input_shift: Float[Array, "2"]
+    curves: Float[Array, "p 4"]
     told: Commands = eqx.field(static=True)
 
     @classmethod
@@ -112,6 +124,7 @@ class CommandedPolicy(AbstractPolicy):
             upper=posture.upper,
             input_scale=posture.input_scale,
             input_shift=posture.input_shift,
+            curves=plain_curves(commands),
             told=commands,
         )
 
@@ -149,9 +162,13 @@ class CommandedPolicy(AbstractPolicy):
             (jax.tree.map(lambda _: True, self.network), True, True, True),
         )
 
+    def scaled(self, command: Float[Array, " p"]) -> Float[Array, " p"]:
+        """Where in the family a command is: in [-1, 1] or near it, 0 in the middle. [p]."""
+        return scaled(self.commands, self.curves, command)
+
     def guard(self, robot: "PlanarBiped", command: Float[Array, " p"]) -> Guard:
         """Where a step ends at this command, the swing foot on its foothold."""
-        basis = powers(scaled(self.commands, command))
+        basis = powers(self.scaled(command))
         z1 = basis @ self.guard_z1
         share = jax.nn.sigmoid(basis @ self.guard_outputs)
         outputs = self.lower + (self.upper - self.lower) * share
@@ -229,7 +246,7 @@ class CommandedPolicy(AbstractPolicy):
     def _between(
         self, pair: Pair, ground: Ground | None, start: Start, guard: Guard, *, exact: bool
     ) -> HybridInvariantPolicy:
-        known = jnp.concatenate([scaled(self.commands, command) for command in pair])
+        known = jnp.concatenate([self.scaled(command) for command in pair])
         weights, biases = self.network.weights, self.network.biases
         first = biases[0] + weights[0][:, 2:] @ known
         policy = HybridInvariantPolicy(

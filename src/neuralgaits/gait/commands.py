@@ -200,9 +200,24 @@ def values(commands: Commands, given: Mapping[str, float]) -> Float[np.ndarray, 
     return np.array([float(given[name]) for name in names])
 
 
-def scaled(commands: Commands, value: Float[Array, " p"]) -> Float[Array, " p"]:
-    """Commands in units of half their ranges, 0 in the middle."""
-    return jnp.stack([c.scaled(value[i]) for i, c in enumerate(commands)])
+CURVE_TERMS = 4
+"""Coefficients of a curve: a cubic."""
+
+
+def plain_curves(commands: Commands) -> Float[np.ndarray, "p 4"]:
+    """Curves that leave scaled commands as they are. [p, CURVE_TERMS]."""
+    return np.tile(np.eye(CURVE_TERMS)[1], (len(commands), 1))
+
+
+def scaled(
+    commands: Commands, curves: Float[Array, "p 4"], value: Float[Array, " p"]
+) -> Float[Array, " p"]:
+    """Commands in units of half their ranges, 0 in the middle, put through their curves."""
+    found = []
+    for i, c in enumerate(commands):
+        s, (a0, a1, a2, a3) = c.scaled(value[i]), curves[i]
+        found.append(a0 + s * (a1 + s * (a2 + s * a3)))
+    return jnp.stack(found)
 
 
 def factors(count: int) -> list[tuple[int, ...]]:

@@ -38,6 +38,7 @@ class Sampler(NamedTuple):
         *,
         commands: Commands = (),
         corners: float = 0.0,
+        widened: float = 0.0,
     ) -> "Sampler":
         """Lay out the strata.
 
@@ -47,6 +48,7 @@ class Sampler(NamedTuple):
             overshoot: how far samples reach beyond the edges of (phase, level), per axis.
             commands: of the gait, two axes each.
             corners: of `Recipe`.
+            widened: likewise.
         """
         lows, highs, rows, position = [], [], {}, 0
         for name, count in counts.items():
@@ -59,6 +61,10 @@ class Sampler(NamedTuple):
             position += count
         ends = np.array([axis[1:] for command in commands for axis in command.axes]).T
         ends = ends.reshape(2, 2 * len(commands))
+        for i, command in enumerate(commands):
+            more = widened * (command.high - command.low)
+            # Where any command may follow any, both axes are its range.
+            ends[:, 2 * i : 2 * i + 2 - (command.largest_change is not None)] += [[-more], [more]]
         return cls(np.concatenate(lows), np.concatenate(highs), rows, ends, corners)
 
     def draw(self, key: PRNGKeyArray, grown: Scalar | float = 1.0) -> Float[Array, "N n"]:

@@ -129,8 +129,10 @@ class Trainer:
             rate: factor on the recipe's learning rate.
         """
         recipe = spec.recipe
-        plan = partial(Sampler.plan, spec.regions, commands=spec.commands, corners=recipe.corners)
-        sampler = plan(recipe.samples, recipe.overshoot)
+        plan = partial(Sampler.plan, spec.regions, commands=spec.commands)
+        sampler = plan(
+            recipe.samples, recipe.overshoot, corners=recipe.corners, widened=recipe.widened
+        )
         more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
         validation = plan(more)
         layout = lay_out(spec, robot, template, sampler)

@@ -11,7 +11,7 @@ from neuralgaits._settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.barriers import GaitSpec, specs, user_code
 from neuralgaits.barriers.commanded import Interval, commands_of
-from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import (
     after_impact,
@@ -27,6 +27,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
+from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import Session, take_all_steps
 from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
@@ -157,6 +158,8 @@ def train_to_the_end(
     try:
         session = take_all_steps(run, progress)
         gait, proof = session.gait, None
+        if isinstance(gait, CommandedGait):
+            gait = calibrated(gait, run.robot, run.residuals)
         if run.asked.certify is None:
             run.folder.write_tree(WEIGHTS, gait)
         else:

@@ -1,0 +1,69 @@
+"""Speed that is asked for, speed that is walked: read off the orbits of a family, and mended.
+
+What training leaves between the command and the mean speed of the orbit, a curve takes away: the
+place in the family whose orbit has the speed that was asked for.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from numpy.polynomial import polynomial
+
+from neuralgaits._types import Array, Float
+from neuralgaits.analysis.orbit import poincare
+from neuralgaits.barriers.regions import CommandedGait
+from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.gait.commands import CURVE_TERMS, plain_curves
+from neuralgaits.robots import PlanarBiped
+
+KNOTS = 9
+"""Commands at which orbits are looked for."""
+BEYOND = 0.2
+"""How far beyond the range of a speed, in units of half of it, the family was trained: twice the
+share `widened` of the recipe."""
+
+
+def calibrated(
+    gait: CommandedGait, robot: PlanarBiped, residuals: Residuals, beyond: float = BEYOND
+) -> CommandedGait:
+    """The family with a curve for its speed; itself if it is told none.
+
+    Args:
+        gait: trained, with curves that do nothing.
+        robot: that it is for.
+        residuals: what was learned of the robot beyond its model.
+        beyond: how far outside [-1, 1] the scaled command may go.
+    """
+    names = [c.name for c in gait.commands]
+    if "speed" not in names:
+        return gait
+    at, plain = names.index("speed"), plain_curves(gait.commands)
+    command = gait.commands[at]
+    middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
+    places = np.linspace(-1.0 - beyond, 1.0 + beyond, KNOTS)
+    walked = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
+    rising = np.isfinite(walked).all() and np.all(np.diff(walked) > 0.0)
+    if not rising:
+        return gait
+    asked = np.linspace(-1.0, 1.0, KNOTS)
+    wanted = np.interp(middle + half * asked, walked, places)
+    plain[at] = polynomial.polyfit(asked, wanted, CURVE_TERMS - 1)
+    return eqx.tree_at(lambda g: g.policy.curves, gait, plain)
+
+
+def _speed(
+    gait: CommandedGait, robot: PlanarBiped, residuals: Residuals, at: int, speed: float
+) -> float:
+    """Mean speed of the orbit (m/s); NaN without one."""
+    v: list[float] = []
+    for i, command in enumerate(gait.commands):
+        value = speed if i == at else 0.5 * (command.low + command.high)
+        v += command.coordinates(value, value)
+    step = _steady(gait, robot, np.array(v), residuals)
+    moving = ZeroDynamics(robot, step.policy, *residuals)
+    return poincare(moving, step.z(jnp.array([0.5, 0.5]))).speed_m_s
+
+
+@eqx.filter_jit
+def _steady(gait: CommandedGait, robot: PlanarBiped, v: Float[Array, " k"], residuals: Residuals):
+    return gait.at(robot, v, residuals.reset).following
