@@ -88,7 +88,7 @@ def _lifted(zd: ZeroDynamics, gait: Gait, charts: Array) -> Array:
 @quick_filter_jit
 def _momenta(family: CommandedGait, phases: Array, pairs: Pair) -> Array:
     def of_step(pair: Pair) -> Array:
-        tube = family.tube.at(pair)
+        tube = family.tube.at(Pair(*map(family.policy.scaled, pair)))
         return jnp.sqrt(2.0 * jax.vmap(lambda t: tube.fences(t))(phases))
 
     return jax.vmap(of_step)(pairs)
