@@ -118,7 +118,7 @@ def _design(
     robot: PlanarBiped,
     gait: AnyGait,
     z2_range: tuple[float, float],
-    reset_residual: AbstractResetResidual | None,
+    reset_residual: AbstractResetResidual | None = None,
 ) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
