@@ -261,10 +261,13 @@ def _at(
     )
 
 
-def steps_of(design: Design, count: int, seed: int) -> Float[np.ndarray, "N s"]:
-    """Numbers of random steps. Returns: [N, s]."""
+def steps_of(
+    design: Design, count: int, seed: int
+) -> tuple[Float[np.ndarray, "N 2 p"], Float[np.ndarray, "N s"]]:
+    """Commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
     pair, _ = _commands(design, min(count, _STEPS_AT_ONCE), np.random.default_rng([seed, 1]))
-    return np.resize(_single(_numbers(design, pair)), (count, design.gait.policy.step_size))
+    commands, numbers = np.stack(pair, axis=1), _numbers(design, pair)
+    return tuple(np.resize(of, (count, *of.shape[1:])) for of in (commands, numbers))
 
 
 def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.ndarray, "N s"]:

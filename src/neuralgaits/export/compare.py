@@ -24,6 +24,8 @@ _WIDE = 64
 """Widest hidden layer for which the tighter limit of single precision holds."""
 _NEAR_LIMIT = 1e-4
 """Share of a torque limit within which the two precisions may disagree on being clipped."""
+STEP_TIME = "policy_step"
+"""Name of the time of what is computed once a step, in `c/check.c`."""
 _STEP_LIMITS = {"double": 1e-11, "float": 1e-3}
 """How far the numbers of a step may be off, as a share of each one's range: an impact and Newton's
 method lie between them and the commands."""
@@ -73,17 +75,34 @@ def policy_questions(
     design: Design, states: int
 ) -> tuple[Float[np.ndarray, "N 6_plus_s"], Float[np.ndarray, "N 4 m"]]:
     """Random z, dz and ddz of the region, and Python's answers there, see `Questions`."""
+    _, step = steps_of(design, states, SEED)
+    points = np.concatenate([_around(design, step), step], axis=1)
+    points = points.astype(np.float32).astype(np.float64)
+    return points, policy_path(design, *np.split(points, [2, 4, 6], axis=1))
+
+
+def model_questions(
+    design: Design, states: int
+) -> tuple[dict[str, Float[np.ndarray, "N ..."]], Float[np.ndarray, "N 2 m"]]:
+    """Inputs of the policy as one function, by name, and Python's y and dy there."""
+    commands, step = steps_of(design, states, SEED)
+    points = _around(design, step).astype(np.float32).astype(np.float64)
+    z, dz, ddz = np.split(points, 3, axis=1)
+    told = {"commands": commands} if design.commands else {}
+    return {"z": z, "dz": dz} | told, policy_path(design, z, dz, ddz, step)[:, :2]
+
+
+def _around(design: Design, step: Float[np.ndarray, "N s"]) -> Float[np.ndarray, "N 6"]:
+    """Random z, dz and ddz of the region, within the interval of each step. [N, 6]."""
     rng = np.random.default_rng(SEED)
-    bounds = design.controller.bounds
-    step = steps_of(design, states, SEED)
+    bounds, states = design.controller.bounds, len(step)
     lower, upper = (np.tile(bound, (states, 1)) for bound in (bounds.lower, bounds.upper))
     if design.commands:
         lower[:, 0], upper[:, 0] = step[:, 0], step[:, 1]
     z = rng.uniform(lower, upper)
     dz = rng.uniform([-0.5, -60.0], [1.5, 60.0], (states, 2))
     ddz = np.stack([np.zeros(states), rng.uniform(-400.0, 400.0, states)], axis=1)
-    points = np.concatenate([z, dz, ddz, step], axis=1).astype(np.float32).astype(np.float64)
-    return points, policy_path(design, *np.split(points, [2, 4, 6], axis=1))
+    return np.concatenate([z, dz, ddz], axis=1)
 
 
 def agree(design: Design, asked: Questions, program: Path, precision: str) -> Agreement:

@@ -93,6 +93,25 @@ def policy_rate(policy: AbstractPolicy) -> Part:
     )
 
 
+def policy_in_one(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: AbstractResetResidual | None
+) -> Part:
+    """The same as one function of z, dz and, of a family, its commands: nothing to remember.
+
+    Raises: SpecError naming the primitive of a policy that cannot be traced.
+    """
+    if not policy.step_size:
+        return policy_rate(policy)
+
+    def compute(z: ZeroState, dz: ZeroState, commands: Float[Array, "2 p"]) -> dict[str, Array]:
+        at = policy.at(robot, Pair(*commands), reset_residual, exact=True)
+        return rate(at)(z, dz)
+
+    shapes = _OF_POLICY | {"commands": (2, len(policy.commands))}
+    part = policy_rate(policy)
+    return part._replace(program=_policy(compute, shapes, policy))
+
+
 def policy_step(
     robot: PlanarBiped, policy: AbstractPolicy, reset_residual: AbstractResetResidual | None
 ) -> Part:
