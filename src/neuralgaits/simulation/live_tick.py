@@ -150,6 +150,8 @@ class NativeTick(LiveTick):
         walk, row = self._walk, self._row
         if self._wanted.size:
             walk.orders_used = 0
+        stride = np.zeros((1, width(self._wanted.size)))
+        walk.strides, walk.strides_used = pointer(stride), 0
         for leg in (0, 1):
             walk.floor[leg], walk.touch[leg] = level, data.sensordata[leg - 2]
         self._library.tick(
@@ -163,7 +165,7 @@ class NativeTick(LiveTick):
             leg=row["leg"].astype(int),
             z1=row["z"][:, 0],
             clearance=row["clearance"],
-            stride=np.zeros((1, width(self._wanted.size))),
+            stride=stride,
         )
 
     @property

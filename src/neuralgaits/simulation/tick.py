@@ -75,7 +75,7 @@ class Verdict(NamedTuple):
     clearance: Scalar
     """Swing foot above the floor through the stance foothold [m]."""
     stride: Float[Array, " r"]
-    """Of a touchdown: a row of `strides.Strides`."""
+    """Of a touchdown: a row of `strides.Strides`; zeros at other ticks."""
 
 
 class Record(NamedTuple):
@@ -242,6 +242,8 @@ def account(
         finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(command.torque)),
     )
     ahead, up = swing_foot(robot, command.q)
+    # At a touchdown the swing foot is the old stance foot.
+    stride = jnp.concatenate([jnp.stack([time, hip[0], -ahead, -up]), command.told[0]])
     return (
         Carry(state, gauge, age),
         Verdict(
@@ -252,8 +254,7 @@ def account(
             leg=command.leg,
             z1=command.z[0],
             clearance=up - scene.slope * ahead,
-            # At a touchdown the swing foot is the old stance foot.
-            stride=jnp.concatenate([jnp.stack([time, hip[0], -ahead, -up]), command.told[0]]),
+            stride=jnp.where(command.touchdown, stride, 0.0),
         ),
         Record(
             time,
