@@ -154,3 +154,21 @@ def test_errors_are_those_of_the_steady_steps():
     assert found["speed"].mean == pytest.approx(0.0, abs=1e-12)
     assert found["step_height"].mean == pytest.approx(0.02)
     assert found["step_height"].worst == pytest.approx(0.03)
+
+
+@pytest.mark.slow
+def test_floors_are_as_high_as_they_are_told(amber, tmp_path):
+    """Both engines lay the same floors: each foothold above the last as that step was told."""
+    folder = RunFolder.create({}, {}, name="amber3m", seed=0, root=tmp_path)
+    family = family_for("amber3m", FOOTHOLDS)
+    stones = Run(folder, amber, specs.commanded(amber, FOOTHOLDS), family)
+    library = engine_of_trained(stones, "native").library
+    table = np.array([[0.34, -0.004], [0.35, 0.006]])
+    orders = Orders(FOOTHOLDS, np.array([0.345, 0.0]), table)
+    settings = {"controller": "fblin", "steps": 3, "record": True}
+    one, two = (walked(stones, orders, library=each, **settings) for each in (None, library))
+    assert one.endings == two.endings
+    np.testing.assert_allclose(one.floors, two.floors, atol=1e-12)
+    assert one.gauge.steps[0] >= 2
+    rises = {round(float(abs(a - b)), 6) for a, b in one.floors}
+    assert 0.004 in rises

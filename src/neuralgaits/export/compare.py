@@ -31,6 +31,8 @@ _STEP_LIMITS = {"double": 1e-11, "float": 1e-3}
 method lie between them and the commands."""
 _BOUND_STEPS = 4
 """Steps of a family whose errors in single precision are bounded."""
+_STEP_TORQUE = 2e-4
+"""How far torques in single precision may be off where the numbers of the step are, too."""
 _SMALLEST_RANGE = 1e-3
 """Of a number of a step, below which its distance is no share of it."""
 _CUTS = {"z": (64, 32), "dz": (2, 2)}
@@ -59,7 +61,8 @@ def limits(design: Design, precision: str) -> Limits:
     widths = [len(bias) for bias in network.biases[:-1]] if network is not None else [0]
     if precision == "double":
         return Limits(1e-12, 1e-12)
-    return Limits(2e-6 if max(widths) <= _WIDE else 1e-5, 5e-5)
+    torque = _STEP_TORQUE if design.commands else 5e-5
+    return Limits(2e-6 if max(widths) <= _WIDE else 1e-5, torque)
 
 
 def questions(design: Design, reference: Reference, states: int = STATES) -> Questions:

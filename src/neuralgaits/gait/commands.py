@@ -174,6 +174,12 @@ def pair_at(commands: Commands, v: Float[Array, " k"]) -> Pair:
     return Pair(before, after)
 
 
+def place_of(commands: Commands, name: str) -> int | None:
+    """Where a command is among them; None if it is not."""
+    names = [c.name for c in commands]
+    return names.index(name) if name in names else None
+
+
 def coordinates_of(commands: Commands, pair: Pair) -> Float[Array, " k"]:
     """The point of the commands' axes that has this pair. Returns: [2 p]."""
     found = [c.coordinates(pair.before[i], pair.after[i]) for i, c in enumerate(commands)]

@@ -140,7 +140,8 @@ def run(
             kept[ended] = np.asarray(carry)[ended]
             active = np.flatnonzero(endings == Ending.RUNNING)
         force = push.at(world.time, verdict.touchdown, verdict.steps)
-        if terrain.advance(verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance):
+        place = (verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
+        if terrain.advance(*place, verdict.rise):
             world.lay_floors(terrain.levels)
         world.advance(active, verdict.controls, force)
     wall = clock.perf_counter() - began

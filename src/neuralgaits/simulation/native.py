@@ -21,6 +21,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.lockstep import Episodes
@@ -106,6 +107,8 @@ def run(
         raise InputError("expected the compiled walk of this controller, found another one's")
     scene = scene_of(library, plant, controller, steps, falls, push)
     scene.uneven = int(terrain.uneven)
+    height = place_of(orders.commands, "step_height")
+    scene.told_height = 0 if height is None else height + 1
     course = _Course(states, terrain, push, orders, seed, noisy, longest, record)
     local, stop = threading.local(), threading.Event()
 
@@ -157,6 +160,8 @@ def _episode(
     walk = layout.walk()
     first = np.array(course.orders.first, dtype=np.float64)
     library.start(byref(walk), 0, pointer(first))
+    if course.terrain.told is not None:
+        walk.next_rise, walk.rise_pending = course.terrain.told, 1
     rises, told = np.zeros(0), _Orders(course.orders, episode)
     late = np.zeros((plant.delay_ticks + 1, model.nu))
     walk.late = pointer(late)

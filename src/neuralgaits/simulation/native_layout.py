@@ -106,6 +106,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("substeps", c_int),
             ("slope", c_double),
             ("uneven", c_int),
+            ("told_height", c_int),
             *_reals("room_under_foot", "push_force", "push_s"),
             ("push_after", c_int),
             ("steps", c_int),

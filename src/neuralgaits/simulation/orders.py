@@ -4,14 +4,15 @@ import csv
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import Commands, Limits, values
+from neuralgaits.gait.commands import Commands, Limits, place_of, values
+from neuralgaits.simulation.disturbance import Disturbance
 
 RANDOM = "random"
 """In the place of a file: new commands at each touchdown."""
@@ -92,6 +93,23 @@ def orders_of(
     assert file is not None
     rows = _rows(commands, Path(file))
     return Orders(commands, rows[0], rows[1:] if len(rows) > 1 else rows)
+
+
+def on_slope(disturbance: Disturbance, orders: Orders) -> Disturbance:
+    """The floor of a gait that is told its slope: tilted as it is told, unless it is otherwise.
+
+    Raises: InputError for slopes that change: the floor is one plane.
+    """
+    at = place_of(orders.commands, "slope")
+    if at is None:
+        return disturbance
+    if orders.seed is not None or np.ptp([orders.first[at], *orders.table[:, at]]) > 0.0:
+        raise InputError(
+            "expected one slope for a whole walk, found slopes that change: the floor is one plane"
+        )
+    if disturbance.slope_deg != 0.0:
+        return disturbance
+    return replace(disturbance, slope_deg=math.degrees(float(orders.first[at])))
 
 
 def _constant(commands: Commands, given: str | Mapping[str, float]) -> Float[np.ndarray, " p"]:

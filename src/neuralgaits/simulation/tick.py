@@ -22,7 +22,7 @@ from neuralgaits.control import (
 )
 from neuralgaits.control.measurement import coordinates, stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
-from neuralgaits.gait.commands import Limits
+from neuralgaits.gait.commands import Limits, place_of
 from neuralgaits.robots import MjcfLayout, PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
@@ -76,6 +76,8 @@ class Verdict(NamedTuple):
     """Swing foot above the floor through the stance foothold [m]."""
     stride: Float[Array, " r"]
     """Of a touchdown: a row of `strides.Strides`; zeros at other ticks."""
+    rise: Scalar
+    """What the robot is told of the height of the next foothold [m]; 0 for nothing."""
 
 
 class Record(NamedTuple):
@@ -242,6 +244,7 @@ def account(
         finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(command.torque)),
     )
     ahead, up = swing_foot(robot, command.q)
+    height = place_of(controller.policy.commands, "step_height")
     # At a touchdown the swing foot is the old stance foot.
     stride = jnp.concatenate([jnp.stack([time, hip[0], -ahead, -up]), command.told[0]])
     return (
@@ -255,6 +258,7 @@ def account(
             z1=command.z[0],
             clearance=up - scene.slope * ahead,
             stride=jnp.where(command.touchdown, stride, 0.0),
+            rise=jnp.zeros(()) if height is None else command.told[1, height],
         ),
         Record(
             time,

@@ -13,7 +13,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.commands import Commands, place_of
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation import lockstep, native
@@ -127,9 +127,11 @@ def walk(
     ]
     one = controllers[0] if shared else _stacked(controllers)
     falls = FallConfig() if falls is None else falls
-    terrain = Terrain(field.disturbance.floor_height, seed, count)
     pushes = Push(push, steps, seed, count)
     orders = Orders.constant(each[0].commands) if orders is None else orders
+    height = place_of(orders.commands, "step_height")
+    told = None if height is None else float(orders.first[height])
+    terrain = Terrain(field.disturbance.floor_height, seed, count, told)
     threads = _cores() if threads is None else threads
     if library is not None and shared and remote is None and watch is None and knows(law):
         episodes = native.run(

@@ -1,5 +1,6 @@
 """A run's gait as a live page needs it: it walks, bears changes, jumps, and knows its margins."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -78,6 +79,8 @@ class LiveGait:
     def tell(self, name: str, value: float) -> None:
         """Wish for a command from the next touchdown on."""
         self.live.tell(**{name: value})
+        if name == "slope":
+            self.live.disturb(slope_deg=math.degrees(value))
 
     def tick(self) -> bool:
         """Let one control tick pass. Returns: False once the robot has fallen."""

@@ -28,7 +28,7 @@ from neuralgaits.simulation.link_config import LinkConfig, parse_link
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_scene import knows
 from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
-from neuralgaits.simulation.orders import orders_of
+from neuralgaits.simulation.orders import on_slope, orders_of
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, law_named, walk
 from neuralgaits.workflows.export import steady_design_of
@@ -105,6 +105,7 @@ def simulate(
     if not isinstance(seed, int) or seed < 0:
         raise InputError(f"expected a seed of at least 0, found {seed!r}")
     orders = orders_of(told, command, commands, seed)
+    disturbance = on_slope(disturbance, orders)
     _check_outputs(log, video)
     if told:
         # Where they start is a state of the one gait at the first command.

@@ -19,7 +19,11 @@ typedef struct {
 
 /* Share of the torque limit, and of 1 rad or 10 rad/s. */
 #ifdef NG_FLOAT
+#if NG_COMMANDS
+#define TORQUE_SHARE NG(4.0e-4) /* the numbers of the step are rounded, too */
+#else
 #define TORQUE_SHARE NG(1.0e-4)
+#endif
 #define OUTPUT_SHARE NG(1.0e-5)
 #else
 #define TORQUE_SHARE NG(1.0e-9)

@@ -322,6 +322,11 @@ static void lay_floors(const ng_scene *scene, ng_walk *walk, const ng_command *c
     }
     if (command->touchdown) {
         walk->next_rise = walk->rises[walk->rises_used++];
+#if NG_COMMANDS
+        if (scene->told_height) {
+            walk->next_rise += walk->controller.after[scene->told_height - 1];
+        }
+#endif
         walk->rise_pending = 1;
     }
     if (!walk->rise_pending || !(command->z[0] > 0.0)) {

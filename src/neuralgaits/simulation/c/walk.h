@@ -52,6 +52,8 @@ typedef struct {
     /* Floor and push. */
     double slope;                     /* rise per metre forward */
     int uneven;                       /* whether floors change their height */
+    int told_height;                  /* place of the command that says how high the next foothold
+                                         is, counted from 1; 0 without one */
     double room_under_foot;           /* a floor rises only below a foot that is higher [m] */
     double push_force;                /* [N] */
     double push_s;                    /* how long it lasts [s] */
