@@ -267,7 +267,10 @@ def steps_of(
     """Commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
     pair, _ = _commands(design, min(count, _STEPS_AT_ONCE), np.random.default_rng([seed, 1]))
     commands, numbers = np.stack(pair, axis=1), _numbers(design, pair)
-    return tuple(np.resize(of, (count, *of.shape[1:])) for of in (commands, numbers))
+    return (
+        np.resize(commands, (count, *commands.shape[1:])),
+        np.resize(numbers, (count, *numbers.shape[1:])),
+    )
 
 
 def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.ndarray, "N s"]:
