@@ -58,7 +58,7 @@ int main(int argc, char **argv)
         data->time = begin[i * size];
         mju_copy(data->qpos, begin + i * size + 1, model->nq);
         mju_copy(data->qvel, begin + i * size + 1 + model->nq, model->nv);
-        ng_walk_start(walk, 0);
+        ng_walk_start(walk, 0, NULL);
         walk->rises = rises;
         walk->late = late;
         while (walk->ending == NG_RUNNING) {

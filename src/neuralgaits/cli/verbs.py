@@ -167,6 +167,8 @@ def _simulate(verb: Simulate) -> Outcome:
             video=verb.video,
             link=verb.link,
             engine=verb.engine,
+            command=verb.command,
+            commands=verb.commands,
         )
     if done.summary.engine_note is not None and not verb.output.json:
         print(done.summary.engine_note, file=sys.stderr)

@@ -1,6 +1,13 @@
 """Controllers as pure step functions: simulated and exported from here."""
 
-from neuralgaits.control.controller import Command, Controller, ControllerState, start, step
+from neuralgaits.control.controller import (
+    Command,
+    Controller,
+    ControllerState,
+    start,
+    step,
+    tell,
+)
 from neuralgaits.control.fblin import Fblin
 from neuralgaits.control.law import AbstractLaw
 from neuralgaits.control.measurement import Measurement
@@ -19,4 +26,5 @@ __all__ = [
     "StanceConfig",
     "start",
     "step",
+    "tell",
 ]

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
-from neuralgaits.control import stance
+from neuralgaits.control import stance, told
 from neuralgaits.control.law import AbstractLaw, Desired, Reading
 from neuralgaits.control.measurement import (
     Measurement,
@@ -23,7 +23,10 @@ from neuralgaits.control.measurement import (
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.saturation import ZeroStateBounds, saturate, zero_state_bounds
 from neuralgaits.control.stance import StanceConfig, StanceState
+from neuralgaits.control.told import Told
 from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.commands import Limits
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 
 
@@ -32,12 +35,13 @@ class Controller(eqx.Module):
 
     Attributes:
         robot: the model the controller believes in.
-        policy: desired outputs y_d(z).
+        policy: desired outputs y_d(z), or a family of them that is told commands.
         law: how torques follow from them.
         bounds: of the measured z; the law says what of it the policy is told.
         torque_limit: of each actuated joint, stance leg first [N m]. [m]
         stance: thresholds of the stance machine.
         period_s: time between two ticks [s].
+        reset_residual: corrects the impact that the steps of a family begin with.
     """
 
     robot: PlanarBiped
@@ -47,6 +51,7 @@ class Controller(eqx.Module):
     torque_limit: Float[Array, " m"]
     stance: StanceConfig = eqx.field(static=True)
     period_s: float = eqx.field(static=True)
+    reset_residual: AbstractResetResidual | None = None
 
     @classmethod
     def init(
@@ -59,28 +64,43 @@ class Controller(eqx.Module):
         torque_limit: Actuated | None = None,
         stance: StanceConfig | None = None,
         period_s: float = 1e-3,
+        reset_residual: AbstractResetResidual | None = None,
     ) -> "Controller":
         """Put a controller together, bounds and limits taken from policy and robot.
 
         Args:
             robot: the model the controller believes in.
-            policy: desired outputs.
+            policy: desired outputs, or a family of them.
             law: `Pd()`, `PAPER` or `Fblin()`.
             z2_range: momenta the policy was trained on (kg m^2/s), wide bounds if None.
             torque_limit: [m] (N m), the robot's own if None.
             stance: thresholds, the defaults if None.
             period_s: time between two ticks (s).
+            reset_residual: corrects the impact that the steps of a family begin with.
         """
+        middle = Limits.of(policy.commands).middle
+        of_middle = policy.of_step(_numbers(robot, policy, middle, reset_residual))
         limit = robot.torque_limit if torque_limit is None else torque_limit
         return cls(
             robot=robot,
             policy=policy,
             law=law,
-            bounds=zero_state_bounds(robot, policy, z2_range),
+            bounds=zero_state_bounds(robot, of_middle, z2_range),
             torque_limit=np.asarray(limit, dtype=np.float64),
             stance=StanceConfig() if stance is None else stance,
             period_s=period_s,
+            reset_residual=reset_residual,
         )
+
+
+@eqx.filter_jit
+def _numbers(
+    robot: PlanarBiped,
+    policy: AbstractPolicy,
+    command: Float[Array, " p"],
+    reset_residual: AbstractResetResidual | None,
+) -> Float[Array, " s"]:
+    return told.steady(robot, policy, command, reset_residual).numbers
 
 
 class ControllerState(NamedTuple):
@@ -92,6 +112,8 @@ class ControllerState(NamedTuple):
     """Ticks until the policy is asked again."""
     held: Desired
     """The policy's last answer."""
+    told: Told
+    """Commands, and what the step under way makes of them."""
 
 
 class Command(NamedTuple):
@@ -119,15 +141,37 @@ class Command(NamedTuple):
     """Whether the stance leg has just changed."""
     saturated: Bool[Array, ""]
     """Whether any torque was clipped."""
+    told: Float[Array, "2 p"]
+    """What the gait is told: of the step before, and of this one."""
 
 
-def start(controller: Controller, leg: Int[Array, ""] | int = 0) -> ControllerState:
-    """The state before the first tick, standing on `leg`."""
-    n = controller.robot.n
+def start(
+    controller: Controller,
+    leg: Int[Array, ""] | int = 0,
+    command: Float[Array, " p"] | None = None,
+) -> ControllerState:
+    """The state before the first tick, standing on `leg`.
+
+    Args:
+        controller: to be started.
+        leg: stance leg.
+        command: that has been the same for long; the middle of the ranges if None.
+    """
+    n, policy = controller.robot.n, controller.policy
+    if command is None:
+        command = Limits.of(policy.commands).middle
+    first = told.steady(controller.robot, policy, command, controller.reset_residual)
     at_rest = Reading(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
-    shapes = jax.eval_shape(_ask, controller, at_rest)
+    shapes = jax.eval_shape(_ask, controller, first, at_rest)
     held = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
-    return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), held)
+    return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), held, first)
+
+
+def tell(
+    controller: Controller, state: ControllerState, wanted: Float[Array, " p"]
+) -> ControllerState:
+    """Wish for other commands from the next touchdown on, see `told.tell`."""
+    return state._replace(told=told.tell(controller.policy.commands, state.told, wanted))
 
 
 def step(
@@ -147,10 +191,11 @@ def step(
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
     reading = Reading(q, dq, *zero_state(robot, q, dq, foot_velocity))
+    now = told.latch(controller, state.told, touchdown)
     # After a touchdown the held outputs belong to the wrong legs.
     ask = touchdown | (state.ticks_to_policy <= 0)
     held = jax.tree.map(
-        lambda new, old: jnp.where(ask, new, old), _ask(controller, reading), state.held
+        lambda new, old: jnp.where(ask, new, old), _ask(controller, now, reading), state.held
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
     torque, saturated = saturate(law.torque(robot, reading, held), controller.torque_limit)
@@ -166,13 +211,17 @@ def step(
         since_touchdown=standing.since_touchdown,
         touchdown=touchdown,
         saturated=saturated,
+        told=jnp.stack(now.pair),
     )
-    return ControllerState(standing, remaining, held), command
+    return ControllerState(standing, remaining, held, now), command
 
 
-def _ask(controller: Controller, reading: Reading) -> Desired:
+def _ask(controller: Controller, now: Told, reading: Reading) -> Desired:
+    policy = controller.policy.of_step(now.numbers)
+    bounds = controller.bounds.over(policy)
+
     def outputs(z: ZeroState) -> Actuated:
         # After the bounds, whose interval need not hold what a law tells instead of z2.
-        return controller.policy(controller.law.told(controller.bounds(z)))
+        return policy(controller.law.told(bounds(z)))
 
     return controller.law.desired(controller.robot, outputs, reading)

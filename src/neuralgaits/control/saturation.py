@@ -49,6 +49,17 @@ class ZeroStateBounds(eqx.Module):
         inside = z - over + under
         return inside + self.margin * (jnp.tanh(over / self.margin) - jnp.tanh(under / self.margin))
 
+    def over(self, policy: "AbstractPolicy") -> "ZeroStateBounds":
+        """The same for a step of a family, whose interval of z1 is its own."""
+        if not policy.step_size:
+            return self
+        start, guard = policy.z1_range
+        return ZeroStateBounds(
+            jnp.stack([start, self.lower[1]]),
+            jnp.stack([guard, self.upper[1]]),
+            jnp.stack([Z1_MARGIN * (guard - start), self.margin[1]]),
+        )
+
 
 def zero_state_bounds(
     robot: PlanarBiped,

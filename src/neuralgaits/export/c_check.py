@@ -6,6 +6,7 @@ from pathlib import Path
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
 from neuralgaits.export.compare import (
+    STEP_TIME,
     Questions,
     agree,
     float_bound,
@@ -59,6 +60,7 @@ def check_controller(
         float_bound=float_bound(design, policy_rate(design.gait.policy), asked),
         sizes=sizes,
         builds=builds,
+        step_latency_us=first.latency_us.get(STEP_TIME),
     )
 
 

@@ -20,6 +20,7 @@ from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, joint_ranges
 from neuralgaits.export.facts import Design
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.commands import Limits, Pair, coordinates_of
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 
@@ -29,6 +30,8 @@ NEVER = 1e30
 """Time since the last touchdown before there was one [s], as `NG_NEVER`."""
 _OUTPUT_ERROR, _RATE_ERROR = 0.05, 0.5
 """Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`."""
+_STEPS_AT_ONCE = 2048
+"""Steps of a family that are computed together."""
 _CLEAR_OF_THRESHOLD = 1e-4
 """How far from a threshold a drawn number stays [m], [s]: rounding decides nothing."""
 
@@ -61,6 +64,11 @@ class Cases:
     force: Float[np.ndarray, "N 2"]
     joints: Float[np.ndarray, "N 2 k"]
     djoints: Float[np.ndarray, "N 2 k"]
+    given: Float[np.ndarray, "N p"]
+    wanted: Float[np.ndarray, "N p"]
+    before: Float[np.ndarray, "N p"]
+    after: Float[np.ndarray, "N p"]
+    step: Float[np.ndarray, "N s"]
 
     @property
     def count(self) -> int:
@@ -203,7 +211,8 @@ def _at(
     limit = np.asarray(design.controller.torque_limit)
     leg = rng.integers(0, 2, count) if leg is None else leg
     eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * np.repeat([_OUTPUT_ERROR, _RATE_ERROR], m)
-    x, outputs, slopes = _lifted(design, chart, eta)
+    pair, told = _commands(design, count, rng)
+    x, outputs, slopes, step = _lifted(design, chart, eta, pair)
     q, dq = np.split(x, 2, axis=1)
     foot_velocity = rng.uniform(-0.05, 0.05, (count, 2))
     wires = StateMap.build(mujoco.MjModel.from_xml_string(robot.layout.xml), robot.layout)
@@ -245,27 +254,84 @@ def _at(
         force=_single(force),
         joints=_single(joints),
         djoints=_single(qvel[:, wires.joints]),
+        before=np.asarray(pair.before),
+        after=np.asarray(pair.after),
+        step=_single(step),
+        **told,
     )
 
 
-def _lifted(
-    design: Design, chart: Float[np.ndarray, "N 2"], eta: Float[np.ndarray, "N two_m"]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Full states, desired outputs and their slopes in z1. [N, 2n], [N, m], [N, m]."""
-    gait = design.gait
-    zd = ZeroDynamics(design.robot, gait.policy)
+def steps_of(
+    design: Design, count: int, seed: int
+) -> tuple[Float[np.ndarray, "N 2 p"], Float[np.ndarray, "N s"]]:
+    """Commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
+    pair, _ = _commands(design, min(count, _STEPS_AT_ONCE), np.random.default_rng([seed, 1]))
+    commands, numbers = np.stack(pair, axis=1), _numbers(design, pair)
+    return (
+        np.resize(commands, (count, *commands.shape[1:])),
+        np.resize(numbers, (count, *numbers.shape[1:])),
+    )
 
-    @quick_jit
-    @jax.vmap
-    def lift(u, error):
+
+def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.ndarray, "N s"]:
+    """Numbers of steps whose command has been the same for long. Returns: [N, s]."""
+    return _numbers(design, Pair(command, command))
+
+
+def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
+    policy, residual = design.gait.policy, design.controller.reset_residual
+    found = quick_jit(jax.vmap(lambda told: policy.step_numbers(design.robot, told, residual)))
+    return np.asarray(found(pair))
+
+
+def _commands(
+    design: Design, count: int, rng: np.random.Generator
+) -> tuple[Pair, dict[str, np.ndarray]]:
+    """Admissible pairs; wishes, and what is told before the tick: outside and NaN among them."""
+    limits = Limits.of(design.commands)
+    shape, width = (count, len(design.commands)), limits.high - limits.low
+    before = rng.uniform(limits.low, limits.high, shape)
+    after = before + rng.uniform(-1.0, 1.0, shape) * limits.change
+    after = np.clip(after, limits.low, limits.high)
+    given = rng.uniform(limits.low - 0.2 * width, limits.high + 0.2 * width, shape)
+    given = np.where(rng.uniform(size=shape) < 0.2, np.nan, given)
+    wanted = rng.uniform(limits.low, limits.high, shape)
+    return Pair(_single(before), _single(after)), {
+        "given": _single(given),
+        "wanted": _single(wanted),
+    }
+
+
+def _lifted(
+    design: Design,
+    chart: Float[np.ndarray, "N 2"],
+    eta: Float[np.ndarray, "N two_m"],
+    pair: Pair,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Full states, desired outputs, their slopes in z1, and numbers of the step.
+
+    Returns: [N, 2n], [N, m], [N, m], [N, s].
+    """
+    robot, residual = design.robot, design.controller.reset_residual
+
+    def lift(case):
+        u, error, told = case
+        v = coordinates_of(design.commands, told)
+        gait = design.gait.at(robot, v, residual, exact=True)
         low, high = gait.tube.fences(u[0])
         start, guard = gait.span
         zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
         z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
         y, slope = jax.jvp(gait.policy, (z,), (jnp.array([1.0, 0.0]),))
-        return zd.phi_inv(z, error), y, slope
+        numbers = design.gait.policy.step_numbers(robot, told, residual)
+        return ZeroDynamics(robot, gait.policy).phi_inv(z, error), y, slope, numbers
 
-    return tuple(np.asarray(part) for part in lift(chart, eta))  # type: ignore[return-value]
+    # Of a family every case has a policy of its own: a few at a time, for the memory they take.
+    few = _STEPS_AT_ONCE if design.commands else None
+    lifted = quick_jit(lambda cases: jax.lax.map(lift, cases, batch_size=few))
+    if few is None:
+        lifted = quick_jit(jax.vmap(lift))
+    return tuple(np.asarray(part) for part in lifted((chart, eta, pair)))  # type: ignore[return-value]
 
 
 def _clear(design: Design, cases: Cases) -> np.ndarray:

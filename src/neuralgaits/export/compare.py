@@ -9,7 +9,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
-from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region
+from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region, steps_of
 from neuralgaits.export.facts import Design
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import Part
@@ -24,6 +24,17 @@ _WIDE = 64
 """Widest hidden layer for which the tighter limit of single precision holds."""
 _NEAR_LIMIT = 1e-4
 """Share of a torque limit within which the two precisions may disagree on being clipped."""
+STEP_TIME = "policy_step"
+"""Name of the time of what is computed once a step, in `c/check.c`."""
+_STEP_LIMITS = {"double": 1e-11, "float": 1e-3}
+"""How far the numbers of a step may be off, as a share of each one's range: an impact and Newton's
+method lie between them and the commands."""
+_BOUND_STEPS = 4
+"""Steps of a family whose errors in single precision are bounded."""
+_STEP_TORQUE = 2e-4
+"""How far torques in single precision may be off where the numbers of the step are, too."""
+_SMALLEST_RANGE = 1e-3
+"""Of a number of a step, below which its distance is no share of it."""
 _CUTS = {"z": (64, 32), "dz": (2, 2)}
 
 
@@ -34,13 +45,13 @@ class Questions:
     Attributes:
         cases: control ticks; those of the region come first.
         ticks: what Python makes of them.
-        points: z, dz, ddz of the policy. [N, 6]
+        points: z, dz, ddz of the policy, and numbers of a step. [N, 6 + s]
         policy: what Python makes of them. [N, 4, m]
     """
 
     cases: Cases
     ticks: Results
-    points: Float[np.ndarray, "N 6"]
+    points: Float[np.ndarray, "N 6_plus_s"]
     policy: Float[np.ndarray, "N 4 m"]
 
 
@@ -50,7 +61,8 @@ def limits(design: Design, precision: str) -> Limits:
     widths = [len(bias) for bias in network.biases[:-1]] if network is not None else [0]
     if precision == "double":
         return Limits(1e-12, 1e-12)
-    return Limits(2e-6 if max(widths) <= _WIDE else 1e-5, 5e-5)
+    torque = _STEP_TORQUE if design.commands else 5e-5
+    return Limits(2e-6 if max(widths) <= _WIDE else 1e-5, torque)
 
 
 def questions(design: Design, reference: Reference, states: int = STATES) -> Questions:
@@ -64,15 +76,36 @@ def questions(design: Design, reference: Reference, states: int = STATES) -> Que
 
 def policy_questions(
     design: Design, states: int
-) -> tuple[Float[np.ndarray, "N 6"], Float[np.ndarray, "N 4 m"]]:
+) -> tuple[Float[np.ndarray, "N 6_plus_s"], Float[np.ndarray, "N 4 m"]]:
     """Random z, dz and ddz of the region, and Python's answers there, see `Questions`."""
+    _, step = steps_of(design, states, SEED)
+    points = np.concatenate([_around(design, step), step], axis=1)
+    points = points.astype(np.float32).astype(np.float64)
+    return points, policy_path(design, *np.split(points, [2, 4, 6], axis=1))
+
+
+def model_questions(
+    design: Design, states: int
+) -> tuple[dict[str, Float[np.ndarray, "N ..."]], Float[np.ndarray, "N 2 m"]]:
+    """Inputs of the policy as one function, by name, and Python's y and dy there."""
+    commands, step = steps_of(design, states, SEED)
+    points = _around(design, step).astype(np.float32).astype(np.float64)
+    z, dz, ddz = np.split(points, 3, axis=1)
+    told = {"commands": commands} if design.commands else {}
+    return {"z": z, "dz": dz} | told, policy_path(design, z, dz, ddz, step)[:, :2]
+
+
+def _around(design: Design, step: Float[np.ndarray, "N s"]) -> Float[np.ndarray, "N 6"]:
+    """Random z, dz and ddz of the region, within the interval of each step. [N, 6]."""
     rng = np.random.default_rng(SEED)
-    bounds = design.controller.bounds
-    z = rng.uniform(bounds.lower, bounds.upper, (states, 2))
+    bounds, states = design.controller.bounds, len(step)
+    lower, upper = (np.tile(bound, (states, 1)) for bound in (bounds.lower, bounds.upper))
+    if design.commands:
+        lower[:, 0], upper[:, 0] = step[:, 0], step[:, 1]
+    z = rng.uniform(lower, upper)
     dz = rng.uniform([-0.5, -60.0], [1.5, 60.0], (states, 2))
     ddz = np.stack([np.zeros(states), rng.uniform(-400.0, 400.0, states)], axis=1)
-    points = np.concatenate([z, dz, ddz], axis=1).astype(np.float32).astype(np.float64)
-    return points, policy_path(design, *np.split(points, 3, axis=1))
+    return np.concatenate([z, dz, ddz], axis=1)
 
 
 def agree(design: Design, asked: Questions, program: Path, precision: str) -> Agreement:
@@ -84,8 +117,9 @@ def agree(design: Design, asked: Questions, program: Path, precision: str) -> Ag
         rows = np.frombuffer(build.run(program, "compare", str(cases)))
         answers = np.frombuffer(build.run(program, "policy", str(points)))
     m = design.robot.n - 1
-    found = results_of(rows.reshape(asked.cases.count, -1), m)
+    found = results_of(design, rows.reshape(asked.cases.count, -1))
     _same_decisions(design, asked, found)
+    _same_steps(design, asked, found, precision)
     agreement = _distances(design, asked, found, answers.reshape(-1, 6, m))
     asking = limits(design, precision)
     worst = {
@@ -115,18 +149,24 @@ def latency(asked: Questions, program: Path) -> dict[str, Percentiles]:
 def float_bound(design: Design, rates: Part, asked: Questions) -> FloatBound:
     """A bound on the error of y_d and its rate in single precision, over the whole region.
 
+    Of a family: of a few of its steps, their numbers taken as exact.
+
     Returns: `output` and `rate`, shares of their ranges.
     """
     bounds = design.controller.bounds
     dz = asked.points[:, 2:4]
-    lows = {"z": np.asarray(bounds.lower), "dz": dz.min(axis=0)}
-    highs = {"z": np.asarray(bounds.upper), "dz": dz.max(axis=0)}
-    errors = largest_errors(rates.program, lows, highs, _CUTS)
     ranges = np.ptp(asked.policy, axis=0)
-    return FloatBound(
-        output=float(np.max(errors["y"] / ranges[0])),
-        rate=float(np.max(errors["dy"] / ranges[1])),
-    )
+    found = []
+    for step in asked.points[:_BOUND_STEPS, 6:] if design.commands else [None]:
+        lows = {"z": np.array(bounds.lower), "dz": dz.min(axis=0)}
+        highs = {"z": np.array(bounds.upper), "dz": dz.max(axis=0)}
+        if step is not None:
+            lows["z"][0], highs["z"][0] = step[:2]
+            lows["step"] = highs["step"] = step
+        errors = largest_errors(rates.program, lows, highs, _CUTS)
+        found.append((np.max(errors["y"] / ranges[0]), np.max(errors["dy"] / ranges[1])))
+    output, rate = np.max(found, axis=0)
+    return FloatBound(output=float(output), rate=float(rate))
 
 
 def _same_decisions(design: Design, asked: Questions, found: Results) -> None:
@@ -143,6 +183,21 @@ def _same_decisions(design: Design, asked: Questions, found: Results) -> None:
             raise MismatchError(
                 f"C and Python disagree on {name} in {wrong.size} of {asked.cases.count} cases: "
                 "do not use this controller, report it"
+            )
+
+
+def _same_steps(design: Design, asked: Questions, found: Results, precision: str) -> None:
+    """Commands and numbers of the step after a tick are the same. Raises: MismatchError."""
+    expected, going = asked.ticks, asked.ticks.fault == 0
+    for name in ("wanted", "before", "after", "step") if design.commands else ():
+        one, other = (getattr(results, name)[going] for results in (found, expected))
+        unit = np.maximum(np.ptp(other, axis=0), _SMALLEST_RANGE)
+        distance = float(np.max(np.abs(one - other) / unit))
+        if not distance <= _STEP_LIMITS[precision]:
+            raise MismatchError(
+                f"C and Python disagree: expected {name} of a step within "
+                f"{_STEP_LIMITS[precision]:g} of its range in {precision} precision, found "
+                f"{distance:.3g}: do not use this controller"
             )
 
 

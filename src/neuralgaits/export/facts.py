@@ -8,10 +8,12 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Float
-from neuralgaits.barriers import Gait
+from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.measurement import leg_joints
 from neuralgaits.control.safeguard import SafeguardConfig
+from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 
 _by_leg = quick_filter_jit(leg_joints)
@@ -44,14 +46,14 @@ class Design:
 
     Attributes:
         robot: the model the controller believes in.
-        gait: policy and region.
+        gait: policy and region, or a family of them that is told commands.
         controllers: by name of the law; alike but for the law.
         safeguard: thresholds of faults.
         origin: where it comes from.
     """
 
     robot: PlanarBiped
-    gait: Gait
+    gait: AnyGait
     controllers: Mapping[str, Controller]
     safeguard: SafeguardConfig
     origin: Origin
@@ -60,11 +62,12 @@ class Design:
     def of(
         cls,
         robot: PlanarBiped,
-        gait: Gait,
+        gait: AnyGait,
         laws: Mapping[str, AbstractLaw],
         z2_range: tuple[float, float],
         origin: Origin,
         safeguard: SafeguardConfig | None = None,
+        reset_residual: AbstractResetResidual | None = None,
     ) -> "Design":
         """The design of a gait under some laws.
 
@@ -75,9 +78,12 @@ class Design:
             z2_range: momenta of the region (kg m^2/s).
             origin: where it comes from.
             safeguard: thresholds, the defaults if None.
+            reset_residual: corrects the impact that the steps of a family begin with.
         """
         controllers = {
-            name: Controller.init(robot, gait.policy, law, z2_range=z2_range)
+            name: Controller.init(
+                robot, gait.policy, law, z2_range=z2_range, reset_residual=reset_residual
+            )
             for name, law in laws.items()
         }
         return cls(robot, gait, controllers, safeguard or SafeguardConfig(), origin)
@@ -86,6 +92,11 @@ class Design:
     def controller(self) -> Controller:
         """Any of the controllers, for what they share."""
         return next(iter(self.controllers.values()))
+
+    @property
+    def commands(self) -> Commands:
+        """What the gait is told at each touchdown."""
+        return self.gait.commands
 
     @property
     def leg_joints(self) -> int:

@@ -9,7 +9,7 @@ import onnxruntime
 
 from neuralgaits._types import Float
 from neuralgaits.errors import MismatchError
-from neuralgaits.export.compare import limits, policy_questions
+from neuralgaits.export.compare import limits, model_questions
 from neuralgaits.export.facts import Design
 from neuralgaits.export.onnx_model import FILES, REALS
 from neuralgaits.records.exported import Model, ModelAgreement, ModelExport, ModelLimits
@@ -22,7 +22,9 @@ coarsely than `ng_math.h`, and no two versions of it alike."""
 _ERRORS_ONLY = 3
 """Severity from which the runtime speaks."""
 
-Policy = Callable[[np.ndarray, np.ndarray], list[np.ndarray]]
+Given = Mapping[str, np.ndarray]
+"""Inputs by name, a row a state."""
+Policy = Callable[[Given], list[np.ndarray]]
 
 
 def check_models(design: Design, files: Mapping[str, bytes], states: int) -> "partial[ModelExport]":
@@ -37,18 +39,18 @@ def check_models(design: Design, files: Mapping[str, bytes], states: int) -> "pa
         those of the model in double precision.
     Raises: MismatchError if a model is too far from Python.
     """
-    points, answers = policy_questions(design, states)
+    given, answers = model_questions(design, states)
     builds = []
     for precision, name in FILES.items():
         policy = _session(files[name])
-        agreement = _agree(design, policy, points, answers[:, :2], precision)
+        agreement = _agree(design, policy, given, answers, precision)
         builds.append(
             Model(
                 runtime=f"onnxruntime {onnxruntime.__version__}",
                 precision=precision,
                 file=name,
                 agreement=agreement,
-                latency_us=_latency(policy, points.astype(REALS[precision])),
+                latency_us=_latency(policy, _as(given, precision)),
                 model_bytes=len(files[name]),
             )
         )
@@ -68,24 +70,30 @@ def _limit(design: Design, precision: str) -> float:
 
 
 def _session(model: bytes) -> Policy:
-    """The model as a function of z and dz, on one thread."""
+    """The model as a function of its inputs by name, on one thread."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = _ERRORS_ONLY
     session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
-    return lambda z, dz: session.run(["y", "dy"], {"z": z, "dz": dz})  # type: ignore[return-value]
+    return lambda given: session.run(["y", "dy"], given)  # type: ignore[return-value]
+
+
+def _as(given: Given, precision: str) -> Given:
+    return {name: values.astype(REALS[precision]) for name, values in given.items()}
 
 
 def _agree(
     design: Design,
     policy: Policy,
-    points: Float[np.ndarray, "N 6"],
+    given: Given,
     expected: Float[np.ndarray, "N 2 m"],
     precision: str,
 ) -> ModelAgreement:
     """Largest distances, as shares of each output's range and in rad and rad/s."""
-    given = points.astype(REALS[precision])
-    found = np.array([policy(z, dz) for z, dz in zip(given[:, :2], given[:, 2:4], strict=True)])
+    rows = _as(given, precision)
+    found = np.array(
+        [policy({name: values[i] for name, values in rows.items()}) for i in range(len(expected))]
+    )
     gaps = np.max(np.abs(found.astype(np.float64) - expected), axis=0)
     ranges = np.ptp(expected, axis=0)
     # A policy of z1 alone may have an output that never moves.
@@ -99,14 +107,13 @@ def _agree(
     return ModelAgreement(float(output), float(rate), float(np.max(gaps)))
 
 
-def _latency(policy: Policy, points: Float[np.ndarray, "N 6"]) -> Percentiles:
+def _latency(policy: Policy, given: Given) -> Percentiles:
     """Times of calls from Python (us), one state each."""
     times = np.empty(_TIMED_CALLS)
     for i in range(_TIMED_CALLS):
-        row = points[i % len(points)]
-        z, dz = row[:2], row[2:4]
+        row = {name: values[i % len(values)] for name, values in given.items()}
         began = perf_counter_ns()
-        policy(z, dz)
+        policy(row)
         times[i] = perf_counter_ns() - began
     p50, p99 = np.percentile(times, [50, 99]) * 1e-3
     return Percentiles(float(p50), float(p99))

@@ -7,7 +7,7 @@ from onnx import checker, helper
 
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
-from neuralgaits.export.programs import Part, policy_rate
+from neuralgaits.export.programs import Part, policy_in_one
 from neuralgaits.programs.onnx_graph import OPERATOR_SET, graph
 
 REALS = {"double": np.float64, "float": np.float32}
@@ -21,7 +21,7 @@ def model_files(design: Design) -> dict[str, bytes]:
 
     Raises: SpecError naming the primitive of a policy that has no form in ONNX.
     """
-    part = policy_rate(design.gait.policy)
+    part = policy_in_one(design.robot, design.gait.policy, design.controller.reset_residual)
     return {FILES[precision]: _model(design, part, precision) for precision in REALS}
 
 
@@ -58,6 +58,8 @@ def _model(design: Design, part: Part, precision: str) -> bytes:
         "z": "hip ahead of the stance foot [m], angular momentum about it [kg m^2/s]",
         "dz": "rates of z [m/s], [N m]",
         "y": f"desired angles [rad] of {actuated}",
+        "commands": "of the step before, and of this one: "
+        + ", ".join(f"{c.name} [{c.unit}]" for c in design.commands),
         "dy": f"their rates [rad/s]: {actuated}",
     }
     model = helper.make_model(

@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Array, Coordinates, Planar, ZeroState
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, ZeroState
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.commands import Pair
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
@@ -38,10 +40,12 @@ class Part(NamedTuple):
 
 
 def rate(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
-    """Desired outputs and rates: (z, dz) to y, dy (rad, rad/s)."""
+    """Desired outputs and rates: (z, dz) to y, dy (rad, rad/s); of a family, at a `step`."""
 
-    def compute(z: ZeroState, dz: ZeroState) -> dict[str, Array]:
-        y, dy = jax.jvp(policy, (z,), (dz,))
+    def compute(
+        z: ZeroState, dz: ZeroState, step: Float[Array, " s"] | None = None
+    ) -> dict[str, Array]:
+        y, dy = jax.jvp(_of(policy, step), (z,), (dz,))
         return {"y": y, "dy": dy}
 
     return compute
@@ -53,15 +57,28 @@ def path(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
     With ddz1 = 0 in `ddz` the second derivative is the drift of `control.fblin`.
     """
 
-    def first(z: ZeroState, dz: ZeroState) -> tuple[Actuated, Actuated]:
-        return jax.jvp(policy, (z,), (dz,))
+    def compute(
+        z: ZeroState, dz: ZeroState, ddz: ZeroState, step: Float[Array, " s"] | None = None
+    ) -> dict[str, Array]:
+        at = _of(policy, step)
 
-    def compute(z: ZeroState, dz: ZeroState, ddz: ZeroState) -> dict[str, Array]:
+        def first(z: ZeroState, dz: ZeroState) -> tuple[Actuated, Actuated]:
+            return jax.jvp(at, (z,), (dz,))
+
         (y, dy), (_, ddy) = jax.jvp(first, (z, dz), (dz, ddz))
-        _, slope = jax.jvp(policy, (z,), (jnp.array([1.0, 0.0]),))
+        _, slope = jax.jvp(at, (z,), (jnp.array([1.0, 0.0]),))
         return {"y": y, "dy": dy, "slope": slope, "drift": ddy}
 
     return compute
+
+
+def _of(policy: AbstractPolicy, step: Float[Array, " s"] | None) -> AbstractPolicy:
+    return policy if step is None else policy.of_step(step)
+
+
+def _step(policy: AbstractPolicy) -> dict[str, tuple[int, ...]]:
+    """The input that the functions of a family have beside z."""
+    return {"step": (policy.step_size,)} if policy.step_size else {}
 
 
 def policy_rate(policy: AbstractPolicy) -> Part:
@@ -72,11 +89,54 @@ def policy_rate(policy: AbstractPolicy) -> Part:
     return Part(
         "ng_policy_rate",
         "Policy: desired outputs y [rad] and rates dy [rad/s] at z (m, kg m^2/s), dz.",
-        _policy(rate(policy), _OF_POLICY, policy),
+        _policy(rate(policy), _OF_POLICY | _step(policy), policy),
     )
 
 
-def parts(robot: PlanarBiped, policy: AbstractPolicy) -> list[Part]:
+def policy_in_one(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: AbstractResetResidual | None
+) -> Part:
+    """The same as one function of z, dz and, of a family, its commands: nothing to remember.
+
+    Raises: SpecError naming the primitive of a policy that cannot be traced.
+    """
+    if not policy.step_size:
+        return policy_rate(policy)
+
+    def compute(z: ZeroState, dz: ZeroState, commands: Float[Array, "2 p"]) -> dict[str, Array]:
+        at = policy.at(robot, Pair(*commands), reset_residual, exact=True)
+        return rate(at)(z, dz)
+
+    shapes = _OF_POLICY | {"commands": (2, len(policy.commands))}
+    part = policy_rate(policy)
+    return part._replace(program=_policy(compute, shapes, policy))
+
+
+def policy_step(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: AbstractResetResidual | None
+) -> Part:
+    """The Program of what a family computes once a step.
+
+    Raises: SpecError naming the primitive of a policy that cannot be traced.
+    """
+
+    def compute(before: Float[Array, " p"], after: Float[Array, " p"]) -> dict[str, Array]:
+        return {"step": policy.step_numbers(robot, Pair(before, after), reset_residual)}
+
+    shape = (len(policy.commands),)
+    return Part(
+        "ng_policy_step",
+        "Once a step: the numbers that the policy has for it, from the commands of the step "
+        "before and of this one.",
+        _policy(compute, {"before": shape, "after": shape}, policy),
+    )
+
+
+def parts(
+    robot: PlanarBiped,
+    policy: AbstractPolicy,
+    reset_residual: AbstractResetResidual | None = None,
+) -> list[Part]:
     """Every Program of a controller.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
@@ -96,13 +156,15 @@ def parts(robot: PlanarBiped, policy: AbstractPolicy) -> list[Part]:
         return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
 
     of_state = {"q": (n,), "dq": (n,)}
+    once = [policy_step(robot, policy, reset_residual)] if policy.step_size else []
     return [
         policy_rate(policy),
         Part(
             "ng_policy_path",
             "Policy along z(t): y [rad], dy [rad/s], slope dy/dz1 [rad/m], drift ddy [rad/s^2].",
-            _policy(path(policy), _OF_POLICY | {"ddz": (2,)}, policy),
+            _policy(path(policy), _OF_POLICY | {"ddz": (2,)} | _step(policy), policy),
         ),
+        *once,
         Part(
             "ng_zero_state",
             "Measured z (m, kg m^2/s), dz (m/s, N m), and the second derivative of z2 [N m/s].",

@@ -9,15 +9,17 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array
-from neuralgaits.control import ControllerState, step
+from neuralgaits.control import ControllerState, step, tell
 from neuralgaits.control.controller import Controller
 from neuralgaits.control.law import Desired
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, SafeguardConfig, SafeguardState, check, guard
 from neuralgaits.control.stance import StanceState
+from neuralgaits.control.told import Told
 from neuralgaits.export.cases import NEVER, Cases
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import path
+from neuralgaits.gait.commands import Pair
 
 _ROWS = 4096
 """Cases evaluated at once; another number would be compiled again."""
@@ -40,14 +42,23 @@ class Results(NamedTuple):
     actuated: np.ndarray
     torque: np.ndarray
     motors: np.ndarray
+    wanted: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    step: np.ndarray
 
 
-def results_of(rows: np.ndarray, m: int) -> Results:
-    """Split rows that C wrote. `m` is the number of actuated joints."""
-    joints = (rows.shape[1] - 10 - 3 * m) // 2
-    widths = [1] * 8 + [2, m, m, m, joints, joints]
+_SCALARS = 8
+"""Columns of `Results` that are one number a case."""
+
+
+def results_of(design: Design, rows: np.ndarray) -> Results:
+    """Split rows that C wrote."""
+    m, p, joints = design.robot.n - 1, len(design.commands), 2 * design.leg_joints
+    told = [p, p, p, design.gait.policy.step_size]
+    widths = [1] * _SCALARS + [2, m, m, m, joints, joints, *told]
     parts = np.split(rows, np.cumsum(widths)[:-1], axis=1)
-    return Results(*(part[:, 0] if part.shape[1] == 1 else part for part in parts))
+    return Results(*(part[:, 0] for part in parts[:_SCALARS]), *parts[_SCALARS:])
 
 
 class Reference:
@@ -81,8 +92,10 @@ class Reference:
         return result._replace(torque=torque, motors=torque / gears)
 
 
-def policy_path(design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray) -> np.ndarray:
-    """Outputs, rates, slopes and drift of the policy. Returns: [N, 4, m]."""
+def policy_path(
+    design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray, step: np.ndarray
+) -> np.ndarray:
+    """Outputs, rates, slopes and drift of the policy at numbers of a step. Returns: [N, 4, m]."""
 
     @quick_jit
     @jax.vmap
@@ -90,7 +103,7 @@ def policy_path(design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray) 
         found = path(design.gait.policy)(*points)
         return jnp.stack([found[name] for name in ("y", "dy", "slope", "drift")])
 
-    return np.asarray(ask(z, dz, ddz))
+    return np.asarray(ask(z, dz, ddz, step))
 
 
 @quick_filter_jit
@@ -107,7 +120,9 @@ def _ticks(
             StanceState(case["leg"].astype(jnp.int32), case["since"]),
             case["ticks"].astype(jnp.int32),
             Desired(case["held_y"], case["held_dy"], case["held_slope"], case["held_drift"]),
+            Told(case["wanted"], Pair(case["before"], case["after"]), case["step"]),
         )
+        state = tell(controller, state, case["given"])
         safe = SafeguardState(
             case["running"] != 0,
             1e-6 * case["last_us"],
@@ -151,4 +166,8 @@ def _tick(
         actuated=command.actuated,
         torque=torque,
         motors=torque,
+        wanted=after.told.wanted,
+        before=after.told.pair.before,
+        after=after.told.pair.after,
+        step=after.told.numbers,
     )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from neuralgaits.control.safeguard import Fault
-from neuralgaits.export.cases import NEVER, Cases, of_guard, of_region
+from neuralgaits.export.cases import NEVER, Cases, of_guard, of_region, steady_steps
 from neuralgaits.export.facts import Design
 from neuralgaits.export.reference import Reference, Results
 from neuralgaits.programs.c99.tables import literal
@@ -54,7 +54,17 @@ def _cases(design: Design, reference: Reference) -> Cases:
         held_drift=zeros,
         posture=joints,
         torque=joints,
+        **_told(design, joined),
     )
+
+
+def _told(design: Design, cases: Cases) -> dict[str, np.ndarray]:
+    """Steps that begin at a command that has been the same for long."""
+    first = cases.before
+    # A table of C has no NaN.
+    given = np.where(np.isnan(cases.given), first, cases.given)
+    steady = {"wanted": first, "after": first, "step": steady_steps(design, first)}
+    return steady | {"given": given}
 
 
 def _line(cases: Cases, found: Results, i: int) -> str:
@@ -76,7 +86,14 @@ def _line(cases: Cases, found: Results, i: int) -> str:
             f".normal_force = {_row(cases.force[i])}",
         ]
     )
+    told = []
+    if cases.before.size:
+        told = [
+            f".begun = {_row(cases.before[i])}",
+            f".told = {_row(cases.given[i])}",
+        ]
     parts = [
+        *told,
         f".law = {cases.law[i]}, .leg = {cases.leg[i]}, .fault = (ng_fault){int(found.fault[i])}",
         f".encoders = {{{encoders}}}",
         f".y_d = {_row(outputs[0])}",

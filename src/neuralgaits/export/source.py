@@ -25,7 +25,7 @@ def gait_files(design: Design) -> dict[str, str]:
     tables = Tables("ng")
     functions = [
         emit(part.program, part.function, part.about, tables)
-        for part in parts(design.robot, design.gait.policy)
+        for part in parts(design.robot, design.gait.policy, design.controller.reset_residual)
     ]
     return {"gait.h": _header(design, functions), "gait.c": _code(design, functions, tables)}
 

@@ -7,8 +7,10 @@ import numpy as np
 from neuralgaits.control import AbstractLaw, Fblin, Pd
 from neuralgaits.control.fblin import SMALLEST_DENOMINATOR
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
+from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.errors import InputError
 from neuralgaits.export.facts import Design
+from neuralgaits.gait.commands import Command, Limits
 
 
 class Number(NamedTuple):
@@ -48,12 +50,21 @@ def prose(design: Design) -> list[str]:
     ]
     for name, controller in design.controllers.items():
         lines.append(f"  {name}: {gains(controller.law)}")
+    if design.commands:
+        lines += ["", "Commands, latched at each touchdown:"]
+        lines += [f"  [{i}] {_command(c)}" for i, c in enumerate(design.commands)]
     return [
         *lines,
         "",
         "z = (hip ahead of the stance foot [m], angular momentum about it [kg m^2/s]), both",
         "positive forward. Angles are positive counter-clockwise, with forward to the right.",
     ]
+
+
+def _command(command: Command) -> str:
+    change = command.largest_change
+    rate = "" if change is None else f", at most {change:g} more or less from step to step"
+    return f"{command.name}: {command.low:g} to {command.high:g} {command.unit}{rate}"
 
 
 def gains(law: AbstractLaw) -> str:
@@ -73,6 +84,7 @@ def gains(law: AbstractLaw) -> str:
 def names(design: Design) -> dict[str, str | int]:
     """Words and counts."""
     robot, origin = design.robot, design.origin
+    told = {"commands": len(design.commands), "step": design.gait.policy.step_size}
     return {
         "robot": robot.name,
         "robot_sha256": origin.robot_sha256,
@@ -84,6 +96,7 @@ def names(design: Design) -> dict[str, str | int]:
         "leg_joints": design.leg_joints,
         "has_torso": int(robot.torso is not None),
         "law_count": len(design.controllers),
+        **(told if design.commands else {}),
     }
 
 
@@ -114,6 +127,8 @@ def numbers(design: Design) -> list[Number]:
         ("contact_force", safe.contact_share * weight, "a foot on the ground feels more [N]"),
         ("airborne", safe.airborne_s, "both feet in the air [s]"),
     ]
+    if design.commands:
+        rows.append(("z1_share", Z1_MARGIN, "of the step's own interval, as ng_z_margin"))
     reals = [Number(name, float(value), unit) for name, value, unit in rows]
     return [*reals, Number("gap_us", round(safe.gap_s * 1e6), "between two readings [us]")]
 
@@ -142,6 +157,10 @@ def arrays(design: Design) -> list[Array]:
             "what it is told levels off within this much more (m, kg m^2/s)",
         ),
     ]
+    if design.commands:
+        units = ", ".join(f"{c.name} [{c.unit}]" for c in design.commands)
+        limits = Limits.of(design.commands)._asdict()
+        rows += [(f"command_{name}", value, units) for name, value in limits.items()]
     return [Array(name, np.asarray(value, dtype=np.float64), unit) for name, value, unit in rows]
 
 

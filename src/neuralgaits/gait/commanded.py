@@ -33,6 +33,7 @@ from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.posture import Posture, walking_posture
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.gait.step_ends import Foothold, Guard, Start, inside, on_foothold, start_after
+from neuralgaits.gait.step_policy import NumberedStep
 from neuralgaits.robots.dynamics import swing_foot
 
 if TYPE_CHECKING:
@@ -212,6 +213,39 @@ class CommandedPolicy(AbstractPolicy):
         following = self._between(pair.steady, again, then, after, exact=exact)
         policy = self._between(pair, ground, start, after, exact=exact)
         return eqx.tree_at(lambda p: p.then, policy, following, is_leaf=lambda leaf: leaf is None)
+
+    @property
+    def step_size(self) -> int:
+        """Of `StepPolicy.numbers`."""
+        return 2 + 4 * len(self.lower) + len(self.network.biases[0])
+
+    def step_numbers(
+        self,
+        robot: "PlanarBiped",
+        pair: Pair,
+        reset_residual: AbstractResetResidual | None = None,
+    ) -> Float[Array, " s"]:
+        """`StepPolicy.numbers` of the exact policy of a step, see `at`."""
+        return self.at(robot, pair, reset_residual, exact=True).numbers
+
+    def of_step(self, numbers: Float[Array, " s"]) -> NumberedStep:
+        """The policy of the step with these numbers."""
+        weights, biases = self.network.weights, self.network.biases
+        m = len(self.lower)
+        return NumberedStep(
+            network=Network(
+                (weights[0][:, :2], *weights[1:]),
+                (numbers[2 + 4 * m :], *biases[1:]),
+                self.network.activation,
+            ),
+            lower=self.lower,
+            upper=self.upper,
+            input_scale=self.input_scale,
+            input_shift=self.input_shift,
+            z_start=numbers[0],
+            z_guard=numbers[1],
+            cubic=numbers[2 : 2 + 4 * m].reshape(4, m),
+        )
 
     def _between(
         self, pair: Pair, ground: Ground | None, start: Start, guard: Guard, *, exact: bool

@@ -21,6 +21,9 @@ UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "rad"}
 """Commands that this package knows the meaning of, and their units."""
 
 
+Number = float | Scalar
+
+
 @dataclass(frozen=True)
 class Command:
     """One number that a gait is told at each touchdown.
@@ -78,7 +81,7 @@ class Command:
             return first, second
         return first - 0.5 * second, first + 0.5 * second
 
-    def coordinates(self, before: float, after: float) -> tuple[float, float]:
+    def coordinates(self, before: Number, after: Number) -> tuple[Number, Number]:
         """The point of its two axes that has this pair."""
         if self.largest_change is None:
             return before, after
@@ -90,6 +93,30 @@ class Command:
 
 
 Commands = tuple[Command, ...]
+
+
+class Limits(NamedTuple):
+    """What commands may be, by their order. [p] each, in their units."""
+
+    low: Float[np.ndarray, " p"]
+    high: Float[np.ndarray, " p"]
+    change: Float[np.ndarray, " p"]
+    """Largest from one step to the next; the whole range where any value may follow any."""
+
+    @classmethod
+    def of(cls, commands: Commands) -> "Limits":
+        """Of some commands."""
+        low, high = (np.array([getattr(c, n) for c in commands], float) for n in ("low", "high"))
+        change = [
+            c.high - c.low if c.largest_change is None else min(c.largest_change, c.high - c.low)
+            for c in commands
+        ]
+        return cls(low, high, np.array(change, float))
+
+    @property
+    def middle(self) -> Float[np.ndarray, " p"]:
+        """The middle of every range."""
+        return 0.5 * (self.low + self.high)
 
 
 class Pair(NamedTuple):
@@ -145,6 +172,18 @@ def pair_at(commands: Commands, v: Float[Array, " k"]) -> Pair:
     found = [c.pair(v[2 * i], v[2 * i + 1]) for i, c in enumerate(commands)]
     before, after = (jnp.stack([pair[i] for pair in found]) for i in (0, 1))
     return Pair(before, after)
+
+
+def place_of(commands: Commands, name: str) -> int | None:
+    """Where a command is among them; None if it is not."""
+    names = [c.name for c in commands]
+    return names.index(name) if name in names else None
+
+
+def coordinates_of(commands: Commands, pair: Pair) -> Float[Array, " k"]:
+    """The point of the commands' axes that has this pair. Returns: [2 p]."""
+    found = [c.coordinates(pair.before[i], pair.after[i]) for i, c in enumerate(commands)]
+    return jnp.stack([x for both in found for x in both]) if found else jnp.zeros(0)
 
 
 def values(commands: Commands, given: Mapping[str, float]) -> Float[np.ndarray, " p"]:

@@ -12,15 +12,12 @@ from typing import TYPE_CHECKING
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
-from neuralgaits.gait.activations import logistic
+from neuralgaits._types import Array, Float
 from neuralgaits.gait.commands import Step
-from neuralgaits.gait.network import Network, scaled_inputs
-from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.network import Network
 from neuralgaits.gait.posture import Posture, walking_posture
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.gait.step_ends import (
@@ -32,12 +29,13 @@ from neuralgaits.gait.step_ends import (
     on_foothold,
     start_after,
 )
+from neuralgaits.gait.step_policy import StepPolicy
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 
-class HybridInvariantPolicy(AbstractPolicy):
+class HybridInvariantPolicy(StepPolicy):
     """Desired outputs y_d = lower + (upper - lower) logistic(H(t) + 4 (4t(1-t))^2 N(z)).
 
     t = (z1 - z_start) / (z_guard - z_start) is the phase of the step, H a cubic, N a network.
@@ -124,18 +122,6 @@ class HybridInvariantPolicy(AbstractPolicy):
         )
         return _match(policy, robot)
 
-    def __call__(self, z: ZeroState) -> Actuated:
-        """Desired actuated joint angles. Returns: [m] (rad)."""
-        phase = (z[0] - self.z_start) / (self.z_guard - self.z_start)
-        inputs = scaled_inputs(z, self.input_scale, self.input_shift)
-        if not self.z2_dependence:
-            inputs = jnp.stack([inputs[0], jnp.zeros_like(inputs[0])])
-        bump = 4.0 * phase * (1.0 - phase)
-        a0, a1, a2, a3 = self.cubic
-        path = a0 + phase * (a1 + phase * (a2 + phase * a3))
-        share = logistic(path + (4.0 * bump * bump) * self.network(inputs))
-        return self.lower + (self.upper - self.lower) * share
-
     @property
     def step(self) -> Step | None:
         """What the robot was told of this step."""
@@ -145,11 +131,6 @@ class HybridInvariantPolicy(AbstractPolicy):
     def following(self) -> "HybridInvariantPolicy":
         """The policy of the next step, if the command stays."""
         return self if self.then is None else self.then
-
-    @property
-    def z1_range(self) -> tuple[Scalar, Scalar]:
-        """z1 after the impact and at the guard (m)."""
-        return self.z_start, self.z_guard
 
     def matched(
         self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None

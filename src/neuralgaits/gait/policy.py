@@ -81,6 +81,32 @@ class AbstractPolicy(eqx.Module):
         del robot, pair, reset_residual, exact
         return self
 
+    @property
+    def step_size(self) -> int:
+        """Numbers that a tick needs of a step; none for one policy of every step."""
+        return 0
+
+    def step_numbers(
+        self,
+        robot: "PlanarBiped",
+        pair: Pair,
+        reset_residual: AbstractResetResidual | None = None,
+    ) -> Float[Array, " s"]:
+        """What a tick needs of a step between two commands, computed once a step. [step_size].
+
+        Args:
+            robot: whose impact it is matched to.
+            pair: commands of the step before and of this one. [p] each
+            reset_residual: corrects that impact.
+        """
+        del robot, pair, reset_residual
+        return jnp.zeros(0)
+
+    def of_step(self, numbers: Float[Array, " s"]) -> "AbstractPolicy":
+        """The policy of the step with these numbers: itself, for one that has none."""
+        del numbers
+        return self
+
     @abstractmethod
     def trainable(self) -> "AbstractPolicy":
         """A tree of booleans like this policy: True where training may move a leaf."""

@@ -1,6 +1,6 @@
 """What `export` wrote, and how it compares with Python."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from neuralgaits.records.record import Record, Texts
@@ -144,6 +144,7 @@ class ControllerExport(Exported):
         states: on which it was compared.
         limits, sizes: by precision.
         float_bound: of single precision.
+        step_latency_us: of what is computed once a step; None for a gait without commands.
         builds: by compiler, precision and flags.
     """
 
@@ -152,6 +153,11 @@ class ControllerExport(Exported):
     float_bound: FloatBound
     sizes: Mapping[str, Memory]
     builds: tuple[Build, ...]
+    step_latency_us: Percentiles | None = None
+
+    def unsaid(self) -> Collection[str]:
+        """Nothing of steps that are all alike."""
+        return ("step_latency_us",) if self.step_latency_us is None else ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

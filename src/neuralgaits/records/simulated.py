@@ -76,6 +76,19 @@ class LinkFigures(Record):
     controller_step_us: LinkTimes | None = None
 
 
+@dataclass(frozen=True)
+class CommandError:
+    """How far walks were from what they were told, in the unit of the command; None if unknown.
+
+    Attributes:
+        mean: of walks (speed: of each one's mean) or of their steps (footholds).
+        worst: of the same.
+    """
+
+    mean: float | None
+    worst: float | None
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WalkFigures(Record):
     """How walks went; see `simulation.metrics` for what is averaged over what.
@@ -89,6 +102,7 @@ class WalkFigures(Record):
         saturated_fraction: share of time at a torque limit.
         poincare: None if it was not looked for.
         sim_steps_per_s, real_time_factor: of the simulation itself.
+        command_error: of every command that can be measured; empty for a gait that takes none.
     """
 
     SAME_LENGTH = ("steps_walked", "fell", "fall_reasons")
@@ -108,6 +122,7 @@ class WalkFigures(Record):
     poincare: ModelOrbit | None = None
     sim_steps_per_s: float | None = None
     real_time_factor: float | None = None
+    command_error: Mapping[str, CommandError] = field(default_factory=dict)
 
     @property
     def stayed(self) -> int:
@@ -135,6 +150,8 @@ class WalkSettings(Record):
         plant_given: what to name to walk on the same plant: None for the run's own robot, empty
             if the file is of a version that does not say.
         link: None without a process for the controller.
+        command: told for ever, by name; None if it changed, or for a gait that takes none.
+        commands: file that was told, or `random`; None for neither.
     """
 
     run: str = ""
@@ -153,6 +170,8 @@ class WalkSettings(Record):
     sha256: Mapping[str, str | None] = field(default_factory=dict)
     plant_given: str | None = ""
     link: LinkFigures | None = None
+    command: Mapping[str, float] | None = None
+    commands: str | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -160,5 +179,10 @@ class Simulated(WalkFigures, WalkSettings):
     """A simulation: what was asked, and how it went."""
 
     def unsaid(self) -> Collection[str]:
-        """No link where there was none."""
-        return ("link",) if self.link is None else ()
+        """No link where there was none, and no commands."""
+        unsaid = ["link"] if self.link is None else []
+        if not self.command_error:
+            unsaid += ["command_error"]
+        for name in ("command", "commands"):
+            unsaid += [name] if getattr(self, name) is None else []
+        return unsaid

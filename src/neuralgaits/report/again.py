@@ -117,6 +117,11 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     line += ["--start", done.start, "--seed", done.seed, "--episodes", done.episodes]
     if done.push:
         line += ["--push", done.push]
+    if done.command:
+        told = (f"{name}={value!r}" for name, value in done.command.items())
+        line += ["--command", ",".join(told)]
+    if done.commands is not None:
+        line += ["--commands", done.commands]
     if changed := words.disturbances(done.disturb):
         line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
     return command(*line)

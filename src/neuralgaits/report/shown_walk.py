@@ -6,6 +6,7 @@ gait walks from the middle of its region, on the robot of its episodes if it com
 
 import hashlib
 import json
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -55,6 +56,7 @@ class Asked:
         seed: of everything random.
         episode: number of the episode whose start is taken.
         origin: what asked for it, in words.
+        command: what the gait is told; None for the middle of its ranges.
     """
 
     plant: PlanarBiped | None = None
@@ -66,6 +68,7 @@ class Asked:
     seed: int = 0
     episode: int = 0
     origin: str = "starts in the middle of the gait's region"
+    command: Mapping[str, float] | None = None
 
 
 def shown_walk(run: Run) -> ShownWalk:
@@ -80,7 +83,8 @@ def shown_walk(run: Run) -> ShownWalk:
         kept = ShownWalk.read(file)
         if kept.key == key:
             return kept
-    shown = _shown(run, asked, _walked(run, asked), key)
+    at = run if asked.command is None else run.at(**asked.command)
+    shown = _shown(at, asked, _walked(at, asked), key)
     run.folder.write_json(FILE, shown)
     return shown
 
@@ -99,7 +103,8 @@ def asked_of(run: Run) -> Asked:
         disturbance, episode = Disturbance(**done.disturb), fallen[0] if fallen else 0
         # Pushes, floors and noise are drawn by the number of an episode, and this one is the first.
         drawn = push or any(getattr(disturbance, name) for name in _DRAWN)
-        if done.link is not None or law not in LAWS or (episode and drawn):
+        other = done.link is not None or law not in LAWS or done.commands is not None
+        if other or (episode and drawn):
             origin = (
                 "starts as a walk of the last simulation of this run did, not repeating its course"
             )
@@ -117,6 +122,7 @@ def asked_of(run: Run) -> Asked:
             seed=done.seed,
             episode=episode,
             origin=origin,
+            command=done.command,
         )
     except (TypeError, ValueError, NeuralGaitsError):
         # A plant that is no longer where it was, or a summary of another version.
@@ -150,7 +156,9 @@ def _of_episodes(run: Run) -> Asked:
 def _key(run: Run, asked: Asked) -> str:
     """Changes with the weights, the robot that walks and everything asked."""
     robot = (asked.plant or run.robot).layout.xml
-    rest = plain(replace(asked, plant=None))
+    rest = plain(vars(replace(asked, plant=None)))
+    if asked.command is None:
+        del rest["command"]
     text = json.dumps([rest, robot, animation.FRAME_S, _LONGEST], sort_keys=True, default=str)
     weights = (run.path / WEIGHTS).read_bytes()
     return hashlib.sha256(weights + text.encode()).hexdigest()

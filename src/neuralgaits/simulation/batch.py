@@ -45,7 +45,7 @@ class Unpack:
         leaves, self._tree = jax.tree.flatten(shapes)
         ends = np.cumsum([leaf.size for leaf in leaves])
         self._parts = [
-            (slice(end - leaf.size, end), (-1, *leaf.shape), leaf.dtype)
+            (slice(end - leaf.size, end), leaf.shape, leaf.dtype)
             for leaf, end in zip(leaves, ends, strict=True)
         ]
 
@@ -55,7 +55,7 @@ class Unpack:
         return jax.tree.unflatten(
             self._tree,
             [
-                array[:, part].reshape(shape).astype(dtype, copy=False)
+                array[:, part].reshape(len(array), *shape).astype(dtype, copy=False)
                 for part, shape, dtype in self._parts
             ],
         )

@@ -18,6 +18,8 @@ from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.commands import Limits, values
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
@@ -70,17 +72,19 @@ class LiveWalk:
         z2_range: tuple[float, float] | None = None,
         falls: FallConfig | None = None,
         library: Library | None = None,
+        reset_residual: AbstractResetResidual | None = None,
     ):
         """Put the robot on its left foot at x = 0.
 
         Args:
             robot: the model the controller believes in, and what walks.
-            policy: desired outputs.
+            policy: desired outputs, or a family of them, told the middle of its ranges at first.
             law: of control.
             start: x = (q, dq) (rad, rad/s). [2n]
             z2_range: momenta the policy was trained on (kg m^2/s).
             falls: thresholds.
             library: compiled for robot and policy; else ticks are JAX.
+            reset_residual: corrects the impact that the steps of a family begin with.
         """
         self.plant = build(robot)
         self.data = mujoco.MjData(self.plant.model)
@@ -88,7 +92,15 @@ class LiveWalk:
         self.verdict: Verdict | None = None
         self.impulse_given = np.zeros(2)
         self._robot = robot
-        controller = Controller.init(robot, policy, law, z2_range=z2_range, period_s=PERIOD_S)
+        controller = Controller.init(
+            robot,
+            policy,
+            law,
+            z2_range=z2_range,
+            period_s=PERIOD_S,
+            reset_residual=reset_residual,
+        )
+        self._commands = policy.commands
         falls = FallConfig() if falls is None else falls
         self._limit = np.asarray(controller.torque_limit)
         self._tick: LiveTick = (
@@ -96,6 +108,7 @@ class LiveWalk:
             if library is None
             else NativeTick(library, self.plant, controller, falls)
         )
+        self._wanted = Limits.of(self._commands).middle
         self._ticks = 0
         self._push_ticks = 0
         self._force = np.zeros(2)
@@ -179,6 +192,24 @@ class LiveWalk:
         self.plant, self.data = plant, fresh
         self._limit = np.minimum(self._robot.torque_limit, plant.torque_limit)
         self._lay(self.floor)
+
+    def tell(self, **commands: float) -> None:
+        """Wish for commands from the next touchdown on; the others stay as they are.
+
+        A change that is too fast for one step is spread over several.
+        Raises: InputError for another name, or a value outside of its range.
+        """
+        now = dict(zip((c.name for c in self._commands), self._wanted.tolist(), strict=True))
+        self._wanted = values(self._commands, now | commands)
+        self._tick.tell(self._wanted)
+
+    @property
+    def told(self) -> Float[np.ndarray, "2 p"]:
+        """What the robot was told, of the step before and of this one. [2, p]."""
+        if self.record is None:
+            middle = Limits.of(self._commands).middle
+            return np.stack([middle, middle])
+        return np.asarray(self.record.command.told)[0]
 
     def place(self, x: Float[np.ndarray, " two_n"]) -> None:
         """Start anew from a full state on leg 0 (rad, rad/s), where the robot is. [2n].

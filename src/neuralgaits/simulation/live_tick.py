@@ -10,6 +10,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Limits
 from neuralgaits.simulation.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.falls import FallConfig
 from neuralgaits.simulation.native_layout import pointer
@@ -18,6 +19,7 @@ from neuralgaits.simulation.native_records import record_of
 from neuralgaits.simulation.native_scene import scene_of
 from neuralgaits.simulation.plant import Plant
 from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.strides import width
 from neuralgaits.simulation.tick import Reading, Record, Scene, Verdict
 
 ENDLESS = int(np.iinfo(np.int32).max)
@@ -34,6 +36,10 @@ class LiveTick(ABC):
     @abstractmethod
     def restart(self) -> None:
         """Forget what was: the robot stands on leg 0."""
+
+    @abstractmethod
+    def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
+        """Wish for other commands from the next touchdown on."""
 
     @abstractmethod
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
@@ -57,6 +63,7 @@ class JaxTick(LiveTick):
         self._scene = Scene.of(plant, controller, ENDLESS, falls)
         self._batch: Batch | None = None
         self._noise = np.zeros((1, 2, 1 + plant.wires.joints.size))
+        self._wanted = np.array(self._scene.first)
         self.restart()
 
     def compile(self) -> None:
@@ -68,6 +75,10 @@ class JaxTick(LiveTick):
     def restart(self) -> None:
         """Forget what was."""
         self._carry = self._found = None
+
+    def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
+        """Wish for other commands."""
+        self._wanted = np.array(wanted, dtype=np.float64)
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
         """Nothing is compiled again."""
@@ -85,7 +96,8 @@ class JaxTick(LiveTick):
         assert self._batch is not None
         state = np.concatenate([[data.time], data.qpos, data.qvel])
         floors = np.full((1, 2), level)
-        reading = Reading(state[None], data.sensordata[None, -2:], floors, self._noise)
+        wanted = self._wanted[None]
+        reading = Reading(state[None], data.sensordata[None, -2:], floors, self._noise, wanted)
         carry = self._batch.carry if self._carry is None else self._carry
         self._carry, judged, self._found = self._batch.tick(self._arrays, carry, pack(reading))
         return self._batch.verdict_of(judged)
@@ -108,6 +120,7 @@ class NativeTick(LiveTick):
         self._library, self._controller, self._falls = library, controller, falls
         self._walk = library.layout.walk()
         self._row = np.zeros(1, library.layout.record)
+        self._wanted = np.array(Limits.of(controller.policy.commands).middle)
         self.change(plant, np.asarray(controller.torque_limit), plant.slope)
         self.restart()
 
@@ -116,7 +129,13 @@ class NativeTick(LiveTick):
 
     def restart(self) -> None:
         """Forget what was."""
-        self._library.start(byref(self._walk), 0)
+        self._library.start(byref(self._walk), 0, pointer(None))
+        if self._wanted.size:
+            self._walk.orders, self._walk.orders_used = pointer(self._wanted), 0
+
+    def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
+        """Wish for other commands."""
+        self._wanted[:] = wanted
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
         """Another scene for the same walk."""
@@ -129,6 +148,10 @@ class NativeTick(LiveTick):
     def decide(self, data: Any, level: float) -> Verdict:
         """One tick."""
         walk, row = self._walk, self._row
+        if self._wanted.size:
+            walk.orders_used = 0
+        stride = np.zeros((1, width(self._wanted.size)))
+        walk.strides, walk.strides_used = pointer(stride), 0
         for leg in (0, 1):
             walk.floor[leg], walk.touch[leg] = level, data.sensordata[leg - 2]
         self._library.tick(
@@ -142,6 +165,8 @@ class NativeTick(LiveTick):
             leg=row["leg"].astype(int),
             z1=row["z"][:, 0],
             clearance=row["clearance"],
+            stride=stride,
+            rise=np.zeros(1),
         )
 
     @property

@@ -16,13 +16,15 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from neuralgaits._types import Float, Int
+from neuralgaits._types import Bool, Float, Int
 from neuralgaits.simulation.batch import Batch, pack
 from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.gauge import Gauge
+from neuralgaits.simulation.orders import Orders
 from neuralgaits.simulation.plant import CONTROL_SPEC, SUBSTEPS, Plant
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.recorder import Recorder
+from neuralgaits.simulation.strides import Strides, width
 from neuralgaits.simulation.terrain import Terrain
 from neuralgaits.simulation.tick import Reading, Record
 
@@ -49,6 +51,8 @@ class Episodes(NamedTuple):
     """Time of the loop [s], compilation left out."""
     records: list[Record]
     """Of every episode, as many ticks as were asked for, with a leading axis of ticks."""
+    strides: list[Strides]
+    """Touchdowns of every episode."""
 
 
 Watch = Callable[[Record, Int[np.ndarray, " a"]], None]
@@ -80,6 +84,7 @@ def run(
     terrain: Terrain,
     push: Push,
     noise: Noise,
+    orders: Orders,
     threads: int,
     record: bool = False,
     longest: int = 0,
@@ -94,6 +99,7 @@ def run(
         terrain: floor levels.
         push: of each robot, at the pitch axis of its root.
         noise: of the sensors.
+        orders: what each touchdown is to latch.
         threads: at most this many threads step MuJoCo.
         record: keep records and states of episode 0.
         longest: keep records of the first so many ticks of every episode.
@@ -106,14 +112,20 @@ def run(
     kept = np.array(carry)
     records, seen, levels = [], [], []
     recorder = Recorder(longest) if longest else None
+    told = _Told(orders, len(states))
+    strides: list[list[np.ndarray]] = [[] for _ in states]
     # The first call compiles; its result is thrown away.
-    batch.tick(batch.arrays, carry, pack(world.reading(terrain.levels, noise.next())))
+    reading = world.reading(terrain.levels, noise.next(), told.wanted)
+    batch.tick(batch.arrays, carry, pack(reading))
     began = clock.perf_counter()
     active = np.arange(len(states))
     while active.size:
-        reading = pack(world.reading(terrain.levels, noise.next()))
+        reading = pack(world.reading(terrain.levels, noise.next(), told.wanted))
         carry, packed, found = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
+        for i in active[verdict.touchdown[active]]:
+            strides[i].append(verdict.stride[i])
+        told.advance(verdict.touchdown)
         if recorder is not None:
             recorder(batch.record_of(found), active)
         if watch is not None:
@@ -128,7 +140,8 @@ def run(
             kept[ended] = np.asarray(carry)[ended]
             active = np.flatnonzero(endings == Ending.RUNNING)
         force = push.at(world.time, verdict.touchdown, verdict.steps)
-        if terrain.advance(verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance):
+        place = (verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
+        if terrain.advance(*place, verdict.rise):
             world.lay_floors(terrain.levels)
         world.advance(active, verdict.controls, force)
     wall = clock.perf_counter() - began
@@ -141,7 +154,26 @@ def run(
         world.steps,
         wall,
         [] if recorder is None else [recorder.record(i) for i in range(len(states))],
+        [
+            Strides.of_rows(np.reshape(rows, (len(rows), width(len(orders.commands)))))
+            for rows in strides
+        ],
     )
+
+
+class _Told:
+    """What the next touchdown of every episode is to latch."""
+
+    def __init__(self, orders: Orders, episodes: int):
+        self._orders = [orders.of(i) for i in range(episodes)]
+        first = [next(rows) for rows in self._orders]
+        self.wanted = np.array(first, dtype=np.float64).reshape(episodes, -1)
+
+    def advance(self, touchdown: Bool[np.ndarray, " B"]) -> None:
+        """Go on to the next where one has been latched."""
+        if self.wanted.size:
+            for i in np.flatnonzero(touchdown):
+                self.wanted[i] = next(self._orders[i])
 
 
 class _World:
@@ -167,9 +199,9 @@ class _World:
         self._ticks = 0
         self.lay_floors(np.zeros((episodes, 2)))
 
-    def reading(self, floors: np.ndarray, noise: np.ndarray) -> Reading:
+    def reading(self, floors: np.ndarray, noise: np.ndarray, wanted: np.ndarray) -> Reading:
         """What the tick finds now."""
-        return Reading(self.states, self._touch[:, -2:], floors, noise)
+        return Reading(self.states, self._touch[:, -2:], floors, noise, wanted)
 
     def lay_floors(self, levels: Float[np.ndarray, "B 2"]) -> None:
         """Put the floors at these levels (m)."""

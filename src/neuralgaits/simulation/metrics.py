@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from neuralgaits._types import Array
+from neuralgaits._types import Array, Float
 from neuralgaits.gait import Orbit
-from neuralgaits.records.simulated import ModelOrbit, WalkFigures
+from neuralgaits.gait.commands import UNITS, Commands
+from neuralgaits.records.simulated import CommandError, ModelOrbit, WalkFigures
 from neuralgaits.simulation.gauge import START_UP_STEPS
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.strides import Strides
 from neuralgaits.simulation.walk import Walk
 
 
@@ -53,7 +55,41 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
         poincare=None if orbit is None else _orbit(orbit),
         sim_steps_per_s=episodes.plant_steps / episodes.wall_s,
         real_time_factor=simulated / episodes.wall_s,
+        command_error=command_errors(walk.commands, episodes.strides),
     )
+
+
+def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, CommandError]:
+    """How far walks were from what they were told; the first START_UP_STEPS are left out.
+
+    Speed: mean over a walk against the mean of what it was told meanwhile. Footholds: of each step.
+    """
+    found = {}
+    for i, command in enumerate(commands):
+        misses = [_misses(command.name, i, walked) for walked in strides]
+        all_of_them = np.abs(np.concatenate([np.zeros(0), *misses]))
+        if command.name in UNITS:
+            known = all_of_them.size > 0
+            found[command.name] = CommandError(
+                float(np.mean(all_of_them)) if known else None,
+                float(np.max(all_of_them)) if known else None,
+            )
+    return found
+
+
+def _misses(name: str, i: int, walked: Strides) -> Float[np.ndarray, " K"]:
+    """Found minus told, of a walk or of its steps."""
+    walked = Strides(*(column[START_UP_STEPS - 1 :] for column in walked))
+    if len(walked.time) < 2:
+        return np.zeros(0)
+    told = walked.told[1:, i]
+    if name == "speed":
+        time = np.diff(walked.time)
+        mean = (walked.hip[-1] - walked.hip[0]) / np.sum(time)
+        return np.array([mean - np.sum(told * time) / np.sum(time)])
+    length, height = walked.length[1:], walked.height[1:]
+    steps = {"step_length": length, "step_height": height, "slope": np.arctan2(height, length)}
+    return steps.get(name, told) - told
 
 
 def _orbit(orbit: Orbit) -> ModelOrbit:

@@ -12,6 +12,7 @@ import time as clock
 from concurrent.futures import ThreadPoolExecutor
 from ctypes import byref
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import mujoco
@@ -20,6 +21,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.lockstep import Episodes
@@ -27,8 +29,10 @@ from neuralgaits.simulation.native_layout import pointer
 from neuralgaits.simulation.native_library import Library
 from neuralgaits.simulation.native_records import record_of
 from neuralgaits.simulation.native_scene import scene_of
+from neuralgaits.simulation.orders import Orders
 from neuralgaits.simulation.plant import Plant
 from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.strides import Strides, width
 from neuralgaits.simulation.terrain import Terrain
 
 _CHUNK = 4096
@@ -45,6 +49,7 @@ class _Course:
     states: Float[np.ndarray, "B s"]
     terrain: Terrain
     push: Push
+    orders: Orders
     seed: int
     noisy: bool
     longest: int
@@ -58,6 +63,7 @@ class _Kept:
         self.walk = walk
         self.records: list[np.ndarray] = []
         self.states: list[np.ndarray] = []
+        self.strides: list[np.ndarray] = []
 
 
 def run(
@@ -70,6 +76,7 @@ def run(
     falls: FallConfig,
     terrain: Terrain,
     push: Push,
+    orders: Orders,
     seed: int,
     noisy: bool,
     threads: int,
@@ -87,6 +94,7 @@ def run(
         falls: thresholds.
         terrain: before its first tick.
         push: likewise.
+        orders: what each touchdown is to latch.
         seed: of the noise.
         noisy: whether sensors have noise.
         threads: at most this many walk at once.
@@ -99,7 +107,9 @@ def run(
         raise InputError("expected the compiled walk of this controller, found another one's")
     scene = scene_of(library, plant, controller, steps, falls, push)
     scene.uneven = int(terrain.uneven)
-    course = _Course(states, terrain, push, seed, noisy, longest, record)
+    height = place_of(orders.commands, "step_height")
+    scene.told_height = 0 if height is None else height + 1
+    course = _Course(states, terrain, push, orders, seed, noisy, longest, record)
     local, stop = threading.local(), threading.Event()
 
     def one(episode: int) -> _Kept:
@@ -128,6 +138,7 @@ def run(
         [record_of(np.concatenate(found.records)[:longest], plant.robot) for found in kept]
         if longest
         else [],
+        [Strides.of_rows(np.concatenate(found.strides)) for found in kept],
     )
 
 
@@ -147,8 +158,11 @@ def _episode(
     data.time = start[0]
     data.qpos[:], data.qvel[:] = np.split(start[1:], 2)
     walk = layout.walk()
-    library.start(byref(walk), 0)
-    rises = np.zeros(0)
+    first = np.array(course.orders.first, dtype=np.float64)
+    library.start(byref(walk), 0, pointer(first))
+    if course.terrain.told is not None:
+        walk.next_rise, walk.rise_pending = course.terrain.told, 1
+    rises, told = np.zeros(0), _Orders(course.orders, episode)
     late = np.zeros((plant.delay_ticks + 1, model.nu))
     walk.late = pointer(late)
     walk.push_wait, begin = course.push.moments(episode)
@@ -166,6 +180,9 @@ def _episode(
         if course.terrain.uneven and len(left) < _TOUCHDOWNS:
             rises = np.concatenate([left, course.terrain.rises(episode, 2 * _TOUCHDOWNS)])
             walk.rises, walk.rises_used = pointer(rises), 0
+        told.lay(walk)
+        strides = np.zeros((_TOUCHDOWNS, width(len(course.orders.commands))))
+        walk.strides, walk.strides_used = pointer(strides), 0
         noise = draws.standard_normal((_CHUNK, *shape)) if course.noisy else None
         records = np.zeros(_CHUNK, layout.record) if wanted else None
         states = np.zeros((_CHUNK, len(start))) if whole else None
@@ -181,11 +198,29 @@ def _episode(
         if walk.ending == _REFUSED:
             text = library.complaint().decode(errors="replace")
             raise NonFiniteError(f"MuJoCo gave up in episode {episode}: {text}")
+        kept.strides.append(strides[: walk.strides_used])
         if records is not None:
             kept.records.append(records[:done])
         if states is not None:
             kept.states.append(states[:done])
     return kept
+
+
+class _Orders:
+    """Enough of what touchdowns to come are to latch."""
+
+    def __init__(self, orders: Orders, episode: int):
+        self._rest = orders.of(episode)
+        self._rows = np.zeros((0, len(orders.commands)))
+
+    def lay(self, walk: Any) -> None:
+        """Before a chunk."""
+        if not self._rows.shape[1]:
+            return
+        left = self._rows[walk.orders_used :]
+        more = list(islice(self._rest, _TOUCHDOWNS - len(left)))
+        self._rows = np.concatenate([left, *(row[None] for row in more)])
+        walk.orders, walk.orders_used = pointer(self._rows), 0
 
 
 def _gauge(walks: list[Any]) -> Gauge:

@@ -35,11 +35,18 @@ def _reals(*names: str) -> _Fields:
 
 
 @lru_cache
-def layout_of(leg_joints: int, actuated: int) -> Layout:
-    """Types of a robot with so many joints a leg and actuated joints."""
+def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) -> Layout:
+    """Types of a robot and a gait.
+
+    Args:
+        leg_joints: of a leg.
+        actuated: joints of both.
+        commands: that the gait is told.
+        step: numbers that the gait computes once a step.
+    """
     m, n = actuated, actuated + 1
     by_leg, pair, of_joints = c_double * leg_joints * 2, c_double * 2, c_double * m
-    places = c_int * leg_joints * 2
+    places, told = c_int * leg_joints * 2, c_double * commands
     law = _structure(
         "ng_law",
         [
@@ -76,6 +83,8 @@ def layout_of(leg_joints: int, actuated: int) -> Layout:
             ("torque", by_leg),
             ("airborne", c_double),
             ("fault", c_int),
+            *((name, told) for name in ("wanted", "before", "after") if commands),
+            *([("step", c_double * step)] if commands else []),
         ],
     )
     scene = _structure(
@@ -97,6 +106,7 @@ def layout_of(leg_joints: int, actuated: int) -> Layout:
             ("substeps", c_int),
             ("slope", c_double),
             ("uneven", c_int),
+            ("told_height", c_int),
             *_reals("room_under_foot", "push_force", "push_s"),
             ("push_after", c_int),
             ("steps", c_int),
@@ -125,6 +135,9 @@ def layout_of(leg_joints: int, actuated: int) -> Layout:
             ("rise_pending", c_int),
             *_reals("next_rise", "push_start", "push_wait"),
             ("late", c_void_p),
+            ("strides", c_void_p),
+            ("strides_used", c_int),
+            *([("orders", c_void_p), ("orders_used", c_int)] if commands else []),
             *((name, c_int) for name in ("ticks", "steps", "saturated", "ending", "plant_steps")),
             *_reals("energy", "peak_torque"),
             ("first", milestone),
@@ -145,6 +158,7 @@ def layout_of(leg_joints: int, actuated: int) -> Layout:
         *((name, (2, leg_joints)) for name in ("angles", "rates")),
         *((name, (2,)) for name in ("hip_velocity", "normal_force", "floor")),
         ("clearance", ()),
+        *([("told", (2, commands))] if commands else []),
     ]
     record = np.dtype([(name, np.float64, shape) for name, shape in shapes])
     return Layout(scene, walk, law, record)

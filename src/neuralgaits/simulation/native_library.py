@@ -36,7 +36,10 @@ class Library:
         Raises: NativeError if it does not load or was made for something else.
         """
         self._made_for = _written(controller)
-        self.layout: Layout = layout_of(controller.robot.n // 2, controller.robot.n - 1)
+        robot, policy = controller.robot, controller.policy
+        self.layout: Layout = layout_of(
+            robot.n // 2, robot.n - 1, len(policy.commands), policy.step_size
+        )
         try:
             library, engine = CDLL(str(path)), CDLL(str(mujoco_library()))
         except OSError as error:
@@ -46,7 +49,7 @@ class Library:
         self.tick = library.ng_walk_tick
         self.tick.argtypes = [c_void_p] * 5
         self.start = library.ng_walk_start
-        self.start.argtypes = [c_void_p, c_int]
+        self.start.argtypes = [c_void_p, c_int, c_void_p]
         self.complaint = library.ng_walk_error
         self.complaint.restype = c_char_p
         self.mj_step = address(engine.mj_step)
@@ -71,6 +74,7 @@ def _written(controller: Controller) -> tuple:
         controller.bounds,
         controller.stance,
         controller.period_s,
+        controller.reset_residual,
     )
 
 

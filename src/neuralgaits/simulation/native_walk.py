@@ -20,12 +20,13 @@ import mujoco
 
 from neuralgaits._cache import cache_folder
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers import Gait
+from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import writing
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.source import gait_files
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native_library import Library, NativeError
 from neuralgaits.simulation.starts import momentum_range
@@ -59,15 +60,20 @@ class Engine:
 
 
 def engine_of(
-    robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float], choice: Choice | None = None
+    robot: PlanarBiped,
+    gait: AnyGait,
+    z2_range: tuple[float, float],
+    choice: Choice | None = None,
+    reset_residual: AbstractResetResidual | None = None,
 ) -> Engine:
     """What to walk a gait with.
 
     Args:
         robot: the model the controller believes in.
-        gait: policy and region.
+        gait: policy and region, or a family of them.
         z2_range: momenta of the region (kg m^2/s).
         choice: `native` to insist on it, `jax` for the reference, None for native where it works.
+        reset_residual: corrects the impact that the steps of a family begin with.
 
     Raises: InputError in one line if native was insisted on and does not work.
     """
@@ -76,7 +82,7 @@ def engine_of(
     if choice == "jax":
         return Engine(None, None)
     try:
-        design = _design(robot, gait, z2_range)
+        design = _design(robot, gait, z2_range, reset_residual)
         return _engine(sources(design), design.controller)
     except NativeError as error:
         if choice == "native":
@@ -85,8 +91,14 @@ def engine_of(
 
 
 def engine_of_run(run: Run, choice: Choice | None = None) -> Engine:
-    """The same for the gait of a run."""
+    """The same for the gait of a run; of a family, the one at the run's command."""
     return engine_of(run.robot, run.gait, momentum_range(run.gait), choice)
+
+
+def engine_of_trained(run: Run, choice: Choice | None = None) -> Engine:
+    """The same for all that a run was trained for: a family is told its commands."""
+    trained, reset = run.trained, run.residuals.reset
+    return engine_of(run.robot, trained, momentum_range(trained), choice, reset)
 
 
 def compiler() -> list[str] | None:
@@ -102,10 +114,15 @@ def compiler() -> list[str] | None:
     return None
 
 
-def _design(robot: PlanarBiped, gait: Gait, z2_range: tuple[float, float]) -> Design:
+def _design(
+    robot: PlanarBiped,
+    gait: AnyGait,
+    z2_range: tuple[float, float],
+    reset_residual: AbstractResetResidual | None = None,
+) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
-    return Design.of(robot, gait, LAWS, z2_range, origin)
+    return Design.of(robot, gait, LAWS, z2_range, origin, reset_residual=reset_residual)
 
 
 def sources(design: Design) -> dict[str, str]:

@@ -233,6 +233,7 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
             z=z,
             leg=leg,
             since_touchdown=times[0],
+            told=jnp.zeros((2, 0)),
             touchdown=touchdown,
             saturated=saturated,
         )

@@ -8,12 +8,16 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.orbit import poincare
 from neuralgaits.barriers import Gait
+from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
+from neuralgaits.gait.commands import Commands, Limits, Pair
 
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.
 _FENCE_SAMPLES = 101
+_PAIRS = 100
+"""About how many steps of a family are looked at for the same."""
 
 
 def full_states(
@@ -53,18 +57,41 @@ def periodic_orbit(zd: ZeroDynamics, gait: Gait) -> Orbit:
     return poincare(zd, gait.z(jnp.array([0.5, 0.5])))
 
 
-def momentum_range(gait: Gait) -> tuple[float, float]:
-    """Smallest and largest z2 of a gait's region (kg m^2/s)."""
+def momentum_range(gait: AnyGait) -> tuple[float, float]:
+    """Smallest and largest z2 of a gait's region, of a family over all its steps (kg m^2/s)."""
     phases = np.linspace(0.0, 1.0, _FENCE_SAMPLES)
+    if isinstance(gait, CommandedGait):
+        momenta = np.asarray(_momenta(gait, phases, _pairs(gait.commands)))
+        return float(momenta.min()), float(momenta.max())
     charts = np.stack(np.meshgrid(phases, [0.0, 1.0]), axis=-1).reshape(-1, 2)
     momenta = np.asarray(_z_of(gait, charts))[:, 1]
     return float(momenta.min()), float(momenta.max())
+
+
+def _pairs(commands: Commands) -> Pair:
+    """A grid of the pairs that may follow each other. [N, p] each."""
+    limits = Limits.of(commands)
+    ends = np.linspace(0.0, 1.0, max(2, round(_PAIRS ** (0.5 / len(commands)))))
+    grid = np.stack(np.meshgrid(*[ends] * (2 * len(commands))), axis=-1)
+    first, change = np.split(grid.reshape(-1, 2 * len(commands)), 2, axis=1)
+    before = limits.low + first * (limits.high - limits.low)
+    after = before + (2.0 * change - 1.0) * limits.change
+    return Pair(before, np.clip(after, limits.low, limits.high))
 
 
 # Gaits are arguments, so that all of one structure share a compilation, today's and yesterday's.
 @quick_filter_jit
 def _lifted(zd: ZeroDynamics, gait: Gait, charts: Array) -> Array:
     return jax.vmap(lambda u: zd.phi_inv(gait.z(u)))(charts)
+
+
+@quick_filter_jit
+def _momenta(family: CommandedGait, phases: Array, pairs: Pair) -> Array:
+    def of_step(pair: Pair) -> Array:
+        tube = family.tube.at(Pair(*map(family.policy.scaled, pair)))
+        return jnp.sqrt(2.0 * jax.vmap(lambda t: tube.fences(t))(phases))
+
+    return jax.vmap(of_step)(pairs)
 
 
 @quick_filter_jit

@@ -12,24 +12,29 @@ class Terrain:
     """Floor levels under the two feet of every episode.
 
     At touchdown the level of the next foothold is drawn: `height` above the present one, below
-    it or equal, each with probability 1/3. At mid-step the swing foot's plane moves there.
+    it or equal, each with probability 1/3; on top of that it is as high as the robot is told. At
+    mid-step the swing foot's plane moves there.
 
     Attributes:
         levels: of the plane under foot 0 and foot 1 [m]. [B, 2]
     """
 
-    def __init__(self, height: float, seed: int, episodes: int):
-        """All floors at zero. Draws depend on seed and episode number alone."""
+    def __init__(self, height: float, seed: int, episodes: int, told: float | None = None):
+        """All floors at zero. Draws depend on seed and episode number alone.
+
+        `told` is how high the first foothold is said to be (m); None if robots are not told.
+        """
         self.levels = np.zeros((episodes, 2))
         self._height = height
-        self._next_rise = np.zeros(episodes)
-        self._pending = np.zeros(episodes, dtype=bool)
+        self.told = told
+        self._next_rise = np.full(episodes, told or 0.0)
+        self._pending = np.full(episodes, told is not None)
         self._draws = [np.random.default_rng([seed, i, 1]) for i in range(episodes)]
 
     @property
     def uneven(self) -> bool:
         """Whether levels change at all."""
-        return self._height != 0.0
+        return self._height != 0.0 or self.told is not None
 
     def rises(self, episode: int, count: int) -> Float[np.ndarray, " count"]:
         """What the next touchdowns of an episode draw, drawn now (m). Returns: [count]."""
@@ -41,15 +46,19 @@ class Terrain:
         leg: Int[np.ndarray, " B"],
         z1: Float[np.ndarray, " B"],
         clearance: Float[np.ndarray, " B"],
+        rise: Float[np.ndarray, " B"] | None = None,
     ) -> bool:
         """One tick. `clearance` is the swing foot's height above the stance foothold (m).
 
+        `rise` is what robots are told of the next foothold (m); None for nothing.
+
         Returns: whether any level has changed.
         """
-        if not self._height:
+        if not self.uneven:
             return False
         for i in np.flatnonzero(touchdown):
             self._next_rise[i] = self._height * self._draws[i].integers(-1, 2)
+            self._next_rise[i] += 0.0 if rise is None else rise[i]
             self._pending[i] = True
         ready = self._pending & (z1 > 0.0) & (clearance > self._next_rise + ROOM_UNDER_FOOT)
         if not ready.any():

@@ -11,9 +11,18 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Int, Planar, Scalar, ZeroState
-from neuralgaits.control import Command, Controller, ControllerState, Measurement, start, step
+from neuralgaits.control import (
+    Command,
+    Controller,
+    ControllerState,
+    Measurement,
+    start,
+    step,
+    tell,
+)
 from neuralgaits.control.measurement import coordinates, stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
+from neuralgaits.gait.commands import Limits, place_of
 from neuralgaits.robots import MjcfLayout, PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
@@ -44,6 +53,8 @@ class Reading(NamedTuple):
     """Floor level under each foot at x = 0 [m]."""
     noise: Float[Array, "2 j"]
     """Standard normal noise of angles and rates: pitch first, then the joints of both legs."""
+    wanted: Float[Array, " p"]
+    """What the next touchdown is to latch."""
 
 
 class Verdict(NamedTuple):
@@ -63,6 +74,10 @@ class Verdict(NamedTuple):
     """Measured z1 [m]."""
     clearance: Scalar
     """Swing foot above the floor through the stance foothold [m]."""
+    stride: Float[Array, " r"]
+    """Of a touchdown: a row of `strides.Strides`; zeros at other ticks."""
+    rise: Scalar
+    """What the robot is told of the height of the next foothold [m]; 0 for nothing."""
 
 
 class Record(NamedTuple):
@@ -87,6 +102,7 @@ class Scene(eqx.Module):
         noise: standard deviation of angles and of rates [rad], [rad/s]. [2]
         encoder_step: resolution of angles, 0 for exact ones [rad].
         steps: walking steps of an episode.
+        first: command that episodes begin with. [p]
         layout: of the plant's file.
         sizes: of the plant's qpos and ctrl.
         addresses: of root, joints and motors in the plant's arrays, as in `StateMap`.
@@ -99,14 +115,24 @@ class Scene(eqx.Module):
     noise: Float[Array, "2"]
     encoder_step: Float[Array, ""]
     steps: Int[Array, ""]
+    first: Float[Array, " p"]
     layout: MjcfLayout = eqx.field(static=True)
     sizes: tuple[int, int] = eqx.field(static=True)
     addresses: tuple[tuple, tuple, tuple] = eqx.field(static=True)
     falls: FallConfig = eqx.field(static=True)
 
     @classmethod
-    def of(cls, plant: Plant, controller: Controller, steps: int, falls: FallConfig) -> "Scene":
-        """The scene of a plant and a controller."""
+    def of(
+        cls,
+        plant: Plant,
+        controller: Controller,
+        steps: int,
+        falls: FallConfig,
+        first: Float[np.ndarray, " p"] | None = None,
+    ) -> "Scene":
+        """The scene of a plant and a controller; `first` is the middle of the ranges if None."""
+        if first is None:
+            first = Limits.of(controller.policy.commands).middle
         wires, disturbance = plant.wires, plant.disturbance
         return cls(
             controller=controller,
@@ -115,6 +141,7 @@ class Scene(eqx.Module):
             noise=np.array([disturbance.encoder_noise, disturbance.rate_noise]),
             encoder_step=np.asarray(disturbance.encoder_step),
             steps=np.asarray(steps, dtype=np.int32),
+            first=first,
             layout=wires.layout,
             sizes=(wires.nq, wires.nu),
             addresses=(_frozen(wires.root), _frozen(wires.joints), _frozen(wires.actuators)),
@@ -143,7 +170,7 @@ class Scene(eqx.Module):
     def _reading_shapes(self) -> tuple[tuple[int, ...], ...]:
         nq, _ = self.sizes
         joints = sum(len(leg) for leg in self.addresses[1])
-        return ((1 + 2 * nq,), (2,), (2,), (2, 1 + joints))
+        return ((1 + 2 * nq,), (2,), (2,), (2, 1 + joints), self.first.shape)
 
 
 def _frozen(addresses: np.ndarray) -> tuple:
@@ -153,13 +180,14 @@ def _frozen(addresses: np.ndarray) -> tuple:
 
 def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
     """The carry of an episode that starts on `leg`."""
-    return Carry(start(scene.controller, leg), Gauge.start(), jnp.zeros(()))
+    return Carry(start(scene.controller, leg, scene.first), Gauge.start(), jnp.zeros(()))
 
 
 def tick(scene: Scene, carry: Carry, reading: Reading) -> tuple[Carry, Verdict, Record]:
     """One tick of one episode. Returns: the next carry, the verdict, and the record."""
     seen = sense(scene, reading).seen
-    state, command = step(scene.controller, carry.controller, seen)
+    state = tell(scene.controller, carry.controller, reading.wanted)
+    state, command = step(scene.controller, state, seen)
     return account(scene, carry, reading, state, command)
 
 
@@ -216,6 +244,9 @@ def account(
         finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(command.torque)),
     )
     ahead, up = swing_foot(robot, command.q)
+    height = place_of(controller.policy.commands, "step_height")
+    # At a touchdown the swing foot is the old stance foot.
+    stride = jnp.concatenate([jnp.stack([time, hip[0], -ahead, -up]), command.told[0]])
     return (
         Carry(state, gauge, age),
         Verdict(
@@ -226,6 +257,8 @@ def account(
             leg=command.leg,
             z1=command.z[0],
             clearance=up - scene.slope * ahead,
+            stride=jnp.where(command.touchdown, stride, 0.0),
+            rise=jnp.zeros(()) if height is None else command.told[1, height],
         ),
         Record(
             time,

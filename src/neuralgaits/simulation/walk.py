@@ -13,6 +13,8 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.commands import Commands, place_of
+from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation import lockstep, native
 from neuralgaits.simulation.batch import compile_batch
@@ -21,6 +23,7 @@ from neuralgaits.simulation.falls import FallConfig
 from neuralgaits.simulation.lockstep import Episodes, Noise, Watch
 from neuralgaits.simulation.native_library import Library
 from neuralgaits.simulation.native_scene import knows
+from neuralgaits.simulation.orders import Orders
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.remote import Remote
@@ -41,6 +44,7 @@ class Walk:
         law: of control.
         engine: what ran the loop: `native` or `jax`.
         episodes: outcome of every episode.
+        commands: that it takes.
     """
 
     robot: PlanarBiped
@@ -48,6 +52,7 @@ class Walk:
     law: AbstractLaw
     engine: str
     episodes: Episodes
+    commands: Commands = ()
 
 
 def law_named(controller: str | AbstractLaw) -> AbstractLaw:
@@ -78,6 +83,8 @@ def walk(
     threads: int | None = None,
     remote: Remote | None = None,
     library: Library | None = None,
+    orders: Orders | None = None,
+    reset_residual: AbstractResetResidual | None = None,
 ) -> Walk:
     """Walk from each start.
 
@@ -100,6 +107,8 @@ def walk(
         remote: asked for the torques instead of the law; all episodes then share a policy.
         library: compiled for this robot and one policy: walks natively; else the loop is in JAX,
             as it is with `remote`, `watch`, or a law that is not of this package.
+        orders: what policies that take commands are told; the middle of the ranges if None.
+        reset_residual: corrects the impact that their steps begin with.
 
     Raises: InputError if something does not fit.
     """
@@ -113,11 +122,16 @@ def walk(
         raise InputError(f"push: expected a finite impulse in N s, found {push}")
     law = law_named(controller)
     field = build(robot if plant is None else plant, disturbance)
-    controllers = [_controller(robot, policy, law, field, z2_range) for policy in each]
+    controllers = [
+        _controller(robot, policy, law, field, z2_range, reset_residual) for policy in each
+    ]
     one = controllers[0] if shared else _stacked(controllers)
     falls = FallConfig() if falls is None else falls
-    terrain = Terrain(field.disturbance.floor_height, seed, count)
     pushes = Push(push, steps, seed, count)
+    orders = Orders.constant(each[0].commands) if orders is None else orders
+    height = place_of(orders.commands, "step_height")
+    told = None if height is None else float(orders.first[height])
+    terrain = Terrain(field.disturbance.floor_height, seed, count, told)
     threads = _cores() if threads is None else threads
     if library is not None and shared and remote is None and watch is None and knows(law):
         episodes = native.run(
@@ -129,14 +143,15 @@ def walk(
             falls=falls,
             terrain=terrain,
             push=pushes,
+            orders=orders,
             seed=seed,
             noisy=not _silent(field),
             threads=threads,
             record=record,
             longest=longest,
         )
-        return Walk(robot, field, law, "native", episodes)
-    scene = Scene.of(field, one, steps, falls)
+        return Walk(robot, field, law, "native", episodes, orders.commands)
+    scene = Scene.of(field, one, steps, falls, orders.first)
     batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
     if remote is not None:
         batch = remote.batch(scene, batch)
@@ -148,12 +163,13 @@ def walk(
         terrain=terrain,
         push=pushes,
         noise=Noise(noise_shape, seed, count, silent=_silent(field)),
+        orders=orders,
         threads=threads,
         record=record,
         longest=longest,
         watch=watch,
     )
-    return Walk(robot, field, law, "jax", episodes)
+    return Walk(robot, field, law, "jax", episodes, orders.commands)
 
 
 def _controller(
@@ -162,6 +178,7 @@ def _controller(
     law: AbstractLaw,
     field: Plant,
     z2_range: tuple[float, float] | None,
+    reset_residual: AbstractResetResidual | None,
 ) -> Controller:
     return Controller.init(
         robot,
@@ -170,6 +187,7 @@ def _controller(
         z2_range=z2_range,
         torque_limit=np.minimum(robot.torque_limit, field.torque_limit),
         period_s=SUBSTEPS * TIMESTEP_S,
+        reset_residual=reset_residual,
     )
 
 

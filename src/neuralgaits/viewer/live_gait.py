@@ -1,5 +1,6 @@
 """A run's gait as a live page needs it: it walks, bears changes, jumps, and knows its margins."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -8,12 +9,13 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.quantities import ENDS, Chart, Look
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Limits as Ranges
 from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
-from neuralgaits.simulation.native_walk import engine_of_run
+from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
-from neuralgaits.viewer.walker import Limits, Margins, Shown
+from neuralgaits.viewer.walker import Limits, Margins, Shown, Told
 
 CONTROLLER = "pd"
 """Law that drives the robot: the one `simulate` takes if none is named."""
@@ -40,11 +42,12 @@ class LiveGait:
         self._middle = self.chart.z(phase, level)[0]
         self.live = LiveWalk(
             run.robot,
-            run.gait.policy,
+            run.trained.policy,
             LAWS[CONTROLLER],
             self._state(self._middle),
-            z2_range=momentum_range(run.gait),
-            library=engine_of_run(run).library,
+            z2_range=momentum_range(run.trained),
+            library=engine_of_trained(run).library,
+            reset_residual=run.residuals.reset,
         )
         self._look: Look | None = None
         self._z = self._middle
@@ -64,6 +67,20 @@ class LiveGait:
             "mass_scale": Limits(*MASS_SCALE, 1.0),
             "torque_limit": Limits(_LEAST_TORQUE * torque, torque, torque),
         }
+
+    @property
+    def commands(self) -> Mapping[str, Told]:
+        """What the gait is told at each touchdown, and its range."""
+        return {
+            c.name: Told(Limits(c.low, c.high, 0.5 * (c.low + c.high)), c.unit)
+            for c in self._run.trained.commands
+        }
+
+    def tell(self, name: str, value: float) -> None:
+        """Wish for a command from the next touchdown on."""
+        self.live.tell(**{name: value})
+        if name == "slope":
+            self.live.disturb(slope_deg=math.degrees(value))
 
     def tick(self) -> bool:
         """Let one control tick pass. Returns: False once the robot has fallen."""
@@ -91,11 +108,14 @@ class LiveGait:
         )
 
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
-        """Margins of all conditions at a state, or at the nearest one where they apply."""
+        """Margins of all conditions at a state, or at the nearest one where they apply.
+
+        Of a family: of the gait that is drawn, and none while the robot is told something else.
+        """
         conditions = self._run.spec.conditions
         with np.errstate(all="ignore"):
             here = np.concatenate(self.chart.chart(np.asarray(z)[None]))
-            if self._look is None or not np.all(np.isfinite(here)):
+            if self._look is None or self._elsewhere or not np.all(np.isfinite(here)):
                 # Far outside, the fences' series have no meaning.
                 nothing = np.full(len(conditions), np.nan)
                 return Margins(nothing, np.zeros(len(conditions), dtype=bool))
@@ -113,6 +133,12 @@ class LiveGait:
         within = bool(np.all((here >= -ENDS) & (here <= 1.0 + ENDS)))
         inside = [within and bool(np.all(one == here)) for one in asked]
         return Margins(np.array(values), np.array(inside, dtype=bool))
+
+    @property
+    def _elsewhere(self) -> bool:
+        """Whether the robot is told something else than what is drawn."""
+        told = self.live.told
+        return not np.allclose(told, Ranges.of(self._run.trained.commands).middle, atol=1e-9)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
         """Push along x and z (N s)."""

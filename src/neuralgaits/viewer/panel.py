@@ -9,7 +9,7 @@ import viser
 
 from neuralgaits.viewer import bars
 from neuralgaits.viewer.player import SPEED, Picture, Player
-from neuralgaits.viewer.walker import Limits, Walker
+from neuralgaits.viewer.walker import Limits, Told, Walker
 
 PUSH = Limits(0.0, 40.0, 8.0)
 """Impulse of a push [N s]."""
@@ -27,6 +27,8 @@ _SETTINGS = {
     "mass_scale": ("mass ×", 0.01, "factor on all masses and inertias; the controller is not told"),
     "torque_limit": ("torque [N m]", 0.5, "limit of every joint; the controller knows it"),
 }
+_NOTCHES = 70
+"""Of the slider of a command: half a centimetre a second of the usual range of speeds."""
 _ANSWER_FRAMES = 240
 """How long an answer stands: six seconds."""
 TYPED_S = 1.0
@@ -47,6 +49,7 @@ class Panel:
         settings: Mapping[str, Limits],
         conditions: Sequence[str],
         restarted: Callable[[], None],
+        commands: Mapping[str, Told] | None = None,
     ):
         """Build the panel.
 
@@ -57,6 +60,7 @@ class Panel:
             settings: limits of what can be changed of the plant.
             conditions: names, in the order of the margins; empty if there are none.
             restarted: called, in the player's thread, when the robot was put back.
+            commands: that the gait takes at each touchdown, by name.
         """
         self._player, self._conditions, self._restarted = player, conditions, restarted
         self._answer, self._answer_left, self._count = "", 0, 0
@@ -66,6 +70,8 @@ class Panel:
         gui.add_markdown(title)
         self._status = gui.add_html(_line("getting ready: compiling the controller", "#5b6770"))
         self._add_time(gui)
+        if commands:
+            self._add_commands(gui, commands)
         self._add_push(gui)
         self._add_plant(gui, settings)
         with gui.add_folder("Margins at the robot's state"):
@@ -152,6 +158,21 @@ class Panel:
             impulse, way = PUSH.clip(size.value), WAYS.get(ways.value)
             if impulse is not None and way is not None:
                 self._player.ask(lambda walker: walker.push(impulse * np.array(way)))
+
+    def _add_commands(self, gui: viser.GuiApi, commands: Mapping[str, Told]) -> None:
+        """A slider a command: heard at the next touchdown."""
+        with gui.add_folder("Commands"):
+            for name, (limits, unit) in commands.items():
+                step = (limits.high - limits.low) / _NOTCHES
+                hint = "heard at the next touchdown; large changes take several steps"
+                slider = self._slider(gui, f"{name} [{unit}]", limits, step, hint)
+                slider.on_update(lambda _event, name=name, slider=slider: self._tell(name, slider))
+
+    def _tell(self, name: str, slider: viser.GuiSliderHandle) -> None:
+        limits = next(limits for one, limits in self._limited if one is slider)
+        value = limits.clip(slider.value)
+        if value is not None:
+            self._player.ask(lambda walker: walker.tell(name, value))
 
     def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, Limits]) -> None:
         with gui.add_folder("Robot and floor"):

@@ -56,6 +56,15 @@ class Limits(NamedTuple):
         return min(max(number, self.low), self.high) if np.isfinite(number) else None
 
 
+class Told(NamedTuple):
+    """A command that a visitor may give."""
+
+    limits: Limits
+    """Its range, and the value at first."""
+    unit: str
+    """Of its values."""
+
+
 class Walker(Protocol):
     """A robot that walks and bears what a visitor does to it."""
 
@@ -80,6 +89,10 @@ class Walker(Protocol):
 
     def disturb(self, name: str, value: float) -> None:
         """Change the plant."""
+        ...
+
+    def tell(self, name: str, value: float) -> None:
+        """Wish for a command from the next touchdown on."""
         ...
 
     def jump(self, z: Float[np.ndarray, "2"]) -> str | None:

@@ -27,10 +27,11 @@ from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.link_config import LinkConfig, parse_link
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_scene import knows
-from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_run
+from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
+from neuralgaits.simulation.orders import on_slope, orders_of
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import Walk, law_named, walk
-from neuralgaits.workflows.export import design_of
+from neuralgaits.workflows.export import steady_design_of
 
 _ALL = 2**31 - 1
 """Ticks of a log: all there are."""
@@ -66,6 +67,8 @@ def simulate(
     video: str | Path | None = None,
     engine: Choice | None = None,
     link: str | Mapping[str, Any] | LinkConfig | None = None,
+    command: str | Mapping[str, float] | None = None,
+    commands: str | Path | None = None,
 ) -> Simulation:
     """Walk a trained gait in MuJoCo.
 
@@ -86,31 +89,45 @@ def simulate(
         engine: `native` to insist on compiled code, `jax` for the reference loop, None for native
             where it works; `engine` of the summary says which it was.
         link: to the controller `c`: `NAME=VALUE,...` or a mapping; see `simulation.link_config`.
+        command: told for ever, `NAME=VALUE,...` or a mapping; the middle of the ranges where none
+            is named. Walks start at the first command.
+        commands: CSV file with a row a step, `step,speed[m/s],...`, or `random`: a new command
+            that may follow the last one at each touchdown.
 
     Returns: `Simulation`; its summary is also in the run folder.
     Raises: InputError, RobotError or RunError with one line.
     """
     trained = open_run(run)
-    robot, gait = trained.robot, trained.gait
+    told = trained.trained.commands
     disturbance = parse(disturb)
     if not isinstance(episodes, int) or episodes < 1:
         raise InputError(f"expected at least 1 episode, found {episodes!r}")
     if not isinstance(seed, int) or seed < 0:
         raise InputError(f"expected a seed of at least 0, found {seed!r}")
+    orders = orders_of(told, command, commands, seed)
+    disturbance = on_slope(disturbance, orders)
     _check_outputs(log, video)
+    if told:
+        # Where they start is a state of the one gait at the first command.
+        first = dict(zip((c.name for c in told), map(float, orders.first), strict=True))
+        trained = trained.at(**first)
+    robot, gait = trained.robot, trained.gait
+    wire = _wire(link, controller, commands)
+    walked_gait = trained.trained if wire is None else gait
     files = [] if log is None else log_files(Path(log), episodes)
     walks = _engine(trained, controller, engine)
-    wire = parse_link(link) if controller == REMOTE else _no_link(link)
-    wired = nullcontext() if wire is None else connected(design_of(trained), wire, episodes, seed)
+    wired = nullcontext()
+    if wire is not None:
+        wired = connected(steady_design_of(trained), wire, episodes, seed)
     with wired as remote:
         walked = walk(
             robot,
-            gait.policy,
+            walked_gait.policy,
             full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
             plant=None if plant is None else load_robot(plant),
             controller=controller if wire is None else wire.law,
             steps=steps,
-            z2_range=momentum_range(gait),
+            z2_range=momentum_range(walked_gait),
             disturbance=disturbance,
             push=0.0 if push is None else push,
             seed=seed,
@@ -118,6 +135,8 @@ def simulate(
             longest=_ALL if files else 0,
             remote=remote,
             library=walks.library,
+            orders=orders if wire is None else None,
+            reset_residual=trained.residuals.reset,
         )
     settings = WalkSettings(
         run=str(trained.path),
@@ -136,6 +155,8 @@ def simulate(
         sha256=file_hashes(trained.path, (ROBOT, WEIGHTS)),
         plant_given=_kept_plant(trained, plant, walked),
         link=None if remote is None else remote.summary(),
+        command=None if commands is not None or not told else trained.command,
+        commands=None if commands is None else str(commands),
     )
     figures = summary(walked, periodic_orbit(trained.zero_dynamics, gait))
     result = Simulated(**vars(settings), **vars(figures))
@@ -152,11 +173,27 @@ def _engine(trained: Run, controller: str | AbstractLaw, choice: Choice | None) 
     """What walks. Raises: InputError if native was insisted on where it cannot be."""
     law = None if controller == REMOTE else law_named(controller)
     if law is not None and knows(law):
-        return engine_of_run(trained, choice)
+        return engine_of_trained(trained, choice)
     if choice == "native":
         other = f"controller {REMOTE}" if law is None else f"a law of type {type(law).__name__}"
         raise InputError(f"--engine native: expected pd, fblin or paper, found {other}")
     return Engine(None, None)
+
+
+def _wire(
+    link: str | Mapping[str, Any] | LinkConfig | None,
+    controller: str | AbstractLaw,
+    commands: str | Path | None,
+) -> LinkConfig | None:
+    """How a controller's process is reached; None without one."""
+    if controller != REMOTE:
+        return _no_link(link)
+    if commands is not None:
+        raise InputError(
+            f"expected --command with --controller {REMOTE}, found --commands: its process is made "
+            "for one command"
+        )
+    return parse_link(link)
 
 
 def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | None:

@@ -91,6 +91,7 @@ class LiveView:
             settings=self.gait.settings,
             conditions=[condition.name for condition in self._run.spec.conditions],
             restarted=self._stage.restart,
+            commands=self.gait.commands,
         )
 
     def _bring_to_life(self) -> None:

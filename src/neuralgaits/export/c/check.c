@@ -11,9 +11,16 @@
 
 #include "controller.h"
 
+#if NG_COMMANDS
+#define STEP NG_STEP
+#define GIVEN_STEP numbers,
+#else
+#define STEP 0
+#define GIVEN_STEP
+#endif
 #define JOINTS (NG_LEGS * NG_LEG_JOINTS)
-#define CASE (18 + 4 * NG_ACTUATED + 4 * JOINTS)
-#define RESULT (10 + 3 * NG_ACTUATED + 2 * JOINTS)
+#define CASE (18 + 4 * NG_ACTUATED + 4 * JOINTS + 4 * NG_COMMANDS + STEP)
+#define RESULT (10 + 3 * NG_ACTUATED + 2 * JOINTS + 3 * NG_COMMANDS + STEP)
 
 typedef struct {
     ng_config config;
@@ -57,7 +64,16 @@ static void read_case(const double *in, ng_case *one)
     in = take(in, encoders->base_velocity, 2);
     in = take(in, encoders->normal_force, NG_LEGS);
     in = take(in, &encoders->joints[0][0], JOINTS);
-    take(in, &encoders->djoints[0][0], JOINTS);
+    in = take(in, &encoders->djoints[0][0], JOINTS);
+#if NG_COMMANDS
+    ng_real given[NG_COMMANDS];
+    in = take(in, given, NG_COMMANDS);
+    in = take(in, state->wanted, NG_COMMANDS);
+    in = take(in, state->before, NG_COMMANDS);
+    in = take(in, state->after, NG_COMMANDS);
+    take(in, state->step, NG_STEP);
+    ng_tell(state, given);
+#endif
 }
 
 static double *give(const ng_real *from, double *to, int count)
@@ -85,7 +101,13 @@ static void write_result(const ng_state *state, const ng_command *command, doubl
     out = give(command->dy_d, out, NG_ACTUATED);
     out = give(command->actuated, out, NG_ACTUATED);
     out = give(&command->torque[0][0], out, JOINTS);
-    give(&motors[0][0], out, JOINTS);
+    out = give(&motors[0][0], out, JOINTS);
+#if NG_COMMANDS
+    out = give(state->wanted, out, NG_COMMANDS);
+    out = give(state->before, out, NG_COMMANDS);
+    out = give(state->after, out, NG_COMMANDS);
+    give(state->step, out, NG_STEP);
+#endif
 }
 
 static void step(ng_case *one, ng_command *command)
@@ -111,16 +133,21 @@ static int compare(double *cases, long count)
     return 0;
 }
 
-/* Records of z, dz, ddz; results y, dy, slope, drift, and y, dy of the function for rates. */
+/* Records of z, dz, ddz and the numbers of a step; results y, dy, slope, drift, and y, dy of the function for rates. */
 static int policy(const double *records, long count)
 {
     for (long i = 0; i < count; ++i) {
         ng_real z[2], dz[2], ddz[2], all[6 * NG_ACTUATED];
         double out[6 * NG_ACTUATED];
-        take(take(take(records + 6 * i, z, 2), dz, 2), ddz, 2);
-        ng_policy_path(ddz, dz, z, all + 3 * NG_ACTUATED, all + NG_ACTUATED, all + 2 * NG_ACTUATED,
-                       all);
-        ng_policy_rate(dz, z, all + 5 * NG_ACTUATED, all + 4 * NG_ACTUATED);
+        const double *in = records + (6 + STEP) * i;
+        in = take(take(take(in, z, 2), dz, 2), ddz, 2);
+#if NG_COMMANDS
+        ng_real numbers[NG_STEP];
+        take(in, numbers, NG_STEP);
+#endif
+        ng_policy_path(ddz, dz, GIVEN_STEP z, all + 3 * NG_ACTUATED, all + NG_ACTUATED,
+                       all + 2 * NG_ACTUATED, all);
+        ng_policy_rate(dz, GIVEN_STEP z, all + 5 * NG_ACTUATED, all + 4 * NG_ACTUATED);
         give(all, out, 6 * NG_ACTUATED);
         if (fwrite(out, sizeof out, 1, stdout) != 1) {
             return 1;
@@ -156,7 +183,7 @@ static int latency(double *cases, long count)
     if (times == NULL) {
         return 1;
     }
-    for (int kind = 0; kind < 3 + NG_LAW_COUNT; ++kind) {
+    for (int kind = 0; kind < 3 + NG_LAW_COUNT + (NG_COMMANDS > 0); ++kind) {
         for (long i = 0; i < count; ++i) {
             ng_case one;
             ng_command command;
@@ -168,18 +195,28 @@ static int latency(double *cases, long count)
             for (int k = 0; k < 2; ++k) {
                 z[k] = ng_z_lower[k] + phase * (ng_z_upper[k] - ng_z_lower[k]);
             }
-            if (kind >= 3) {
+#if NG_COMMANDS
+            ng_real numbers[NG_STEP];
+            memcpy(numbers, one.state.step, sizeof numbers);
+            one.state.since_touchdown = NG(0.0); /* no touchdown: that is timed by itself */
+#endif
+            if (kind >= 3 && kind < 3 + NG_LAW_COUNT) {
                 one.config.law = &ng_laws[kind - 3];
                 one.state.ticks_to_policy = 0;
                 one.state.fault = NG_NO_FAULT;
             }
             const double began = now_us();
             if (kind == 1) {
-                ng_policy_rate(dz, z, dy, y);
+                ng_policy_rate(dz, GIVEN_STEP z, dy, y);
                 sink = y[0] + dy[0];
             } else if (kind == 2) {
-                ng_policy_path(ddz, dz, z, drift, dy, slope, y);
+                ng_policy_path(ddz, dz, GIVEN_STEP z, drift, dy, slope, y);
                 sink = y[0] + drift[0];
+#if NG_COMMANDS
+            } else if (kind == 3 + NG_LAW_COUNT) {
+                ng_policy_step(one.state.after, one.state.before, numbers);
+                sink = numbers[0];
+#endif
             } else if (kind >= 3) {
                 step(&one, &command);
                 ng_drive(&command, motors);
@@ -188,7 +225,9 @@ static int latency(double *cases, long count)
             times[i] = now_us() - began;
         }
         const char *names[] = {"clock", "policy", "policy_path"};
-        report(kind < 3 ? names[kind] : ng_laws[kind - 3].name, times, count);
+        const int law = kind - 3;
+        report(kind < 3 ? names[kind] : law < NG_LAW_COUNT ? ng_laws[law].name : "policy_step",
+               times, count);
     }
     (void)sink;
     free(times);
@@ -241,6 +280,14 @@ static int fuzz(long count, uint64_t seed)
         if (state.fault != NG_NO_FAULT || draw(&seed) % 64 == 0) {
             ng_start(&state, (int)(draw(&seed) % 2));
         }
+#if NG_COMMANDS
+        ng_real told[NG_COMMANDS];
+        for (int k = 0; k < NG_COMMANDS; ++k) {
+            int strange = 0;
+            told[k] = (ng_real)hostile(&seed, (double)ng_command_high[k], &strange);
+        }
+        ng_tell(&state, told);
+#endif
         one.state = state;
         ng_encoders *encoders = &one.encoders;
         encoders->time_us = state.last_us + (draw(&seed) % 64 == 0 ? (uint32_t)draw(&seed) : 1000u);
@@ -317,7 +364,7 @@ int main(int argc, char **argv)
         if (cases != NULL && strcmp(argv[1], "compare") == 0) {
             failed = compare(cases, count / CASE);
         } else if (cases != NULL && strcmp(argv[1], "policy") == 0) {
-            failed = policy(cases, count / 6);
+            failed = policy(cases, count / (6 + STEP));
         } else if (cases != NULL && strcmp(argv[1], "latency") == 0) {
             failed = latency(cases, count / CASE);
         }

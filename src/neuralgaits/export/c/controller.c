@@ -64,13 +64,44 @@ static int advance_stance(ng_state *state, const ng_measurement *reading)
     return 0;
 }
 
-/* z inside the policy's bounds, levelling off smoothly outside; with first two derivatives. */
-static void bounded(const ng_real z[2], ng_real value[2], ng_real first[2], ng_real second[2])
+#if NG_COMMANDS
+/* The policy of the step under way; z1 runs over the step's own interval. */
+#define POLICY_RATE(dz, z, dy, y) ng_policy_rate(dz, state->step, z, dy, y)
+#define POLICY_PATH(ddz, dz, z, drift, dy, slope, y) \
+    ng_policy_path(ddz, dz, state->step, z, drift, dy, slope, y)
+#define Z1_START state->step[0]
+#define Z1_GUARD state->step[1]
+#define Z1_MARGIN (NG_Z1_SHARE * (Z1_GUARD - Z1_START))
+
+/* A step begins: as far towards the wish as one step may change. */
+static void latch(ng_state *state)
 {
+    for (int i = 0; i < NG_COMMANDS; ++i) {
+        const ng_real last = state->after[i], change = ng_command_change[i];
+        state->before[i] = last;
+        state->after[i] = ng_clamp(state->wanted[i], last - change, last + change);
+    }
+    ng_policy_step(state->after, state->before, state->step);
+}
+#else
+#define POLICY_RATE ng_policy_rate
+#define POLICY_PATH ng_policy_path
+#define Z1_START ng_z_lower[0]
+#define Z1_GUARD ng_z_upper[0]
+#define Z1_MARGIN ng_z_margin[0]
+#endif
+
+/* z inside the policy's bounds, levelling off smoothly outside; with first two derivatives. */
+static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
+                    ng_real first[2], ng_real second[2])
+{
+    const ng_real lower[2] = {Z1_START, ng_z_lower[1]}, upper[2] = {Z1_GUARD, ng_z_upper[1]};
+    const ng_real margins[2] = {Z1_MARGIN, ng_z_margin[1]};
+    (void)state;
     for (int i = 0; i < 2; ++i) {
-        const ng_real margin = ng_z_margin[i];
-        const ng_real over = z[i] > ng_z_upper[i] ? z[i] - ng_z_upper[i] : NG(0.0);
-        const ng_real under = z[i] < ng_z_lower[i] ? ng_z_lower[i] - z[i] : NG(0.0);
+        const ng_real margin = margins[i];
+        const ng_real over = z[i] > upper[i] ? z[i] - upper[i] : NG(0.0);
+        const ng_real under = z[i] < lower[i] ? lower[i] - z[i] : NG(0.0);
         const ng_real t = ng_tanh(over / margin) - ng_tanh(under / margin);
         value[i] = z[i] - over + under + margin * t;
         first[i] = NG(1.0) - t * t;
@@ -80,10 +111,11 @@ static void bounded(const ng_real z[2], ng_real value[2], ng_real first[2], ng_r
 
 /* Ask the policy at the measured z. */
 static void ask(const ng_law *law, const ng_real z[2], const ng_real dz[2], ng_real ddz2,
-                ng_desired *held)
+                ng_state *state)
 {
+    ng_desired *held = &state->held;
     ng_real at[2], first[2], second[2], along[2], curved[2], slope[NG_ACTUATED];
-    bounded(z, at, first, second);
+    bounded(state, z, at, first, second);
     for (int i = 0; i < 2; ++i) {
         along[i] = first[i] * dz[i];
         curved[i] = second[i] * dz[i] * dz[i];
@@ -93,10 +125,10 @@ static void ask(const ng_law *law, const ng_real z[2], const ng_real dz[2], ng_r
         at[1] = along[1] = curved[1] = NG(0.0);
     }
     if (law->kind == NG_JOINT_PD) {
-        ng_policy_rate(along, at, held->dy, held->y);
+        POLICY_RATE(along, at, held->dy, held->y);
         return;
     }
-    ng_policy_path(curved, along, at, held->drift, held->dy, slope, held->y);
+    POLICY_PATH(curved, along, at, held->drift, held->dy, slope, held->y);
     for (int i = 0; i < NG_ACTUATED; ++i) {
         held->slope[i] = slope[i] * first[0];
     }
@@ -286,12 +318,17 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     const ng_law *law = config->law;
     ng_real dz[2], ddz2[1];
     command->touchdown = advance_stance(state, reading);
+#if NG_COMMANDS
+    if (command->touchdown) {
+        latch(state);
+    }
+#endif
     coordinates(reading->pitch, reading->angles, state->leg, command->q);
     coordinates(reading->dpitch, reading->rates, state->leg, command->dq);
     ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, command->z);
     /* After a touchdown the held outputs belong to the wrong legs. */
     if (command->touchdown || state->ticks_to_policy <= 0) {
-        ask(law, command->z, dz, ddz2[0], &state->held);
+        ask(law, command->z, dz, ddz2[0], state);
         state->ticks_to_policy = law->hold_ticks;
     }
     state->ticks_to_policy -= 1;
@@ -351,7 +388,39 @@ void ng_start(ng_state *state, int leg)
     *state = fresh;
     state->leg = leg != 0;
     state->since_touchdown = NG_NEVER;
+#if NG_COMMANDS
+    for (int i = 0; i < NG_COMMANDS; ++i) {
+        state->wanted[i] = NG(0.5) * (ng_command_low[i] + ng_command_high[i]);
+        state->before[i] = state->after[i] = state->wanted[i];
+    }
+    ng_policy_step(state->after, state->before, state->step);
+#endif
 }
+
+#if NG_COMMANDS
+void ng_start_at(ng_state *state, int leg, const ng_real command[NG_COMMANDS])
+{
+    ng_start(state, leg);
+    ng_tell(state, command);
+    for (int i = 0; i < NG_COMMANDS; ++i) {
+        state->before[i] = state->after[i] = state->wanted[i];
+    }
+    ng_policy_step(state->after, state->before, state->step);
+}
+
+int ng_tell(ng_state *state, const ng_real command[NG_COMMANDS])
+{
+    int refused = 0;
+    for (int i = 0; i < NG_COMMANDS; ++i) {
+        const ng_real given = command[i];
+        if (given == given) {
+            state->wanted[i] = ng_clamp(given, ng_command_low[i], ng_command_high[i]);
+        }
+        refused += !(given >= ng_command_low[i] && given <= ng_command_high[i]);
+    }
+    return refused;
+}
+#endif
 
 ng_config ng_config_of(const ng_law *law)
 {

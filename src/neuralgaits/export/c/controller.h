@@ -10,6 +10,10 @@
 #include "gait.h"
 #include "ng_math.h"
 
+#ifndef NG_COMMANDS
+#define NG_COMMANDS 0 /* a gait that is told nothing */
+#endif
+
 /* How torques follow from what the policy wants. */
 typedef enum {
     NG_JOINT_PD,   /* torque = -stiffness (q_a - y_d) - damping (dq_a - dy_d) */
@@ -103,6 +107,12 @@ typedef struct {
     ng_real torque[NG_LEGS][NG_LEG_JOINTS]; /* of the last tick [N m] */
     ng_real airborne;                       /* time since a foot felt the ground [s] */
     ng_fault fault;
+#if NG_COMMANDS
+    ng_real wanted[NG_COMMANDS];            /* wish for the steps to come, see ng_tell */
+    ng_real before[NG_COMMANDS];            /* what the step before was told */
+    ng_real after[NG_COMMANDS];             /* what this step is told */
+    ng_real step[NG_STEP];                  /* what follows from both; computed at touchdowns */
+#endif
 } ng_state;
 
 /* What a tick decided, and what it saw. After a fault only torque, leg and fault are set. */
@@ -126,8 +136,24 @@ typedef struct {
 /* The robot's limits; no startup blending. */
 ng_config ng_config_of(const ng_law *law);
 
-/* Before the first tick, standing on `leg`. Clears a fault. */
+/*
+ * Before the first tick, standing on `leg`. Clears a fault. A gait with commands begins in the
+ * middle of their ranges.
+ */
 void ng_start(ng_state *state, int leg);
+
+#if NG_COMMANDS
+/* The same at other commands, clamped to their ranges. */
+void ng_start_at(ng_state *state, int leg, const ng_real command[NG_COMMANDS]);
+
+/*
+ * What the next touchdowns are to go to, units and order as in ng_command_low; at any time. A
+ * command outside its range is clamped; one that is no number leaves the last wish; a change that
+ * the gait cannot follow in one step is spread over several. Returns how many commands were not
+ * taken as they were given.
+ */
+int ng_tell(ng_state *state, const ng_real command[NG_COMMANDS]);
+#endif
 
 /* One tick. */
 void ng_step(const ng_config *config, ng_state *state, const ng_measurement *reading,

@@ -69,11 +69,18 @@ static void widen(ng_extremes *of, const ng_extremes *other)
     of->normal_force = smaller(of->normal_force, other->normal_force);
 }
 
-void ng_walk_start(ng_walk *walk, int leg)
+void ng_walk_start(ng_walk *walk, int leg, const double *command)
 {
     const ng_walk fresh = {0};
     *walk = fresh;
     ng_start(&walk->controller, leg);
+#if NG_COMMANDS
+    if (command != NULL) {
+        ng_start_at(&walk->controller, leg, command);
+    }
+#else
+    (void)command;
+#endif
     walk->push_start = INFINITY;
     walk->steady = walk->running = no_extremes();
     walk->ending = NG_RUNNING;
@@ -236,6 +243,25 @@ static void keep(const ng_walk *walk, const mjData *data, const truth_of_tick *t
     memcpy(record->hip_velocity, truth->reading.hip_velocity, sizeof record->hip_velocity);
     memcpy(record->normal_force, walk->touch, sizeof record->normal_force);
     memcpy(record->floor, walk->floor, sizeof record->floor);
+#if NG_COMMANDS
+    memcpy(record->told[0], walk->controller.before, sizeof record->told[0]);
+    memcpy(record->told[1], walk->controller.after, sizeof record->told[1]);
+#endif
+}
+
+/* Keep a touchdown. */
+static void stride(ng_walk *walk, const ng_command *command, double time, double hip)
+{
+    double *row = walk->strides + NG_STRIDE * walk->strides_used++;
+    double foot[2], unused[2];
+    ng_feet(command->q, foot, unused); /* the old foothold from the new one */
+    row[0] = time;
+    row[1] = hip;
+    row[2] = -foot[0];
+    row[3] = -foot[1];
+#if NG_COMMANDS
+    memcpy(row + 4, walk->controller.before, sizeof walk->controller.before);
+#endif
 }
 
 /* Swing foot above the floor through the stance foothold. */
@@ -254,7 +280,18 @@ static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, con
     look(scene, walk, data, &truth);
     ng_measurement seen = truth.reading;
     blur(scene, noise, &seen);
+#if NG_COMMANDS
+    if (walk->orders != NULL) {
+        ng_tell(&walk->controller, walk->orders + NG_COMMANDS * walk->orders_used);
+    }
+#endif
     ng_step(&scene->config, &walk->controller, &seen, command);
+#if NG_COMMANDS
+    walk->orders_used += command->touchdown;
+#endif
+    if (command->touchdown && walk->strides != NULL) {
+        stride(walk, command, data->time, truth.hip[0]);
+    }
     walk->time_us += (uint32_t)(NG_PERIOD * MICROSECONDS + 0.5);
     walk->age = command->touchdown ? 0.0 : walk->age + NG_PERIOD;
     gauge(scene, walk, command, data->time, truth.hip[0]);
@@ -285,6 +322,11 @@ static void lay_floors(const ng_scene *scene, ng_walk *walk, const ng_command *c
     }
     if (command->touchdown) {
         walk->next_rise = walk->rises[walk->rises_used++];
+#if NG_COMMANDS
+        if (scene->told_height) {
+            walk->next_rise += walk->controller.after[scene->told_height - 1];
+        }
+#endif
         walk->rise_pending = 1;
     }
     if (!walk->rise_pending || !(command->z[0] > 0.0)) {

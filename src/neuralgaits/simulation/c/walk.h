@@ -52,6 +52,8 @@ typedef struct {
     /* Floor and push. */
     double slope;                     /* rise per metre forward */
     int uneven;                       /* whether floors change their height */
+    int told_height;                  /* place of the command that says how high the next foothold
+                                         is, counted from 1; 0 without one */
     double room_under_foot;           /* a floor rises only below a foot that is higher [m] */
     double push_force;                /* [N] */
     double push_s;                    /* how long it lasts [s] */
@@ -84,6 +86,12 @@ typedef struct {
     double energy; /* mechanical work so far [J] */
 } ng_milestone;
 
+/*
+ * A touchdown in numbers: time [s], hip [m], the new foothold from the old one, (x, z) [m], and
+ * what the step that ended there was told.
+ */
+#define NG_STRIDE (4 + NG_COMMANDS)
+
 /* One walk. */
 typedef struct {
     ng_state controller;
@@ -99,6 +107,12 @@ typedef struct {
     double push_start;        /* [s] */
     double push_wait;         /* from its touchdown to the push [s] */
     double *late;             /* controls under way: delay_ticks + 1 rows of nu */
+    double *strides;          /* rows of NG_STRIDE, more than touchdowns to come; or NULL */
+    int strides_used;
+#if NG_COMMANDS
+    const double *orders;     /* rows of NG_COMMANDS: what each touchdown to come is to latch */
+    int orders_used;
+#endif
     int ticks;
     int steps;
     int saturated;            /* ticks */
@@ -125,13 +139,19 @@ typedef struct {
     double normal_force[NG_LEGS];                /* [N] */
     double floor[NG_LEGS];                       /* [m] */
     double clearance;                            /* swing foot above the slope [m] */
+#if NG_COMMANDS
+    double told[2][NG_COMMANDS];                 /* of the step before, and of this one */
+#endif
 } ng_record;
 
 /* Sizes of ng_scene, ng_walk and ng_record, for hosts in other languages. */
 void ng_walk_sizes(int sizes[3]);
 
-/* Before the first tick, standing on `leg`; then the caller sets rises, late and the push. */
-void ng_walk_start(ng_walk *walk, int leg);
+/*
+ * Before the first tick, standing on `leg`, at a command that has been the same for long (NG_COMMANDS
+ * numbers, or NULL); then the caller sets rises, late, strides, orders and the push.
+ */
+void ng_walk_start(ng_walk *walk, int leg, const double *command);
 
 /*
  * Walk on for up to `ticks` ticks, or to the end. `data` holds the walk's state.
