@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed, MiddleReturns
+from neuralgaits.barriers.conditions import FencesApart
 from neuralgaits.barriers.regions import Box, CommandedGait, CommandedTube, Gait
 from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import pendulum_height, start_tube, walking
@@ -33,6 +34,8 @@ MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
 """Rows that aims are looked at for: any will do, they look at the whole middle."""
 SLOWEST = 0.3
 """Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for."""
+APART = 0.3
+"""Scale of how far the fences are from zero and from each other, in the unit of zeta."""
 MORE_SAMPLES, MORE_STEPS, LEARNING_RATE = 2, 4000, 3e-3
 
 
@@ -81,7 +84,7 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
         largest_gradient=5.0,
     )
     return replace(
-        plain,
+        plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
         new_gait=partial(_new_gait, robot, commands),
         recipe=recipe,

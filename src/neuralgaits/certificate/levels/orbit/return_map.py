@@ -53,20 +53,28 @@ class Landing(NamedTuple):
     """rho: distance of a neighbour after the reset per distance before it."""
 
 
+def _next(gait: Gait, zd: ZeroDynamics) -> ZeroDynamics:
+    """Zero dynamics of the next step, if the command stays."""
+    if gait.next_tube is None:
+        return zd
+    return ZeroDynamics(zd.robot, gait.policy.following, zd.residual, zd.reset_residual)
+
+
 def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     """Reset of a chart point near the guard. The formula of rho holds at its own guard level."""
 
     def ends(phase, zeta):
         point = zd.point(state(gait, phase, zeta))
         after = point.z_after
-        return point.foot_above_ground, gait.phase(after[0]), 0.5 * after[1] * after[1]
+        then = gait.following.phase(after[0])
+        return point.foot_above_ground, then, 0.5 * after[1] * after[1]
 
     zeta = 0.5 * gait.z(u)[1] ** 2
     here, one, zero = (u[0], zeta), jnp.ones_like(zeta), jnp.zeros_like(zeta)
     (_, phase, after), by_phase = jax.jvp(ends, here, (one, zero))
     by_zeta = jax.jvp(ends, here, (zero, one))[1]
     before = slope(gait, zd.point(state(gait, *here)))
-    behind = slope(gait, zd.point(state(gait, phase, after)))
+    behind = slope(gait.following, _next(gait, zd).point(state(gait.following, phase, after)))
     # A neighbour at zeta + 1 meets the guard later by `later` phases, and `off` away from here.
     later = -by_zeta[0] / (by_phase[0] + by_zeta[0] * before)
     off = 1.0 + before * later

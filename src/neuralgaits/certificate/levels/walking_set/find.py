@@ -20,6 +20,10 @@ STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
 phase 1 by more than the last is not treated."""
 CLEAR = 1e-12
 """Height that the foot must have before and behind the guard's strip [m]: more than rounding."""
+FEW_PHASES, FEW_LEVELS, PAIRS, CHUNK = 61, 5, 5, 4096
+"""Fewer of them, with so many values of each axis of the commands, at most so many at once."""
+TOLD = 4.0
+"""Phases that a reset lands in per one that is seen, where lengths differ with the commands."""
 SHARE = 0.5
 """Share of its vertical speed at either end of the step that the foot must keep."""
 
@@ -27,8 +31,15 @@ SHARE = 0.5
 def find_set(
     spec: GaitSpec, look: Look, disturbance: tuple[float, float] = (0.0, 0.0)
 ) -> WalkingSet | str:
-    """Parameters of the walking set, or one sentence that says why there are none."""
-    levels = np.linspace(0.0, 1.0, LEVELS)
+    """Parameters of the walking set, or one sentence that says why there are none.
+
+    Of a gait with commands they are those of the worst pair that is looked at.
+    """
+    told = tuple(command.name for command in spec.commands)
+    count, levels = PHASES, np.linspace(0.0, 1.0, LEVELS)
+    if told:
+        look = _over_pairs(spec, look)
+        count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
     strip = _guard_strip(look, levels)
     if strip is None:
         return (
@@ -37,18 +48,18 @@ def find_set(
         )
     guard = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
     landed = np.abs(look(guard)["after"][:, 0]).max()
-    start_strip = float(2.0 * landed + 1e-9)
+    start_strip = float((TOLD if told else 2.0) * landed + 1e-9)
     if not start_strip < STRIPS[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
-    phases = np.linspace(0.0, 1.0, PHASES)
-    rate = look(_grid(phases, levels))["foot_rate"].reshape(PHASES, LEVELS)
+    phases = np.linspace(0.0, 1.0, count)
+    rate = look(_grid(phases, levels))["foot_rate"].reshape(count, -1)
     slowest, fastest = rate.min(axis=1), rate.max(axis=1)
     if slowest[0] <= 0.0 or fastest[-1] >= 0.0:
         return "the swing foot does not rise at the start of the step, or does not fall at its end"
     rising = slowest >= SHARE * slowest[0]
     falling = fastest <= SHARE * fastest[-1]
     risen = phases[np.argmin(rising) - 1]
-    fall = phases[PHASES - np.argmin(falling[::-1])]
+    fall = phases[count - np.argmin(falling[::-1])]
     return WalkingSet(
         start_strip=start_strip,
         guard_strip=strip,
@@ -57,6 +68,7 @@ def find_set(
         disturbance=disturbance,
         barriers=names_of(spec)[0],
         carried=names_of(spec)[1],
+        told=told,
     )
 
 
@@ -67,6 +79,20 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
         tuple(c.name for c in spec.conditions if isinstance(c, Barrier)),
         tuple(c.name for c in spec.conditions if isinstance(c, carried)),
     )
+
+
+def _over_pairs(spec: GaitSpec, look: Look) -> Look:
+    """Looks at points of (phase, level) with many pairs of commands, one point after the other."""
+    axes = [np.linspace(low, high, PAIRS) for c in spec.commands for _, low, high in c.axes]
+    pairs = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+
+    def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
+        rows = np.repeat(u, len(pairs), axis=0)
+        rows = np.hstack([rows, np.tile(pairs, (len(u), 1))])
+        parts = [look(rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    return over
 
 
 def _guard_strip(look: Look, levels: np.ndarray) -> float | None:
