@@ -256,7 +256,10 @@ class Gait(eqx.Module):
 
     def phase(self, z1: Scalar) -> Scalar:
         """Phase of the step at hip position z1."""
+        anchor = getattr(self.policy, "anchor", None)
         start, guard = self.span
+        if anchor is not None:
+            return anchor[0] + (z1 - anchor[1]) / (guard - start)
         return (z1 - start) / (guard - start)
 
     def z(self, u: Float[Array, "2"]) -> ZeroState:

@@ -29,6 +29,7 @@ from neuralgaits.gait.step_ends import (
     Start,
     cubic_between,
     inside,
+    logit_ends,
     on_foothold,
     start_after,
 )
@@ -56,6 +57,10 @@ class HybridInvariantPolicy(AbstractPolicy):
         momentum_ratio: z2 after impact / z2 before; follows likewise.
         told: what the robot was told of this step; None for a gait without commands.
         then: the policy of the next step, if the command stays; None for this one.
+        ends: values and slopes of H at phases 0 and 1, (H0, H0', H1, H1'), in whose terms it is
+            evaluated if they are given: bounds of it are then as tight as those of its ends. [4, m]
+        anchor: a phase and the z1 that it is at; None where both are numbers. Phases are then
+            told from there, so that what start and guard depend on cancels. [2]
     """
 
     network: Network
@@ -74,6 +79,8 @@ class HybridInvariantPolicy(AbstractPolicy):
     z2_dependence: bool = eqx.field(static=True)
     told: Step | None = None
     then: "HybridInvariantPolicy | None" = None
+    ends: Float[Array, "4 m"] | None = None
+    anchor: Float[Array, "2"] | None = None
 
     @classmethod
     def init(
@@ -126,15 +133,30 @@ class HybridInvariantPolicy(AbstractPolicy):
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
-        phase = (z[0] - self.z_start) / (self.z_guard - self.z_start)
+        phase = self.phase(z[0])
         inputs = scaled_inputs(z, self.input_scale, self.input_shift)
         if not self.z2_dependence:
             inputs = jnp.stack([inputs[0], jnp.zeros_like(inputs[0])])
         bump = 4.0 * phase * (1.0 - phase)
-        a0, a1, a2, a3 = self.cubic
-        path = a0 + phase * (a1 + phase * (a2 + phase * a3))
-        share = logistic(path + (4.0 * bump * bump) * self.network(inputs))
+        share = logistic(self._path(phase) + (4.0 * bump * bump) * self.network(inputs))
         return self.lower + (self.upper - self.lower) * share
+
+    def phase(self, z1: Scalar) -> Scalar:
+        """Phase of the step at a hip position."""
+        if self.anchor is None:
+            return (z1 - self.z_start) / (self.z_guard - self.z_start)
+        return self.anchor[0] + (z1 - self.anchor[1]) / (self.z_guard - self.z_start)
+
+    def _path(self, phase: Scalar) -> Actuated:
+        """H, in powers of the phase or in terms of its ends."""
+        if self.ends is None:
+            a0, a1, a2, a3 = self.cubic
+            return a0 + phase * (a1 + phase * (a2 + phase * a3))
+        rest = 1.0 - phase
+        p0, d0, p1, d1 = self.ends
+        near = (1.0 + 2.0 * phase) * p0 + phase * d0
+        far = (1.0 + 2.0 * rest) * p1 - rest * d1
+        return (rest * rest) * near + (phase * phase) * far
 
     @property
     def step(self) -> Step | None:
@@ -171,7 +193,8 @@ class HybridInvariantPolicy(AbstractPolicy):
         if not exact:
             first = start._replace(outputs=inside(start.outputs, self.lower, self.upper))
             last = guard._replace(outputs=inside(guard.outputs, self.lower, self.upper))
-        return eqx.tree_at(
+        ends = logit_ends(first, last, self.lower, self.upper)
+        found = eqx.tree_at(
             lambda p: (
                 p.guard_outputs,
                 p.guard_slopes,
@@ -188,12 +211,15 @@ class HybridInvariantPolicy(AbstractPolicy):
                 guard.slopes,
                 guard.z1,
                 start.z1,
-                cubic_between(first, last, self.lower, self.upper),
+                cubic_between(ends),
                 start.outputs,
                 start.slopes,
                 start.momentum_ratio,
             ),
         )
+        if not exact:
+            return found
+        return eqx.tree_at(lambda p: p.ends, found, ends, is_leaf=lambda leaf: leaf is None)
 
     def trainable(self) -> "HybridInvariantPolicy":
         """Network, guard outputs and guard slopes may move; the rest follows or is fixed."""

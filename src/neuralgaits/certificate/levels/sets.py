@@ -22,7 +22,7 @@ from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
 from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_orbit
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
-from neuralgaits.certificate.levels.walking_set.find import find_set
+from neuralgaits.certificate.levels.walking_set.find import find_set, least_of_inlet
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.provable import step_at
 from neuralgaits.certificate.search.branch_and_bound import Confirm
@@ -84,7 +84,7 @@ def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, flo
     found = find_set(of.spec, of.look, of.disturbance)
     if isinstance(found, str):
         return found
-    return found, {"set/reset-phase": -found.start_strip}
+    return found, least_of_inlet(of.spec, of.look, found)
 
 
 def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
@@ -193,10 +193,7 @@ def look_at(gait: AnyGait, zd: ZeroDynamics) -> Look:
 
 def one_step(gait: AnyGait, zd: ZeroDynamics, u: Array) -> tuple[Gait, ZeroDynamics]:
     """Gait and zero dynamics of the step that a chart point belongs to."""
-    step = gait.at(zd.robot, u[PLANE:], zd.reset_residual, exact=True)
-    if step is gait:
-        return step, zd
-    return step, ZeroDynamics(zd.robot, step.policy, zd.residual, zd.reset_residual)
+    return step_at(zd.robot, gait, u, Residuals(zd.residual, zd.reset_residual))
 
 
 def fences_of(gait: Gait) -> Fences:
@@ -213,6 +210,7 @@ def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str,
     """Flow, swing foot, reset and how trajectories part, at one chart point."""
     point, landed = zd.point(gait.z(u)), return_map.landing(gait, zd, u)
     start, guard = gait.span
+    fences = gait.tube.fences(0.0)
     return {
         "foot": point.foot_above_ground,
         "foot_rate": point.foot_lift_rate,
@@ -220,6 +218,8 @@ def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str,
         "slope": return_map.slope(gait, point),
         "expansion": return_map.expansion(gait, zd, u),
         "after": jnp.stack([landed.phase, landed.zeta]),
+        "stride": guard - start,
+        "steepness": gait.tube.fence_slopes(u[0]) / (fences[1] - fences[0]),
         "gain": landed.gain,
     }
 

@@ -22,8 +22,12 @@ CLEAR = 1e-12
 """Height that the foot must have before and behind the guard's strip [m]: more than rounding."""
 FEW_PHASES, FEW_LEVELS, PAIRS, CHUNK = 61, 5, 5, 4096
 """Fewer of them, with so many values of each axis of the commands, at most so many at once."""
-TOLD = 4.0
+TOLD = 1.5
 """Phases that a reset lands in per one that is seen, where lengths differ with the commands."""
+CLEAR_TOLD = 5e-5
+"""Height that the foot must have there [m]: more than bounds over commands are apart."""
+ROOM = 1.2
+"""How much more than what is seen at points bounds may be, where they enclose constants."""
 SHARE = 0.5
 """Share of its vertical speed at either end of the step that the foot must keep."""
 
@@ -40,7 +44,7 @@ def find_set(
     if told:
         look = _over_pairs(spec, look)
         count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
-    strip = _guard_strip(look, levels)
+    strip = _guard_strip(look, levels, CLEAR_TOLD if told else CLEAR)
     if strip is None:
         return (
             "the swing foot does not go through the ground everywhere within "
@@ -81,6 +85,20 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
     )
 
 
+def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str, float]:
+    """What outputs that enclose constants must reach."""
+    if not shape.told:
+        return {"set/reset-phase": -shape.start_strip}
+    phases = np.array([-shape.start_strip, 0.0, shape.start_strip])
+    found = _over_pairs(spec, look)(_grid(phases, np.zeros(1)))
+    steep = ROOM * float(np.abs(found["steepness"]).max())
+    return {
+        "set/reset-place": -shape.start_strip * float(found["stride"].min()) / ROOM,
+        "set/steepness": -steep,
+        "set/inlet": ROOM * shape.start_strip * steep,
+    }
+
+
 def _over_pairs(spec: GaitSpec, look: Look) -> Look:
     """Looks at points of (phase, level) with many pairs of commands, one point after the other."""
     axes = [np.linspace(low, high, PAIRS) for c in spec.commands for _, low, high in c.axes]
@@ -95,12 +113,12 @@ def _over_pairs(spec: GaitSpec, look: Look) -> Look:
     return over
 
 
-def _guard_strip(look: Look, levels: np.ndarray) -> float | None:
+def _guard_strip(look: Look, levels: np.ndarray, clear: float) -> float | None:
     """A strip around phase 1 with the foot above the ground before it and below it behind."""
     for number, width in enumerate(STRIPS):
         above = look(_grid(np.array([1.0 - width]), levels))["foot"]
         below = look(_grid(np.array([1.0 + width]), levels))["foot"]
-        if above.min() > CLEAR and below.max() < -CLEAR:
+        if above.min() > clear and below.max() < -clear:
             return STRIPS[min(number + 1, len(STRIPS) - 1)]
     return None
 
