@@ -23,7 +23,7 @@ CLEAR = 1e-12
 FEW_PHASES, FEW_LEVELS, PAIRS, CHUNK = 61, 5, 5, 4096
 """Fewer of them, with so many values of each axis of the commands, at most so many at once."""
 TOLD = 1.5
-"""Phases that a reset lands in per one that is seen, where lengths differ with the commands."""
+"""Phases that a reset may land in per one that is seen, but for how lengths differ."""
 CLEAR_TOLD = 5e-5
 """Height that the foot must have there [m]: more than bounds over commands are apart."""
 ROOM = 1.2
@@ -51,8 +51,10 @@ def find_set(
             f"{STRIPS[-1]} phases of the guard"
         )
     guard = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
-    landed = np.abs(look(guard)["after"][:, 0]).max()
-    start_strip = float((TOLD if told else 2.0) * landed + 1e-9)
+    seen = look(guard)
+    landed = np.abs(seen["after"][:, 0]).max()
+    more = TOLD * seen["stride"].max() / seen["stride"].min() if told else 2.0
+    start_strip = float(more * landed + 1e-9)
     if not start_strip < STRIPS[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
     phases = np.linspace(0.0, 1.0, count)
@@ -89,11 +91,15 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
     """What outputs that enclose constants must reach."""
     if not shape.told:
         return {"set/reset-phase": -shape.start_strip}
-    phases = np.array([-shape.start_strip, 0.0, shape.start_strip])
-    found = _over_pairs(spec, look)(_grid(phases, np.zeros(1)))
-    steep = ROOM * float(np.abs(found["steepness"]).max())
+    over = _over_pairs(spec, look)
+    found = over(_grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
+    phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
+    pace = float(over(_grid(phases, levels))["pace"].min())
+    steep, stride = ROOM * float(np.abs(found["steepness"]).max()), float(found["stride"].min())
     return {
-        "set/reset-place": -shape.start_strip * float(found["stride"].min()) / ROOM,
+        "set/forward": SHARE * pace,
+        "set/stride": stride / ROOM**0.5,
+        "set/reset-place": -shape.start_strip * stride / ROOM,
         "set/steepness": -steep,
         "set/inlet": ROOM * shape.start_strip * steep,
     }
