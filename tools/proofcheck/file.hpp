@@ -201,8 +201,10 @@ double one_and(double x) {
 
 WalkingSet walking_set_of(const Json& table) {
   const string what = "level 2";
-  only(table, what, {"start_strip", "guard_strip", "risen", "falling", "disturbance", "barriers",
-                     "carried"});
+  vector<string> fields = {"start_strip", "guard_strip", "risen",  "falling",
+                           "disturbance", "barriers",    "carried"};
+  if (table.find("told")) fields.push_back("told");
+  only(table, what, fields);
   const auto number = [&](const char* name) { return hexadecimal(field(table, what, name), name); };
   WalkingSet t;
   t.start_strip = number("start_strip");
@@ -218,6 +220,7 @@ WalkingSet walking_set_of(const Json& table) {
   std::copy(push.begin(), push.end(), t.push);
   t.barriers = names_of(field(table, what, "barriers"), "barriers");
   t.carried = names_of(field(table, what, "carried"), "carried conditions");
+  if (const Json* told = table.find("told")) t.told = names_of(*told, "commands");
   return t;
 }
 
