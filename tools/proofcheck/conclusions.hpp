@@ -143,8 +143,10 @@ class Conclusions {
   // the phase after the reset to that of the guard: the step, less or more what is in the strips.
   vector<string> attraction() const {
     const WalkingSet& t = *file_.theorems.walking;
-    if (!t.told.empty()) throw DoesNotFollow{"level 3 is about one orbit, and commands have many"};
     const Orbit& o = *file_.theorems.orbit;
+    if (t.told.empty() == o.walks)
+      throw DoesNotFollow{"its parameters are not those of a gait with commands, or of one without"};
+    if (o.walks) return any_two_walks(t, o);
     if (!(t.falling < o.guard_from && o.guard_from < o.guard_to && o.guard_to <= t.last))
       throw DoesNotFollow{"the thin tube's guard is not where the foot falls"};
     const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
@@ -332,6 +334,27 @@ class Conclusions {
       throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
     if (!(share > (steepness * I(t.start_strip)).high()))
       throw DoesNotFollow{"a reset may land outside the fences of a step told another command"};
+  }
+
+  // Two walks under the same commands. Along a step the zeta of neighbours part as dF/dzeta says;
+  // a reset makes of 1 a distance of `gain` in zeta, `moved` metres ahead, where the flow of
+  // whatever step comes next changes zeta by `along` a metre at most.
+  vector<string> any_two_walks(const WalkingSet& t, const Orbit& o) const {
+    not_negative("orbit/expansion", t.whole());
+    const I gain(-bound("orbit/gain", t.strip())), moved(-bound("orbit/moved", t.strip())),
+        along(-bound("orbit/along", t.start()));
+    const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
+    const I ends = I(t.start_strip) + I(larger(behind, before));
+    const I edge = I(1.0) + I(larger(t.start_strip, larger(behind, before)));
+    const I left = (gain + moved * along) *
+                   exp(over_step(o.expansion) + ends * largest(o.expansion, edge));
+    if (!(left.high() < 1.0))
+      throw DoesNotFollow{"walks are not shown to converge: a step makes " + at_most(left.high()) +
+                          " of 1"};
+    return {"any two trajectories of the undisturbed system in T under the same admissible commands "
+            "converge: from step to step their distance in zeta = z2^2 / 2 at a phase shrinks to " +
+                at_most(left.high()) + " of it or less, whatever the commands are",
+            admissible(t)};
   }
 
   // Which commands may follow each other: all pairs on a command's two axes, which are the commands

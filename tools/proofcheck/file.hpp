@@ -156,7 +156,9 @@ Statement statement_of(const Json& table, const Chart& chart,
 string label_of(const string& premise) {
   if (premise.rfind("set/", 0) == 0) return "walking set";
   if (premise.rfind("full/", 0) == 0) return "full order";
-  return premise == "orbit/expansion" || premise == "orbit/gain" ? "return map" : "orbit";
+  static const std::set<string> of_return_map = {"orbit/expansion", "orbit/gain", "orbit/moved",
+                                                "orbit/along"};
+  return of_return_map.count(premise) ? "return map" : "orbit";
 }
 
 // A statement about a condition is one about its region, in its scale; beyond the ends of a step a
@@ -226,10 +228,17 @@ WalkingSet walking_set_of(const Json& table) {
 
 Orbit orbit_of(const Json& table, const Tube& tube) {
   const string what = "level 3";
-  only(table, what, {"attraction", "guard_from", "guard_to", "lower", "upper", "expansion",
-                     "slowest", "fastest"});
   const auto series = [&](const char* name) { return series_of(field(table, what, name), name); };
   const string attraction = text_of(field(table, what, "attraction"), "attraction");
+  if (attraction == "any two walks") {
+    only(table, what, {"attraction", "expansion"});
+    Orbit o;
+    o.walks = true;
+    o.expansion = series("expansion");
+    return o;
+  }
+  only(table, what, {"attraction", "guard_from", "guard_to", "lower", "upper", "expansion",
+                     "slowest", "fastest"});
   if (attraction != "contraction" && attraction != "nested tubes")
     refuse("attraction by " + attraction);
   Orbit o;

@@ -58,6 +58,7 @@ struct WalkingSet {
 struct Orbit {
   Tube thin;
   bool nested = false;  // Attraction by nested tubes, not by contraction.
+  bool walks = false;   // Of a gait with commands: no thin tube, any two walks converge.
   double guard_from = 0.0, guard_to = 0.0;
   vector<double> expansion, slowest, fastest;  // Chebyshev series of bounds on dF/dzeta.
   bool claimed = false;
@@ -185,6 +186,8 @@ const std::map<string, Meaning>& theorem_outputs() {
       {"set/within-bounds", {"both ends of a step inside the outputs' bounds", "rad"}},
       {"set/reset-level", {"reset inside the fences and forward", "tube widths, or of z2"}},
       {"orbit/expansion", {"a series less dF/dzeta on the set", "per step"}},
+      {"orbit/moved", {"minus how far ahead a neighbour lands", "m of zeta before"}},
+      {"orbit/along", {"minus the size of d zeta / d z1 along the flow", "of zeta a m"}},
       {"orbit/gain", {"minus the size of the gain rho on the set's guard", ""}},
       {"orbit/fence-lower", {"flow inward over the thin tube's lower fence", "widths a step"}},
       {"orbit/fence-upper", {"flow inward over the thin tube's upper fence", "widths a step"}},

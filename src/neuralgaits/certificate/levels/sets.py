@@ -20,9 +20,13 @@ from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
 from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
-from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_orbit
+from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_contraction, find_orbit
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
-from neuralgaits.certificate.levels.walking_set.find import find_set, least_of_inlet
+from neuralgaits.certificate.levels.walking_set.find import (
+    find_set,
+    least_of_inlet,
+    over_pairs,
+)
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.provable import step_at
 from neuralgaits.certificate.search.branch_and_bound import Confirm
@@ -89,7 +93,7 @@ def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, flo
 
 def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     if not isinstance(of.gait, Gait):
-        return "it is about one orbit, and there is one for each command that stays"
+        return find_contraction(over_pairs(of.spec, of.look), known[2])
     return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
 
 
@@ -221,6 +225,8 @@ def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str,
         "stride": guard - start,
         "steepness": gait.tube.fence_slopes(u[0]) / (fences[1] - fences[0]),
         "gain": landed.gain,
+        "moved_zeta": landed.moved_zeta,
+        "moved_z1": landed.moved_z1,
     }
 
 

@@ -51,6 +51,10 @@ class Landing(NamedTuple):
     """zeta after the reset [(kg m^2/s)^2]."""
     gain: Scalar
     """rho: distance of a neighbour after the reset per distance before it."""
+    moved_zeta: Scalar
+    """The part of it that is in zeta where the neighbour lands."""
+    moved_z1: Scalar
+    """How much further ahead that is, per distance before it [m / (kg m^2/s)^2]."""
 
 
 def _next(gait: Gait, zd: ZeroDynamics) -> ZeroDynamics:
@@ -80,4 +84,6 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     off = 1.0 + before * later
     moved_phase = by_phase[1] * later + by_zeta[1] * off
     moved_zeta = by_phase[2] * later + by_zeta[2] * off
-    return Landing(phase, after, moved_zeta - behind * moved_phase)
+    start, guard = gait.following.span
+    moved_z1 = moved_phase * (guard - start)
+    return Landing(phase, after, moved_zeta - behind * moved_phase, moved_zeta, moved_z1)

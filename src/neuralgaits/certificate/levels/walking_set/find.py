@@ -42,7 +42,7 @@ def find_set(
     told = tuple(command.name for command in spec.commands)
     count, levels = PHASES, np.linspace(0.0, 1.0, LEVELS)
     if told:
-        look = _over_pairs(spec, look)
+        look = over_pairs(spec, look)
         count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
     strip = _guard_strip(look, levels, CLEAR_TOLD if told else CLEAR)
     if strip is None:
@@ -91,7 +91,7 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
     """What outputs that enclose constants must reach."""
     if not shape.told:
         return {"set/reset-phase": -shape.start_strip}
-    over = _over_pairs(spec, look)
+    over = over_pairs(spec, look)
     found = over(_grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
     phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
     pace = float(over(_grid(phases, levels))["pace"].min())
@@ -105,7 +105,7 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
     }
 
 
-def _over_pairs(spec: GaitSpec, look: Look) -> Look:
+def over_pairs(spec: GaitSpec, look: Look) -> Look:
     """Looks at points of (phase, level) with many pairs of commands, one point after the other."""
     axes = [np.linspace(low, high, PAIRS) for c in spec.commands for _, low, high in c.axes]
     pairs = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
