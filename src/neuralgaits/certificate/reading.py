@@ -85,9 +85,7 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     run = folder.path
     found = hashes(run)
     if more := [n for n in summary.sha256 if n not in found and summary.sha256[n] is not None]:
-        raise _Unfit(
-            f"{SUMMARY} is about another file too, {more[0]}, as earlier versions"
-        )
+        raise _Unfit(f"{SUMMARY} is about another file too, {more[0]}, as earlier versions")
     for name in FILES:
         digest = found[name]
         if summary.sha256.get(name) != digest:

@@ -111,10 +111,8 @@ def start_after(
     return Start(robot.hip_gradient @ after.q, after.q[1:], after.dq[1:] / speed, ratio)
 
 
-def logit_ends(
-    start: Start, guard: Guard, lower: Actuated, upper: Actuated
-) -> Float[Array, "4 m"]:
-    """Value and slope by the phase at phase 0, then at phase 1, of a path in logit space. [4, m]."""
+def logit_ends(start: Start, guard: Guard, lower: Actuated, upper: Actuated) -> Float[Array, "4 m"]:
+    """Value and slope by the phase of a path in logit space, at phase 0, then at 1. [4, m]."""
     width, span = upper - lower, guard.z1 - start.z1
     logits, logit_slopes = [], []
     for end in (start, guard):

@@ -101,4 +101,5 @@ def _of_parameters(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:
         yield f"admissible are commands of {' and '.join(pairs)}"
     elif chart.parameters:
         given = [f"{axis.name} in [{axis.low!r}, {axis.high!r}]" for axis in chart.parameters]
-        yield f"this holds for each fixed {' and '.join(given)}; of one that changes it says nothing"
+        fixed = " and ".join(given)
+        yield f"this holds for each fixed {fixed}; of one that changes it says nothing"

@@ -159,10 +159,11 @@ def find_sets(
     """Look for the sets that a level speaks of.
 
     Args:
-        spec, gait, zd: of a run; the robot and residuals of `zd` count, its policy only where
-            there are no commands.
+        spec: of a run.
+        gait: of the run.
+        zd: whose robot and residuals count; its policy only where there are no commands.
         level: up to which.
-        disturbance: see `Subject`.
+        disturbance: of `Subject`.
 
     Raises: SpecError if nothing can be traced.
     """
@@ -222,7 +223,7 @@ def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str,
         "slope": return_map.slope(gait, point),
         "expansion": return_map.expansion(gait, zd, u),
         "after": jnp.stack([landed.phase, landed.zeta]),
-        "stride": guard - start,
+        "stride": jnp.asarray(guard - start),
         "steepness": gait.tube.fence_slopes(u[0]) / (fences[1] - fences[0]),
         "gain": landed.gain,
         "moved_zeta": landed.moved_zeta,
@@ -248,7 +249,9 @@ def trace_certificate(
         step, zd = step_at(robot, gait, u, residuals)
         return spec.margins(step, zd, u[:PLANE]) | set_margins(spec, step, zd, sets, u, xi)
 
-    inputs = {"u": (spec.chart_size,)} | ({"xi": (full_order.size_of(robot),)} if sets.full_order else {})
+    inputs = {"u": (spec.chart_size,)}
+    if sets.full_order:
+        inputs["xi"] = (full_order.size_of(robot),)
     parameters = {"policy": gait.policy, "tube": gait.tube}
     return trace(margins, inputs, parameters=parameters | _named(sets))
 
@@ -339,15 +342,6 @@ def premise_problems(
         names = roots.setdefault((region, kind, low, high), [])
         if name not in names:
             names.append(name)
-    how = {
-        region: SIGN_ONLY
-        if chart.parameters
-        else {
-            "claimed": Problem.claimed if region == SET else CLAIMED,
-            "tight": TIGHT.get(region, 0.0),
-        }
-        for region, *_ in roots
-    }
     return [
         Problem(
             region,
@@ -356,7 +350,13 @@ def premise_problems(
             tuple(scales.get(name, 1.0) for name in names),
             prune(program, names),
             least=tuple(sets.least.get(name, 0.0) for name in names),
-            **how[region],
+            **(SIGN_ONLY if chart.parameters else _how_near(region)),
         )
         for (region, _, low, high), names in roots.items()
     ]
+
+
+def _how_near(label: str) -> dict[str, Any]:
+    """How near the margins of premises are found and claimed, in the plane."""
+    claimed = Problem.claimed if label == SET else CLAIMED
+    return {"claimed": claimed, "tight": TIGHT.get(label, 0.0)}

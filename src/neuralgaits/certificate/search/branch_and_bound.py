@@ -157,9 +157,7 @@ def _round(
     low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
     tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, lacking[:done])
     state = replace(state, tree=tree)
-    unsure = np.flatnonzero(
-        np.any(~(lower >= 0.0) | (lower < problem.tight * state.seen), axis=1)
-    )
+    unsure = np.flatnonzero(np.any(~(lower >= 0.0) | (lower < problem.tight * state.seen), axis=1))
     if len(unsure) > MOST_POINTS:
         worst = np.min(np.where(np.isnan(lower), -np.inf, lower)[unsure], axis=1)
         unsure = unsure[np.argpartition(worst, MOST_POINTS)[:MOST_POINTS]]

@@ -112,9 +112,7 @@ def _explore(
                     deadline=min(deadline, time.monotonic() + (WIDE_TURN_S if wide else TURN_S)),
                     progress=partial(keep, number),
                 )
-            left = [
-                n for n in left if len(to_split(problems[n], current[n], phase, room.of(n)))
-            ]
+            left = [n for n in left if len(to_split(problems[n], current[n], phase, room.of(n)))]
 
 
 class _Room:

@@ -34,14 +34,14 @@ def library(axes: int) -> ctypes.CDLL | None:
     compiler = next(filter(None, map(shutil.which, COMPILERS)), None)
     if compiler is None or os.environ.get(ENGINE) == "numpy":
         return None
-    source = resources.files(__package__).joinpath(SOURCE).read_text(encoding="utf-8")
+    folder = resources.files("neuralgaits.programs.native")
+    source = folder.joinpath(SOURCE).read_text(encoding="utf-8")
     text = "\n".join([source, *FLAGS, compiler, platform.machine(), platform.node(), str(axes)])
     name = f"bounder-{hashlib.sha256(text.encode()).hexdigest()[:24]}.so"
     with contextlib.suppress(OSError, subprocess.SubprocessError):
-        folder = cache_folder()
-        file = folder / name
+        file = cache_folder() / name
         if not file.is_file():
-            folder.mkdir(parents=True, exist_ok=True)
+            file.parent.mkdir(parents=True, exist_ok=True)
             _compile(compiler, source, axes, file)
         return _declared(ctypes.CDLL(str(file)))
     return None

@@ -80,7 +80,7 @@ def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, ".
     return {
         "set/reset-place": jnp.stack([ahead, -ahead]),
         "set/inlet": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
-        "set/stride": guard - start,
+        "set/stride": jnp.asarray(guard - start),
         "set/steepness": jnp.concatenate([steep, -steep]),
         "set/within-bounds": _within_bounds(gait.policy),
     }
