@@ -94,10 +94,16 @@ class Conclusions {
     positive("set/foot-falls", {{t.falling, 0.0}, {t.last, 1.0}});
     positive("set/foot-above", {{t.before, 0.0}, {t.before, 1.0}});
     positive("set/foot-below", {{t.last, 0.0}, {t.last, 1.0}});
-    positive("set/reset-level", t.strip());
-    if (!(bound("set/reset-phase", t.strip()) > -t.start_strip))
-      throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
-    string start = "T is every state with z2 > 0 and phase in " + interval_words(t.first, t.last) +
+    if (t.told.empty()) {
+      positive("set/reset-level", t.strip());
+      if (!(bound("set/reset-phase", t.strip()) > -t.start_strip))
+        throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
+    } else {
+      inlet(t);
+    }
+    string start = string("T") +
+                   (t.told.empty() ? "" : " of a step with its commands before and after") +
+                   " is every state with z2 > 0 and phase in " + interval_words(t.first, t.last) +
                    " between the fences";
     const vector<string> safe = barriers(t, start);
     carried(t);
@@ -107,12 +113,16 @@ class Conclusions {
     if (t.disturbed())
       push = ", whatever d(t) with |d| <= (" + brief(t.push[0]) + " m/s, " + brief(t.push[1]) +
              " N m) is added to dz,";
+    if (!t.told.empty()) push += ", whatever admissible commands follow each other,";
     vector<string> words = {
         start + ", up to where the swing foot meets the ground; its width in z2 is everywhere " +
             at_least(width) + " of its middle or more",
         "every trajectory of the projected hybrid zero dynamics that starts in T" + push +
             " stays between the fences, meets the ground once and transversally within " +
-            at_most(longest.high()) + " s, and is reset into T: it walks for ever"};
+            at_most(longest.high()) + " s, and is reset into T" +
+            (t.told.empty() ? "" : " of the next step, whatever that is told") +
+            ": it walks for ever"};
+    if (!t.told.empty()) words.push_back(admissible(t));
     const string meant =
         t.disturbed() ? ", with rates and forces of the undisturbed flow at each state" : "";
     vector<string> whole, part;
@@ -134,6 +144,9 @@ class Conclusions {
   vector<string> attraction() const {
     const WalkingSet& t = *file_.theorems.walking;
     const Orbit& o = *file_.theorems.orbit;
+    if (t.told.empty() == o.walks)
+      throw DoesNotFollow{"its parameters are not those of a gait with commands, or of one without"};
+    if (o.walks) return any_two_walks(t, o);
     if (!(t.falling < o.guard_from && o.guard_from < o.guard_to && o.guard_to <= t.last))
       throw DoesNotFollow{"the thin tube's guard is not where the foot falls"};
     const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
@@ -307,6 +320,66 @@ class Conclusions {
     }
   }
 
+  // A reset lands in T of the next step, whatever that is told. The start of a step and its fences
+  // at phase 0 depend on the command before alone, which is known; so the reset's place is told in
+  // metres from there, and its zeta against those fences. Phases are at most 1 / stride of the
+  // metres, and within start_strip of phase 0 fences are off by start_strip * steepness at most.
+  void inlet(const WalkingSet& t) const {
+    const double share = positive("set/inlet", t.strip());
+    const I place(-bound("set/reset-place", t.strip()));
+    const I stride(positive("set/stride", t.origin()));
+    not_negative("set/within-bounds", t.origin());
+    const I steepness(-bound("set/steepness", t.edge()));
+    if (!(place.high() < (I(t.start_strip) * stride).low()))
+      throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
+    if (!(share > (steepness * I(t.start_strip)).high()))
+      throw DoesNotFollow{"a reset may land outside the fences of a step told another command"};
+  }
+
+  // Two walks under the same commands. Along a step the zeta of neighbours part as dF/dzeta says;
+  // a reset makes of 1 a distance of `gain` in zeta, `moved` metres ahead, where the flow of
+  // whatever step comes next changes zeta by `along` a metre at most.
+  vector<string> any_two_walks(const WalkingSet& t, const Orbit& o) const {
+    not_negative("orbit/expansion", t.whole());
+    const I gain(-bound("orbit/gain", t.strip())), moved(-bound("orbit/moved", t.strip())),
+        along(-bound("orbit/along", t.start()));
+    const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
+    const I ends = I(t.start_strip) + I(larger(behind, before));
+    const I edge = I(1.0) + I(larger(t.start_strip, larger(behind, before)));
+    const I left = (gain + moved * along) *
+                   exp(over_step(o.expansion) + ends * largest(o.expansion, edge));
+    if (!(left.high() < 1.0))
+      throw DoesNotFollow{"walks are not shown to converge: a step makes " + at_most(left.high()) +
+                          " of 1"};
+    return {"any two trajectories of the undisturbed system in T under the same admissible commands "
+            "converge: from step to step their distance in zeta = z2^2 / 2 at a phase shrinks to " +
+                at_most(left.high()) + " of it or less, whatever the commands are",
+            admissible(t)};
+  }
+
+  // Which commands may follow each other: all pairs on a command's two axes, which are the commands
+  // before and after, or the middle of both and their difference.
+  string admissible(const WalkingSet& t) const {
+    const Chart& chart = file_.chart;
+    const DoesNotFollow none{"the chart has no axes of the commands " + listed(t.told)};
+    if (chart.size() != 2 + 2 * t.told.size()) throw none;
+    string words;
+    for (size_t k = 0; k < t.told.size(); ++k) {
+      const Axis &first = chart[2 + 2 * k], &second = chart[3 + 2 * k];
+      const string& name = t.told[k];
+      words += (k ? " and " : "") + name + " in " + interval_words(first.low, first.high);
+      if (first.name == name + " before" && second.name == name + " after" &&
+          first.low == second.low && first.high == second.high)
+        words += ", any after any";
+      else if (first.name == name && second.name == "change of " + name &&
+               second.low == -second.high)
+        words += ", by at most " + brief(second.high) + " more or less than in the step before";
+      else
+        throw none;
+    }
+    return "admissible are commands of " + words;
+  }
+
   // Barriers whose h stays >= 0 along every trajectory: T lies in h >= 0; or h >= 0 at the start and
   // dh/dt >= -alpha(h) on all of T, which carried() proves. `start` is told what is asked then.
   vector<string> barriers(const WalkingSet& t, string& start) const {
@@ -317,7 +390,9 @@ class Conclusions {
       if (condition == file_.conditions.end() ||
           (condition->second.unknown.empty() && condition->second.kind != "Barrier"))
         throw DoesNotFollow{name + " is no barrier condition of the spec"};
-      not_negative("set/after " + name, t.strip());
+      // What comes next may be told anything: h is asked wherever a reset lands.
+      if (t.told.empty()) not_negative("set/after " + name, t.strip());
+      else not_negative("set/value " + name, t.start());
       if (t.disturbed()) not_negative("set/rate " + name, t.whole());
       const bool inside = stated("set/value " + name, t.whole());
       const bool everywhere = std::count(t.carried.begin(), t.carried.end(), name) > 0 &&

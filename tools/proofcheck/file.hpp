@@ -156,7 +156,9 @@ Statement statement_of(const Json& table, const Chart& chart,
 string label_of(const string& premise) {
   if (premise.rfind("set/", 0) == 0) return "walking set";
   if (premise.rfind("full/", 0) == 0) return "full order";
-  return premise == "orbit/expansion" || premise == "orbit/gain" ? "return map" : "orbit";
+  static const std::set<string> of_return_map = {"orbit/expansion", "orbit/gain", "orbit/moved",
+                                                "orbit/along"};
+  return of_return_map.count(premise) ? "return map" : "orbit";
 }
 
 // A statement about a condition is one about its region, in its scale; beyond the ends of a step a
@@ -201,8 +203,10 @@ double one_and(double x) {
 
 WalkingSet walking_set_of(const Json& table) {
   const string what = "level 2";
-  only(table, what, {"start_strip", "guard_strip", "risen", "falling", "disturbance", "barriers",
-                     "carried"});
+  vector<string> fields = {"start_strip", "guard_strip", "risen",  "falling",
+                           "disturbance", "barriers",    "carried"};
+  if (table.find("told")) fields.push_back("told");
+  only(table, what, fields);
   const auto number = [&](const char* name) { return hexadecimal(field(table, what, name), name); };
   WalkingSet t;
   t.start_strip = number("start_strip");
@@ -218,15 +222,23 @@ WalkingSet walking_set_of(const Json& table) {
   std::copy(push.begin(), push.end(), t.push);
   t.barriers = names_of(field(table, what, "barriers"), "barriers");
   t.carried = names_of(field(table, what, "carried"), "carried conditions");
+  if (const Json* told = table.find("told")) t.told = names_of(*told, "commands");
   return t;
 }
 
 Orbit orbit_of(const Json& table, const Tube& tube) {
   const string what = "level 3";
-  only(table, what, {"attraction", "guard_from", "guard_to", "lower", "upper", "expansion",
-                     "slowest", "fastest"});
   const auto series = [&](const char* name) { return series_of(field(table, what, name), name); };
   const string attraction = text_of(field(table, what, "attraction"), "attraction");
+  if (attraction == "any two walks") {
+    only(table, what, {"attraction", "expansion"});
+    Orbit o;
+    o.walks = true;
+    o.expansion = series("expansion");
+    return o;
+  }
+  only(table, what, {"attraction", "guard_from", "guard_to", "lower", "upper", "expansion",
+                     "slowest", "fastest"});
   if (attraction != "contraction" && attraction != "nested tubes")
     refuse("attraction by " + attraction);
   Orbit o;

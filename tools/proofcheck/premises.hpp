@@ -40,6 +40,7 @@ struct WalkingSet {
   double first = 0.0, before = 0.0, last = 0.0;
   double push[2] = {0.0, 0.0};       // Bound on what may be added to dz.
   vector<string> barriers, carried;  // Names of conditions.
+  vector<string> told;               // Names of commands; the chart has two axes for each.
   bool claimed = false;
 
   bool disturbed() const { return push[0] != 0.0 || push[1] != 0.0; }
@@ -48,11 +49,16 @@ struct WalkingSet {
   Box lower() const { return {{first, 0.0}, {last, 0.0}}; }
   Box upper() const { return {{first, 1.0}, {last, 1.0}}; }
   Box strip() const { return {{before, 0.0}, {last, 1.0}}; }
+  // The strip around phase 0, its lower edge, and where both begin.
+  Box start() const { return {{-start_strip, 0.0}, {start_strip, 1.0}}; }
+  Box edge() const { return {{-start_strip, 0.0}, {start_strip, 0.0}}; }
+  Box origin() const { return {{0.0, 0.0}, {0.0, 0.0}}; }
 };
 
 struct Orbit {
   Tube thin;
   bool nested = false;  // Attraction by nested tubes, not by contraction.
+  bool walks = false;   // Of a gait with commands: no thin tube, any two walks converge.
   double guard_from = 0.0, guard_to = 0.0;
   vector<double> expansion, slowest, fastest;  // Chebyshev series of bounds on dF/dzeta.
   bool claimed = false;
@@ -173,8 +179,15 @@ const std::map<string, Meaning>& theorem_outputs() {
       {"set/foot-rises", {"rise of the swing foot", "m/s"}},
       {"set/foot-falls", {"fall of the swing foot", "m/s"}},
       {"set/reset-phase", {"minus the size of the phase after the reset", ""}},
+      {"set/reset-place", {"minus how far from the next step's start the reset lands", "m"}},
+      {"set/inlet", {"reset inside the next step's fences at phase 0, and forward", "widths, or of z2"}},
+      {"set/stride", {"way of the hip in a step", "m"}},
+      {"set/steepness", {"minus the size of the fences' slopes", "tube widths at phase 0, per step"}},
+      {"set/within-bounds", {"both ends of a step inside the outputs' bounds", "rad"}},
       {"set/reset-level", {"reset inside the fences and forward", "tube widths, or of z2"}},
       {"orbit/expansion", {"a series less dF/dzeta on the set", "per step"}},
+      {"orbit/moved", {"minus how far ahead a neighbour lands", "m of zeta before"}},
+      {"orbit/along", {"minus the size of d zeta / d z1 along the flow", "of zeta a m"}},
       {"orbit/gain", {"minus the size of the gain rho on the set's guard", ""}},
       {"orbit/fence-lower", {"flow inward over the thin tube's lower fence", "widths a step"}},
       {"orbit/fence-upper", {"flow inward over the thin tube's upper fence", "widths a step"}},

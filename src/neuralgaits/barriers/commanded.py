@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed, MiddleReturns
+from neuralgaits.barriers.conditions import FencesApart
 from neuralgaits.barriers.regions import Box, CommandedGait, CommandedTube, Gait
 from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import pendulum_height, start_tube, walking
@@ -42,6 +43,8 @@ WEIGHTS = {
 to zero; where any foothold may follow any, the reset."""
 SHORTEST = 0.9
 """Least step length, as a share of the shortest asked for: footholds are met exactly."""
+APART = 0.3
+"""Scale of how far the fences are from zero and from each other, in the unit of zeta."""
 MORE_SAMPLES, MORE_STEPS, LEARNING_RATE, EFFORT = 2, 5000, 3e-3, 0.3
 
 
@@ -96,7 +99,7 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
         largest_gradient=5.0,
     )
     return replace(
-        plain,
+        plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
         new_gait=partial(_new_gait, robot, commands),
         recipe=recipe,

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers.quantities import Quantity
-from neuralgaits.barriers.regions import Gait, Side
+from neuralgaits.barriers.regions import LEAST_ZETA, Gait, Side
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
 
@@ -187,3 +187,18 @@ class TubeWidth(AbstractCondition):
         phase = gait.phase(point.z[0])
         low, high = jnp.sqrt(2.0 * gait.tube.fences(phase))
         return 2.0 * (high - low) / (high + low) - self.least
+
+
+@dataclass(frozen=True)
+class FencesApart(AbstractCondition):
+    """Both fences' series above zero and apart, by more than what a training keeps them apart by.
+
+    Where they are not, the tube of a training has other fences than the one that is proved: their
+    slopes are not those of the series, and what is asked on them holds of neither.
+    """
+
+    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "2"]:
+        """Lower fence and gap beyond the least, in the unit of zeta."""
+        del zd
+        low, high = gait.tube.values(gait.phase(point.z[0]))
+        return jnp.stack([low, high - low]) - LEAST_ZETA

@@ -106,12 +106,16 @@ class Tube(eqx.Module):
 
     def fences(self, phase: Number) -> Float[Array, "2"]:
         """Value of zeta on the lower and the upper fence [(kg m^2/s)^2]. [2]."""
-        series = jnp.stack([self.lower, self.upper])
-        values = series @ chebyshev(2.0 * phase - 1.0, series.shape[1])
+        values = self.values(phase)
         if self.kept_apart:
             low = jnp.maximum(values[0], LEAST_ZETA)
             values = jnp.stack([low, jnp.maximum(values[1], low + LEAST_ZETA)])
         return self.unit * values
+
+    def values(self, phase: Number) -> Float[Array, "2"]:
+        """The fences' series [`unit`], whether they are apart or not. [2]."""
+        series = jnp.stack([self.lower, self.upper])
+        return series @ chebyshev(2.0 * phase - 1.0, series.shape[1])
 
     def fence_slopes(self, phase: Number) -> Float[Array, "2"]:
         """Slope d zeta / d phase of both fences [(kg m^2/s)^2]. [2]."""
@@ -251,7 +255,10 @@ class Gait(eqx.Module):
 
     def phase(self, z1: Scalar) -> Scalar:
         """Phase of the step at hip position z1."""
+        anchor = getattr(self.policy, "anchor", None)
         start, guard = self.span
+        if anchor is not None:
+            return anchor[0] + (z1 - anchor[1]) / (guard - start)
         return (z1 - start) / (guard - start)
 
     def z(self, u: Float[Array, "2"]) -> ZeroState:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float
@@ -53,8 +54,17 @@ def trace_spec(
 def step_at(
     robot: PlanarBiped, gait: AnyGait, u: Float[Array, " n"], residuals: Residuals = NO_RESIDUALS
 ) -> tuple[Gait, ZeroDynamics]:
-    """Gait and zero dynamics of the step that a chart point belongs to, as one smooth formula."""
+    """Gait and zero dynamics of the step that a chart point belongs to, as one smooth formula.
+
+    Where commands move both ends of a step, phases are told from that of the chart point.
+    """
     step = gait.at(robot, u[PLANE:], residuals.reset, exact=True)
+    if step is not gait:
+        start, guard = step.span
+        anchor = jnp.stack([u[0], start + u[0] * (guard - start)])
+        step = eqx.tree_at(
+            lambda g: g.policy.anchor, step, anchor, is_leaf=lambda leaf: leaf is None
+        )
     return step, ZeroDynamics(robot, step.policy, *residuals)
 
 

@@ -6,11 +6,12 @@ the run state as well: their statements have to be about the run's own files and
 the levels are concluded again from them. The boxes are not bounded again here: `check-proof` does.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.coverage import Asked, contradictions, stated_roots
@@ -95,7 +96,7 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
             )
     config = asked_of(folder)
     asked = Asked.read(config.regions, {one.name: one.data for one in config.conditions})
-    proof = _claims(run, asked)
+    proof = _claims(run, asked, _chart(config.described.get("commands", ())))
     if set(summary.conditions) != set(asked.conditions):
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
     summary = replace(
@@ -108,7 +109,16 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     return CertificateReading(summary, None, proof, map_fits)
 
 
-def _claims(run: Path, asked: Asked) -> Claims | None:
+def _chart(commands: Sequence[Mapping[str, Any]]) -> Chart:
+    """Of all that a gait is told, as a spec describes it."""
+    if not commands:
+        return PLAIN
+    from neuralgaits.gait.commands import Command  # Brings JAX.
+
+    return Chart.of(Command(**row) for row in commands)
+
+
+def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
     """A proof file about the run's own files, whose statements are those of its spec."""
     if not (run / PROOF).is_file():
         return None
@@ -124,6 +134,8 @@ def _claims(run: Path, asked: Asked) -> Claims | None:
     if (run / RESIDUAL).is_file() and (full or rigid):
         wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
     wrong += contradictions(claims.statements, claims.theorems, asked)
+    if claims.chart != chart:
+        wrong.append("it is about other commands, or some of them only")
     if wrong:
         raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     return claims
@@ -175,7 +187,7 @@ def _concluded(claims: Claims, asked: Asked) -> list[Conclusion]:
     """What follows from the statements of a file, as far as the file claims it."""
     theorems, bounds = claims.theorems, proved_bounds(claims.statements)
     try:
-        found = conclude(theorems.parameters, asked.boxes(), bounds)
+        found = conclude(theorems.parameters, asked.boxes(), bounds, claims.chart)
     except (OverflowError, ZeroDivisionError):
         return []
     return [one for one in found if one.level in theorems.claimed and one.proved]

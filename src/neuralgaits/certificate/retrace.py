@@ -62,19 +62,21 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
     """What a proof with these theorems must be about, in this process.
 
     Returns: "program_hash" and "model" (or None), "regions" and "conditions" as a model has them,
-        "barriers" and "carried", names of conditions, "full_order", names of level 4's barriers.
+        "barriers" and "carried", names of conditions, "told", of commands, "chart" of all that may
+        be told, as a proof file has it, "full_order", names of level 4's barriers.
         If those are not the theorems', no Program is traced, and both of the first are None.
     Raises: InputError if the run cannot be opened or traced.
     """
     # These import JAX, and the run's spec.
     from neuralgaits.analysis.run import open_run
+    from neuralgaits.certificate.levels.chart import Chart
     from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
     from neuralgaits.certificate.levels.sets import Sets, trace_certificate
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
 
     opened = open_run(run)
-    spec, robot, gait, residuals = opened.spec, opened.robot, opened.gait, opened.residuals
+    spec, robot, gait, residuals = opened.spec, opened.robot, opened.trained, opened.residuals
     full = theorems.full
     if full is not None and opened.learned is not None:
         raise InputError(
@@ -90,7 +92,9 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
         "conditions": {row["name"]: row for row in described["conditions"]},
         "barriers": list(barriers),
         "carried": list(carried),
-        "full_order": FullOrderModel(robot, gait, spec).names if full is not None else [],
+        "told": [command.name for command in spec.commands],
+        "chart": Chart.of(spec.commands).table(),
+        "full_order": FullOrderModel(robot, opened.gait, spec).names if full is not None else [],
     }
     if full is None or [barrier.name for barrier in full.barriers] == found["full_order"]:
         program = trace_certificate(spec, robot, gait, Sets(theorems.parameters), residuals)

@@ -15,7 +15,7 @@ import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._types import Array, Float
+from neuralgaits._types import Actuated, Array, Float, Scalar
 from neuralgaits.gait.commands import Step
 from neuralgaits.gait.network import Network
 from neuralgaits.gait.posture import Posture, walking_posture
@@ -26,6 +26,7 @@ from neuralgaits.gait.step_ends import (
     Start,
     cubic_between,
     inside,
+    logit_ends,
     on_foothold,
     start_after,
 )
@@ -54,6 +55,10 @@ class HybridInvariantPolicy(StepPolicy):
         momentum_ratio: z2 after impact / z2 before; follows likewise.
         told: what the robot was told of this step; None for a gait without commands.
         then: the policy of the next step, if the command stays; None for this one.
+        ends: values and slopes of H at phases 0 and 1, (H0, H0', H1, H1'), in whose terms it is
+            evaluated if they are given: bounds of it are then as tight as those of its ends. [4, m]
+        anchor: a phase and the z1 that it is at; None where both are numbers. Phases are then
+            told from there, so that what start and guard depend on cancels. [2]
     """
 
     network: Network
@@ -72,6 +77,8 @@ class HybridInvariantPolicy(StepPolicy):
     z2_dependence: bool = eqx.field(static=True)
     told: Step | None = None
     then: "HybridInvariantPolicy | None" = None
+    ends: Float[Array, "4 m"] | None = None
+    anchor: Float[Array, "2"] | None = None
 
     @classmethod
     def init(
@@ -122,6 +129,22 @@ class HybridInvariantPolicy(StepPolicy):
         )
         return _match(policy, robot)
 
+    def phase(self, z1: Scalar) -> Scalar:
+        """Phase of the step at a hip position."""
+        if self.anchor is None:
+            return super().phase(z1)
+        return self.anchor[0] + (z1 - self.anchor[1]) / (self.z_guard - self.z_start)
+
+    def path(self, phase: Scalar) -> Actuated:
+        """H, in powers of the phase or in terms of its ends. Returns: [m]."""
+        if self.ends is None:
+            return super().path(phase)
+        rest = 1.0 - phase
+        p0, d0, p1, d1 = self.ends
+        near = (1.0 + 2.0 * phase) * p0 + phase * d0
+        far = (1.0 + 2.0 * rest) * p1 - rest * d1
+        return (rest * rest) * near + (phase * phase) * far
+
     @property
     def step(self) -> Step | None:
         """What the robot was told of this step."""
@@ -152,7 +175,8 @@ class HybridInvariantPolicy(StepPolicy):
         if not exact:
             first = start._replace(outputs=inside(start.outputs, self.lower, self.upper))
             last = guard._replace(outputs=inside(guard.outputs, self.lower, self.upper))
-        return eqx.tree_at(
+        ends = logit_ends(first, last, self.lower, self.upper)
+        found = eqx.tree_at(
             lambda p: (
                 p.guard_outputs,
                 p.guard_slopes,
@@ -169,12 +193,15 @@ class HybridInvariantPolicy(StepPolicy):
                 guard.slopes,
                 guard.z1,
                 start.z1,
-                cubic_between(first, last, self.lower, self.upper),
+                cubic_between(ends),
                 start.outputs,
                 start.slopes,
                 start.momentum_ratio,
             ),
         )
+        if not exact:
+            return found
+        return eqx.tree_at(lambda p: p.ends, found, ends, is_leaf=lambda leaf: leaf is None)
 
     def trainable(self) -> "HybridInvariantPolicy":
         """Network, guard outputs and guard slopes may move; the rest follows or is fixed."""

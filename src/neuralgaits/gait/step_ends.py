@@ -111,17 +111,20 @@ def start_after(
     return Start(robot.hip_gradient @ after.q, after.q[1:], after.dq[1:] / speed, ratio)
 
 
-def cubic_between(
-    start: Start, guard: Guard, lower: Actuated, upper: Actuated
-) -> Float[Array, "4 m"]:
-    """Coefficients in powers of the phase of the cubic in logit space with these ends."""
+def logit_ends(start: Start, guard: Guard, lower: Actuated, upper: Actuated) -> Float[Array, "4 m"]:
+    """Value and slope by the phase of a path in logit space, at phase 0, then at 1. [4, m]."""
     width, span = upper - lower, guard.z1 - start.z1
     logits, logit_slopes = [], []
     for end in (start, guard):
         share = (end.outputs - lower) / width
         logits.append(jnp.log1p((2.0 * share - 1.0) / (1.0 - share)))
         logit_slopes.append(end.slopes * span / (width * share * (1.0 - share)))
-    (p0, p1), (d0, d1) = logits, logit_slopes
+    return jnp.stack([logits[0], logit_slopes[0], logits[1], logit_slopes[1]])
+
+
+def cubic_between(ends: Float[Array, "4 m"]) -> Float[Array, "4 m"]:
+    """Coefficients in powers of the phase of the cubic with these ends, of `logit_ends`."""
+    p0, d0, p1, d1 = ends
     return jnp.stack([p0, d0, 3.0 * (p1 - p0) - 2.0 * d0 - d1, 2.0 * (p0 - p1) + d0 + d1])
 
 

@@ -46,15 +46,22 @@ class StepPolicy(AbstractPolicy):
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
-        phase = (z[0] - self.z_start) / (self.z_guard - self.z_start)
+        phase = self.phase(z[0])
         inputs = scaled_inputs(z, self.input_scale, self.input_shift)
         if not self.z2_dependence:
             inputs = jnp.stack([inputs[0], jnp.zeros_like(inputs[0])])
         bump = 4.0 * phase * (1.0 - phase)
-        a0, a1, a2, a3 = self.cubic
-        path = a0 + phase * (a1 + phase * (a2 + phase * a3))
-        share = logistic(path + (4.0 * bump * bump) * self.network(inputs))
+        share = logistic(self.path(phase) + (4.0 * bump * bump) * self.network(inputs))
         return self.lower + (self.upper - self.lower) * share
+
+    def phase(self, z1: Scalar) -> Scalar:
+        """Phase of the step at a hip position."""
+        return (z1 - self.z_start) / (self.z_guard - self.z_start)
+
+    def path(self, phase: Scalar) -> Actuated:
+        """H at a phase. Returns: [m]."""
+        a0, a1, a2, a3 = self.cubic
+        return a0 + phase * (a1 + phase * (a2 + phase * a3))
 
     @property
     def z1_range(self) -> tuple[Scalar, Scalar]:

@@ -20,12 +20,12 @@ class Counterexample:
     """A point where a condition does not hold, confirmed by its Python function in float64.
 
     Attributes:
-        u: chart point (phase, level).
+        u: chart point: phase, level, and two numbers for each command.
         z: zero dynamics state (m, kg m^2/s).
         margin: the most negative element there, in scales.
     """
 
-    u: Pair
+    u: tuple[float, ...]
     z: Pair
     margin: float
 

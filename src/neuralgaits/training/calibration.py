@@ -13,7 +13,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.analysis.orbit import poincare
 from neuralgaits.barriers.regions import CommandedGait
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.gait.commands import CURVE_TERMS, plain_curves
+from neuralgaits.gait.commands import CURVE_TERMS, Number, plain_curves
 from neuralgaits.robots import PlanarBiped
 
 KNOTS = 9
@@ -55,7 +55,7 @@ def _speed(
     gait: CommandedGait, robot: PlanarBiped, residuals: Residuals, at: int, speed: float
 ) -> float:
     """Mean speed of the orbit (m/s); NaN without one."""
-    v: list[float] = []
+    v: list[Number] = []
     for i, command in enumerate(gait.commands):
         value = speed if i == at else 0.5 * (command.low + command.high)
         v += command.coordinates(value, value)

@@ -11,6 +11,8 @@ from threadpoolctl import threadpool_limits
 
 from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.barriers import GaitSpec
+from neuralgaits.certificate.levels.chart import Chart
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
@@ -78,6 +80,14 @@ class _Task:
     level: int
     sets: Sets
     program: Program
+    chart: Chart
+
+    @property
+    def part(self) -> str | None:
+        """What part of the run's commands it is about; None for all of them."""
+        if self.chart == Chart.of(self.run.spec.commands):
+            return None
+        return "; ".join(self.chart.sequences([c.name for c in self.run.spec.commands]) or ())
 
 
 def certify(
@@ -88,6 +98,7 @@ def certify(
     budget: float | None = None,
     resume: bool = False,
     progress: Progress | None = None,
+    within: Mapping[str, tuple[float, float]] | None = None,
 ) -> Certificate:
     """Prove every condition of a run's spec on its region, and what follows for trajectories.
 
@@ -100,6 +111,8 @@ def certify(
         budget: seconds after which what is proved so far is kept and reported.
         resume: go on with the boxes of the run's last certificate.
         progress: called with (proved share, boxes) now and then.
+        within: narrower ranges of commands, by name: what is proved is about those, and the run
+            counts as undecided.
 
     Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
     Raises: InputError on bad settings; RunError if there are no such boxes to go on with;
@@ -110,21 +123,22 @@ def certify(
     check_budget(budget)
     deadline = time.monotonic() + (np.inf if budget is None else budget)
     trained = open_run(run)
+    chart, spec = _chart(trained, within or {})
     try:
-        sets = find_sets(trained.spec, trained.gait, trained.zero_dynamics, level, disturbance)
-        parts = trained.spec, trained.robot, trained.gait, sets, trained.residuals
+        sets = find_sets(spec, trained.trained, trained.zero_dynamics, level, disturbance)
+        parts = trained.spec, trained.robot, trained.trained, sets, trained.residuals
         program = trace_certificate(*parts)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         for stale in (certified.PROOF, MAP):
             (trained.path / stale).unlink(missing_ok=True)
         return _finish(trained, level, _no_program(trained), [], began, reason=str(error))
-    task = _Task(trained, level, sets, program)
+    task = _Task(trained, level, sets, program, chart)
     problems = [
-        *condition_problems(trained.spec, program),
-        *premise_problems(trained.spec, sets, program),
+        *condition_problems(trained.spec, program, chart),
+        *premise_problems(trained.spec, sets, program, chart),
     ]
-    confirm = confirmer(trained.spec, trained.gait, trained.zero_dynamics, sets)
+    confirm = confirmer(trained.spec, trained.trained, trained.zero_dynamics, sets)
     before = [_saved(trained, k, problem) if resume else None for k, problem in enumerate(problems)]
     try:
         with threadpool_limits(1):
@@ -146,6 +160,31 @@ def _refuse(level: int, disturbance: tuple[float, float]) -> None:
     check_disturbance(disturbance)
     if any(disturbance) and level < 2:
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
+
+
+def _chart(run: Run, within: Mapping[str, tuple[float, float]]) -> tuple[Chart, GaitSpec]:
+    """The chart that is proved, and the spec with those ranges of its commands.
+
+    Raises: InputError on names or ranges that are none of the run's.
+    """
+    commands = run.spec.commands
+    if unknown := sorted(set(within) - {c.name for c in commands}):
+        raise InputError(
+            f"expected a command of {run.path}, {', '.join(c.name for c in commands) or 'none'}, "
+            f"found {unknown[0]}"
+        )
+    found = []
+    for c in commands:
+        low, high = within.get(c.name, (c.low, c.high))
+        if not c.low <= low < high <= c.high:
+            raise InputError(
+                f"expected a range of {c.name} in {c.low:g}:{c.high:g}, found {low:g}:{high:g}"
+            )
+        change = c.largest_change
+        if c.name in within and change is not None:
+            change = min(change, high - low)
+        found.append(replace(c, low=low, high=high, largest_change=change))
+    return Chart.of(found), replace(run.spec, commands=tuple(found))
 
 
 def _boxes_file(run: Run, number: int) -> Path:
@@ -170,13 +209,12 @@ def _written(
         save(_boxes_file(run, number), *pair)
     statements = tuple(statement for pair in pairs for statement in prove(*pair))
     conclusions = _conclusions(task, statements)
+    claimed = tuple(found.level for found in conclusions if found.verdict == "proved")
     proof = run.path / certified.PROOF
     if statements:
-        sets = task.sets
-        claimed = tuple(found.level for found in conclusions if found.verdict == "proved")
-        theorems = Theorems(sets.parameters, claimed)
-        model = model_data(run.robot, run.gait, run.spec, task.program, run.residuals)
-        proof_of(run, task.program, statements, theorems, model).write(proof)
+        theorems = Theorems(task.sets.parameters, claimed)
+        model = model_data(run.robot, run.trained, run.spec, task.program, run.residuals)
+        proof_of(run, task.program, statements, theorems, model, task.chart).write(proof)
     else:
         proof.unlink(missing_ok=True)
     verdicts, own = {}, []
@@ -185,27 +223,45 @@ def _written(
         own_boxes = [pair for pair in pairs if condition.name in pair[0].names]
         roots = [pair for pair in own_boxes if pair[0].region == condition.region]
         claims = [s.bounds.get(condition.name) for s in statements if s.region == condition.region]
-        claimed = [bound for bound in claims if bound is not None]
-        margin = min(claimed) if len(claimed) == len(roots) else None
+        proved = [bound for bound in claims if bound is not None]
+        margin = min(proved) if len(proved) == len(roots) else None
         verdicts[condition.name] = judge(condition.name, roots, margin)
         own += [pair for pair in roots if pair not in own]
     # Drawing takes longer to import than small proofs take.
     from neuralgaits.report.map_of_boxes import write_map
 
     more: dict[str, Any] = {
-        "map": str(write_map(run, [p for p, _ in own], [s for _, s in own], proof.parent)),
+        "map": None
+        if task.chart.parameters
+        else str(write_map(run, [p for p, _ in own], [s for _, s in own], proof.parent)),
         "proof": str(proof) if statements else None,
         "full_order_proof": str(proof) if statements and task.sets.full_order else None,
     }
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
         more["reason"] = f"{ended or 'the search ran out of boxes'}; {MORE}"
+    if task.part is not None:
+        only = f"proved is what is said of {task.part}: part of what the gait is told"
+        verdicts = {name: _of_part(entry) for name, entry in verdicts.items()}
+        conclusions = [
+            replace(one, verdict="undecided", reason=only) if one.proved else one
+            for one in conclusions
+        ]
+        more["reason"] = "; ".join(filter(None, (only, more.get("reason"))))
     return _finish(run, task.level, verdicts, conclusions, began, boxes=box_count(states), **more)
+
+
+def _of_part(entry: ConditionVerdict) -> ConditionVerdict:
+    """What a verdict about some commands is as one about all of them."""
+    if entry.verdict != "proved":
+        return entry
+    return replace(entry, verdict="undecided", margin=None)
 
 
 def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
     """The answers of the levels above 1 that were asked for."""
     sets, boxes = task.sets, condition_boxes(task.run.spec)
-    found = {one.level: one for one in conclude(sets.parameters, boxes, proved_bounds(statements))}
+    concluded = conclude(sets.parameters, boxes, proved_bounds(statements), task.chart)
+    found = {one.level: one for one in concluded}
     for level in range(2, task.level + 1):
         reason = sets.reasons.get(level, f"level {level - 1} is not proved")
         found.setdefault(level, Conclusion(level, "undecided", reason, (), {}))

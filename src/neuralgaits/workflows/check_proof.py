@@ -8,10 +8,12 @@ the statements are about these conditions, and each of the spec's boxes must hav
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from neuralgaits.certificate import retrace
+from neuralgaits.certificate.levels.chart import Chart
 from neuralgaits.certificate.proof_file.check import (
     ASSUMPTIONS,
     DERIVED_ELSEWHERE,
@@ -84,12 +86,30 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
     try:
         wrong = program_differences(claims, found)
         asked = Asked.read(found["regions"], found["conditions"])
+        chart = Chart.read(found["chart"])
     except (KeyError, TypeError, ValueError) as error:
         raise RunError(
             f"expected the conditions of {folder}, traced again, found an answer that is none "
             f"({error!r}): its spec meddles with the process that traces it"
         ) from None
-    return _rejected(claims, wrong) if wrong else tied(report, claims, asked)
+    if not wrong and not chart.holds(claims.chart):
+        wrong = ["the file's chart is not that of what the run's gait is told"]
+    if wrong:
+        return _rejected(claims, wrong)
+    report = tied(report, claims, asked)
+    return report if claims.chart == chart else _of_part(report, claims)
+
+
+def _of_part(report: Report, claims: Claims) -> Report:
+    """The answer about a run whose gait is told more than the file is about."""
+    axes = ", ".join(
+        f"{one.name} in [{one.low!r}, {one.high!r}]" for one in claims.chart.parameters
+    )
+    reason = f"every statement holds, for {axes} only: part of what the run's gait is told"
+    levels = tuple(replace(one, verdict="consistent") for one in report.levels)
+    if report.verdict != "proved":
+        return replace(report, levels=levels)
+    return replace(report, verdict="undecided", reason=reason, levels=levels)
 
 
 def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
@@ -103,7 +123,7 @@ def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
         ]
     wrong = []
     if walking is not None:
-        for what in ("barriers", "carried"):
+        for what in ("barriers", "carried", "told"):
             if list(getattr(walking, what)) != found[what]:
                 wrong.append(f"{what} of level 2 are not all those of the run's spec")
     # The C++ checker starts from the model, and this program from nothing but the Program.

@@ -118,6 +118,12 @@ def train(
             # The built-in ones are traced by the tests.
             file = specs.source_path(spec) if isinstance(spec, str) else None
             refuse_untraceable(loaded, robot, gait, file)
+        if certify and loaded.commands:
+            raise InputError(
+                "expected a gait without commands to train until it is proved, found one that is "
+                f"told {', '.join(c.name for c in loaded.commands)}: its proof takes many minutes; "
+                "train without --certify, then certify the run"
+            )
         unprovable = why_not_provable(gait)
         if certify and unprovable is not None:
             raise InputError(f"expected a gait that can be certified, found that {unprovable}")

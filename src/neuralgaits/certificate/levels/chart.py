@@ -5,8 +5,9 @@ commands, masses and whatever else its Program takes. Needs no JAX.
 """
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from neuralgaits._names import why_no_name
 
@@ -15,6 +16,18 @@ Corner = tuple[float, ...]
 MOST_AXES = 8
 PLANE = 2
 """Axes of the zero dynamics' own plane: phase and level."""
+
+
+class Told(Protocol):
+    """A command of a gait, as `gait.commands.Command`."""
+
+    @property
+    def axes(self) -> tuple[tuple[str, float, float], ...]:
+        """Two axes, (name, low, high)."""
+        ...
+
+
+Commands = Iterable[Told]
 
 
 class Axis(NamedTuple):
@@ -48,6 +61,45 @@ class Chart:
     def size(self) -> int:
         """How many there are."""
         return PLANE + len(self.parameters)
+
+    @classmethod
+    def of(cls, commands: Commands) -> "Chart":
+        """Of a gait that is told these at each touchdown: two axes each."""
+        return cls(tuple(Axis(*axis) for command in commands for axis in command.axes))
+
+    def sequences(self, told: Sequence[str]) -> tuple[str, ...] | None:
+        """What may follow what, a phrase a command; None if the axes are not those of `told`.
+
+        A command has two axes: (before, after), any value after any; or (middle, difference), on
+        which all pairs in the range lie whose difference is no larger.
+        """
+        if len(self.parameters) != 2 * len(told):
+            return None
+        found = []
+        for name, first, second in zip(
+            told, self.parameters[::2], self.parameters[1::2], strict=True
+        ):
+            if (first.name, second.name) == (f"{name} before", f"{name} after"):
+                if first[1:] != second[1:]:
+                    return None
+                found.append(f"{name} from {first.low!r} to {first.high!r}, any after any")
+            elif (first.name, second.name) == (name, f"change of {name}"):
+                if not -second.low == second.high:
+                    return None
+                found.append(
+                    f"{name} from {first.low!r} to {first.high!r}, by at most {second.high!r} "
+                    "more or less than in the step before"
+                )
+            else:
+                return None
+        return tuple(found)
+
+    def holds(self, other: "Chart") -> bool:
+        """Whether another chart is this one, or a part of it with the same axes."""
+        return len(other.parameters) == len(self.parameters) and all(
+            one.name == own.name and own.low <= one.low <= one.high <= own.high
+            for own, one in zip(self.parameters, other.parameters, strict=True)
+        )
 
     def table(self) -> list[dict[str, str]]:
         """As a proof file has it."""

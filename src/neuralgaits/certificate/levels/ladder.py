@@ -1,10 +1,10 @@
 """All levels above 1, lowest first. Level 1 is a spec's conditions themselves."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, replace
 from typing import Any
 
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.chart import PLAIN, Chart, Corner
 from neuralgaits.certificate.levels.full_order import theorem as full_order
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.level import Level, Parameters
@@ -63,14 +63,19 @@ def labelled_premises(known: Parameters, boxes: Boxes) -> Iterator[tuple[str, st
             yield from level.premises(known, boxes)
 
 
-def conclude(known: Parameters, boxes: Boxes, bounds: Bounds) -> list[Conclusion]:
+def conclude(
+    known: Parameters, boxes: Boxes, bounds: Bounds, chart: Chart = PLAIN
+) -> list[Conclusion]:
     """The answers for the levels that have parameters.
 
     Args:
         known: parameters by level.
         boxes: (condition, low, high) of every box of every condition of the spec.
         bounds: what is proved, of `premises.proved_bounds`.
+        chart: that the boxes are of.
     """
+    told = known[2].told if 2 in known else ()
+    pairs = chart.sequences(told)
     found: dict[int, Conclusion] = {}
     for level in LEVELS:
         if level.number not in known:
@@ -79,6 +84,22 @@ def conclude(known: Parameters, boxes: Boxes, bounds: Bounds) -> list[Conclusion
         if open_below:
             reason = f"level {open_below[0]} is not proved"
             found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
+        elif told and pairs is None:
+            reason = f"the chart has no axes of the commands {', '.join(told)}"
+            found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
         else:
-            found[level.number] = level.conclude(known, boxes, bounds)
+            answer = level.conclude(known, boxes, bounds)
+            more = _of_parameters(chart, pairs if told else None)
+            words = (*answer.words, *more) if answer.proved else answer.words
+            found[level.number] = replace(answer, words=words)
     return list(found.values())
+
+
+def _of_parameters(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:
+    """What a theorem says of the chart's axes beside phase and level, if there are any."""
+    if pairs is not None:
+        yield f"admissible are commands of {' and '.join(pairs)}"
+    elif chart.parameters:
+        given = [f"{axis.name} in [{axis.low!r}, {axis.high!r}]" for axis in chart.parameters]
+        fixed = " and ".join(given)
+        yield f"this holds for each fixed {fixed}; of one that changes it says nothing"

@@ -11,7 +11,8 @@ from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.certificate.levels.chart import PLAIN, Chart, Corner
+from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.certificate.levels.chart import PLAIN, PLANE, Chart, Corner
 from neuralgaits.certificate.levels.full_order import margins as full_order
 from neuralgaits.certificate.levels.full_order.looks import set_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
@@ -19,10 +20,15 @@ from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
 from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
-from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_orbit
+from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_contraction, find_orbit
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
-from neuralgaits.certificate.levels.walking_set.find import find_set
+from neuralgaits.certificate.levels.walking_set.find import (
+    find_set,
+    least_of_inlet,
+    over_pairs,
+)
 from neuralgaits.certificate.levels.walking_set.theorem import SET
+from neuralgaits.certificate.provable import step_at
 from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.errors import SpecError
@@ -38,6 +44,8 @@ CLAIMED = 0.4
 TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25}
 """Share of the smallest margin seen that is proved, by label: level 4 tells slack, and each further
 box costs; of the others the sign is all that matters."""
+SIGN_ONLY: dict[str, Any] = {"claimed": CLAIMED, "tight": 0.0}
+"""In many axes a larger margin costs too many boxes."""
 NO_RESIDUALS = Residuals()
 Margins = dict[str, Float[Array, "..."]]
 
@@ -52,7 +60,7 @@ class Subject:
     """
 
     spec: GaitSpec
-    gait: Gait
+    gait: AnyGait
     zd: ZeroDynamics
     disturbance: tuple[float, float] = (0.0, 0.0)
 
@@ -80,11 +88,19 @@ def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, flo
     found = find_set(of.spec, of.look, of.disturbance)
     if isinstance(found, str):
         return found
-    return found, {"set/reset-phase": -found.start_strip}
+    return found, least_of_inlet(of.spec, of.look, found)
+
+
+def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+    if not isinstance(of.gait, Gait):
+        return find_contraction(over_pairs(of.spec, of.look), known[2])
+    return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
 
 
 def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     del known
+    if not isinstance(of.gait, Gait):
+        return "it is about gaits without commands"
     if of.zd.residual is not None or of.zd.reset_residual is not None:
         return "it is about the rigid model, and the run's dynamics carry a residual"
     try:
@@ -100,9 +116,7 @@ SOUGHT = {
         lambda spec, gait, zd, shape, u, xi: walking_set.margins(spec, gait, zd, shape, u),
     ),
     3: Sought(
-        lambda of, known: find_orbit(
-            of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2]
-        ),
+        _find_orbit,
         lambda spec, gait, zd, shape, u, xi: orbit_set.margins(gait, zd, shape, u),
     ),
     4: Sought(
@@ -137,12 +151,22 @@ class Sets:
 
 def find_sets(
     spec: GaitSpec,
-    gait: Gait,
+    gait: AnyGait,
     zd: ZeroDynamics,
     level: int,
     disturbance: tuple[float, float],
 ) -> Sets:
-    """Look for the sets that a level speaks of. Raises: SpecError if nothing can be traced."""
+    """Look for the sets that a level speaks of.
+
+    Args:
+        spec: of a run.
+        gait: of the run.
+        zd: whose robot and residuals count; its policy only where there are no commands.
+        level: up to which.
+        disturbance: of `Subject`.
+
+    Raises: SpecError if nothing can be traced.
+    """
     of = Subject(spec, gait, zd, disturbance)
     parameters, reasons, least = {}, {}, {}
     for entry in LEVELS:
@@ -157,9 +181,12 @@ def find_sets(
     return Sets(parameters, reasons, least)
 
 
-def look_at(gait: Gait, zd: ZeroDynamics) -> Look:
+def look_at(gait: AnyGait, zd: ZeroDynamics) -> Look:
     """What the finders look at, as a function of chart points. Raises: SpecError."""
-    program = trace(lambda u: _quantities(gait, zd, u), {"u": (2,)}, parameters=gait)
+    size = PLANE + 2 * len(gait.commands)
+    program = trace(
+        lambda u: _quantities(*one_step(gait, zd, u), u[:PLANE]), {"u": (size,)}, parameters=gait
+    )
     folded = fold(program, POINT)
 
     def look(u: np.ndarray) -> dict[str, np.ndarray]:
@@ -167,6 +194,11 @@ def look_at(gait: Gait, zd: ZeroDynamics) -> Look:
             return evaluate(program, {"u": u}, POINT, folded)
 
     return look
+
+
+def one_step(gait: AnyGait, zd: ZeroDynamics, u: Array) -> tuple[Gait, ZeroDynamics]:
+    """Gait and zero dynamics of the step that a chart point belongs to."""
+    return step_at(zd.robot, gait, u, Residuals(zd.residual, zd.reset_residual))
 
 
 def fences_of(gait: Gait) -> Fences:
@@ -183,21 +215,26 @@ def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str,
     """Flow, swing foot, reset and how trajectories part, at one chart point."""
     point, landed = zd.point(gait.z(u)), return_map.landing(gait, zd, u)
     start, guard = gait.span
+    fences = gait.tube.fences(0.0)
     return {
         "foot": point.foot_above_ground,
-        "foot_rate": point.foot_velocity[1],
+        "foot_rate": point.foot_lift_rate,
         "pace": point.dz[0] / (guard - start),
         "slope": return_map.slope(gait, point),
         "expansion": return_map.expansion(gait, zd, u),
         "after": jnp.stack([landed.phase, landed.zeta]),
+        "stride": jnp.asarray(guard - start),
+        "steepness": gait.tube.fence_slopes(u[0]) / (fences[1] - fences[0]),
         "gain": landed.gain,
+        "moved_zeta": landed.moved_zeta,
+        "moved_z1": landed.moved_z1,
     }
 
 
 def trace_certificate(
     spec: GaitSpec,
     robot: PlanarBiped,
-    gait: Gait,
+    gait: AnyGait,
     sets: Sets,
     residuals: Residuals = NO_RESIDUALS,
 ) -> Program:
@@ -207,12 +244,14 @@ def trace_certificate(
 
     Raises: SpecError naming the operation and line that cannot be traced.
     """
-    zd = ZeroDynamics(robot, gait.policy, *residuals)
 
     def margins(u, xi=None):
-        return spec.margins(gait, zd, u) | set_margins(spec, gait, zd, sets, u, xi)
+        step, zd = step_at(robot, gait, u, residuals)
+        return spec.margins(step, zd, u[:PLANE]) | set_margins(spec, step, zd, sets, u, xi)
 
-    inputs = {"u": (2,)} | ({"xi": (full_order.size_of(robot),)} if sets.full_order else {})
+    inputs = {"u": (spec.chart_size,)}
+    if sets.full_order:
+        inputs["xi"] = (full_order.size_of(robot),)
     parameters = {"policy": gait.policy, "tube": gait.tube}
     return trace(margins, inputs, parameters=parameters | _named(sets))
 
@@ -249,37 +288,42 @@ def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
 
 
 def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -> list[Problem]:
-    """One for each box of each region that has conditions."""
+    """One for each box of each region that has conditions; in more axes, for each condition.
+
+    In many axes boxes are many, and those that one condition needs are no help to another.
+    """
     problems = []
     for region, boxes in spec.regions.items():
         conditions = [c for c in spec.conditions if c.region == region]
-        names = tuple(condition.name for condition in conditions)
-        scales = tuple(float(condition.scale) for condition in conditions)
-        part = prune(program, names) if names else program
-        problems += [
-            Problem(region, *chart.whole(box.low, box.high), names, scales, part)
-            for box in boxes
-            if names
-        ]
+        apart = [[c] for c in conditions] if chart.parameters else [conditions]
+        for group in filter(None, apart):
+            names = tuple(condition.name for condition in group)
+            scales = tuple(float(condition.scale) for condition in group)
+            part, how = prune(program, names), (SIGN_ONLY if chart.parameters else {})
+            problems += [
+                Problem(region, *chart.whole(box.low, box.high), names, scales, part, **how)
+                for box in boxes
+            ]
     return problems
 
 
-def confirmer(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets) -> Confirm:
+def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Confirm:
     """Asks the margins' own Python functions, in float64, about one point, with outputs zero."""
     conditions = {condition.name: condition for condition in spec.conditions}
     xi = jnp.zeros(full_order.size_of(zd.robot))
 
     def confirm(name: str, u: np.ndarray) -> Counterexample | None:
-        z = gait.z(u)
+        step, moving = one_step(gait, zd, jnp.asarray(u))
+        z = step.z(u[:PLANE])
         if name in conditions:
             condition = conditions[name]
-            margin = np.min(condition.margins(gait, zd, zd.point(z))) / condition.scale
+            margin = np.min(condition.margins(step, moving, moving.point(z))) / condition.scale
         else:
-            margin = np.min(set_margins(spec, gait, zd, sets, jnp.asarray(u), xi)[name])
+            margin = np.min(set_margins(spec, step, moving, sets, jnp.asarray(u), xi)[name])
         if not margin < 0.0:
             return None
         state = (float(z[0]), float(z[1]))
-        return Counterexample((float(u[0]), float(u[1])), state, float(margin))
+        return Counterexample(tuple(map(float, u)), state, float(margin))
 
     return confirm
 
@@ -293,6 +337,8 @@ def premise_problems(
     found = labelled_premises(sets.parameters, condition_boxes(spec))
     for region, name, low, high in found:
         kind = full_order.APART.get(name.split(" ")[0], "")
+        if chart.parameters:
+            kind = name
         names = roots.setdefault((region, kind, low, high), [])
         if name not in names:
             names.append(name)
@@ -304,8 +350,13 @@ def premise_problems(
             tuple(scales.get(name, 1.0) for name in names),
             prune(program, names),
             least=tuple(sets.least.get(name, 0.0) for name in names),
-            claimed=Problem.claimed if region == SET else CLAIMED,
-            tight=TIGHT.get(region, 0.0),
+            **(SIGN_ONLY if chart.parameters else _how_near(region)),
         )
         for (region, _, low, high), names in roots.items()
     ]
+
+
+def _how_near(label: str) -> dict[str, Any]:
+    """How near the margins of premises are found and claimed, in the plane."""
+    claimed = Problem.claimed if label == SET else CLAIMED
+    return {"claimed": claimed, "tight": TIGHT.get(label, 0.0)}

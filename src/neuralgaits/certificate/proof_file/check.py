@@ -169,7 +169,7 @@ def _concluded(claims: Claims, report: Report) -> Report:
     boxes = level_one_boxes(claims.statements) if asked is None else asked.boxes()
     bounds = proved_bounds(claims.statements)
     try:
-        found = conclude(theorems.parameters, boxes, bounds)
+        found = conclude(theorems.parameters, boxes, bounds, claims.chart)
     except (OverflowError, ZeroDivisionError) as error:
         reason = f"the parameters of its theorems leave the range of doubles: {error}"
         return replace(report, verdict="rejected", reason=reason)
@@ -178,23 +178,11 @@ def _concluded(claims: Claims, report: Report) -> Report:
     if wrong:
         reason = f"level {wrong[0].level} does not follow: {wrong[0].reason}"
         return replace(report, verdict="rejected", reason=reason)
-    more = _fixed(claims)
-    levels = tuple(
-        replace(answer, verdict="consistent", words=answer.words + more) for answer in claimed
-    )
+    levels = tuple(replace(answer, verdict="consistent") for answer in claimed)
     report = replace(report, levels=levels, holds=True)
     if reason := _why_incomplete(claims):
         return replace(report, verdict="undecided", reason=reason)
     return report
-
-
-def _fixed(claims: Claims) -> tuple[str, ...]:
-    """What a theorem says of the chart's axes beside phase and level, if there are any."""
-    given = [f"{axis.name} in [{axis.low!r}, {axis.high!r}]" for axis in claims.chart.parameters]
-    if not given:
-        return ()
-    fixed = " and ".join(given)
-    return (f"this holds for each fixed {fixed}; of one that changes it says nothing",)
 
 
 def _why_incomplete(claims: Claims) -> str | None:

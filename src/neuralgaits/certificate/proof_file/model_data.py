@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Residuals
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.policy import AbstractPolicy
@@ -38,7 +39,7 @@ NO_RESIDUALS = Residuals()
 
 def model_data(
     robot: PlanarBiped,
-    gait: Gait,
+    gait: AnyGait,
     spec: GaitSpec,
     program: Program,
     residuals: Residuals = NO_RESIDUALS,
@@ -52,8 +53,11 @@ def model_data(
     "regions": boxes of the chart. "conditions": by name, as in `GaitSpec.describe`.
     "residuals": of flow and reset, arrays or null; only if something was learned.
 
-    Returns: plain data; None for a policy or a residual that is not one of this package's.
+    Returns: plain data; None for a policy or a residual that is not one of this package's, and for
+        a family of policies that is told commands.
     """
+    if not isinstance(gait, Gait):
+        return None
     policy, learned = _policy(gait.policy, program), _residuals(residuals)
     if policy is None or learned is None:
         return None

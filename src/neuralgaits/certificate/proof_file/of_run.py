@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.levels.chart import PLAIN
+from neuralgaits.certificate.levels.chart import Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Proof, Statement
 from neuralgaits.programs import Program
@@ -18,6 +18,7 @@ def proof_of(
     statements: tuple[Statement, ...],
     theorems: Theorems,
     model: Mapping[str, Any] | None,
+    chart: Chart,
 ) -> Proof:
     """A proof about a run: its robot, spec and weights by name and sha256."""
     asked, copies = run.asked, run.folder.copies
@@ -26,7 +27,7 @@ def proof_of(
         {"name": asked.spec, "sha256": copies[SPEC]},
         hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
         program,
-        PLAIN,
+        chart,
         statements,
         theorems=theorems.tables(),
         model=model,

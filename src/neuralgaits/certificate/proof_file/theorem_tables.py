@@ -5,7 +5,7 @@ The reader accepts what the writer writes, field by field. Needs no JAX.
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
@@ -90,17 +90,20 @@ class Theorems(NamedTuple):
 
 
 def to_table(parameters: Any) -> dict[str, Any]:
-    """Parameters as JSON data."""
-    return {field.name: _plain(getattr(parameters, field.name)) for field in fields(parameters)}
+    """Parameters as JSON data; those that are what they are by default are left out."""
+    values = {field.name: getattr(parameters, field.name) for field in fields(parameters)}
+    left_out = {field.name for field in fields(parameters) if values[field.name] == field.default}
+    return {name: _plain(value) for name, value in values.items() if name not in left_out}
 
 
 def from_table(kind: type[T], table: Mapping[str, Any]) -> T:
     """Read what `to_table` wrote. Raises: ValueError on anything else."""
     assert is_dataclass(kind)
     expected = {field.name: field.type for field in fields(kind)}
-    if set(table) != set(expected):
+    needed = {field.name for field in fields(kind) if field.default is MISSING}
+    if not needed <= set(table) <= set(expected):
         raise ValueError(f"the parameters {sorted(table)} instead of {sorted(expected)}")
-    return kind(**{name: _value(table[name], expected[name], name) for name in expected})
+    return kind(**{name: _value(table[name], expected[name], name) for name in table})
 
 
 def _plain(value: Any) -> Any:

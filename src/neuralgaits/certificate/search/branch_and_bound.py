@@ -28,6 +28,8 @@ MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
 """Halvings an axis to decide, to raise a margin, and around a refutation."""
 MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Boxes added by one search of a root without a deadline, to decide and to raise margins."""
+MOST_POINTS = 2**14
+"""Centres of new boxes that are looked at: of more, those with the lowest bounds."""
 POINTS = 33 * 33
 """About as many points of the root are looked at first."""
 
@@ -155,7 +157,10 @@ def _round(
     low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
     tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, lacking[:done])
     state = replace(state, tree=tree)
-    unsure = np.any(~(lower >= 0.0) | (lower < problem.tight * state.seen), axis=1)
+    unsure = np.flatnonzero(np.any(~(lower >= 0.0) | (lower < problem.tight * state.seen), axis=1))
+    if len(unsure) > MOST_POINTS:
+        worst = np.min(np.where(np.isnan(lower), -np.inf, lower)[unsure], axis=1)
+        unsure = unsure[np.argpartition(worst, MOST_POINTS)[:MOST_POINTS]]
     points = (low + (high - low) * 0.5)[unsure]
     return _look(problem, state, points, confirm) if len(points) else state
 

@@ -11,9 +11,13 @@ from neuralgaits.certificate.search.halving import Corners, wide_axes
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra
 from neuralgaits.programs.algebras.taylor_model import terms
+from neuralgaits.programs.native.bounder import Bounder
 
 LEAST_BATCH, MOST_BATCH = 64, 512
 """Boxes bounded at once: fewer waste time in calls, more exhaust the processor's cache."""
+COMPILED_BATCH, COMPILED_DEGREE = 8192, 2
+"""The same for compiled code, and the degree that it knows."""
+PLANE = 2
 CACHE_BYTES = 2**22
 """What the largest result of an operation may take, over a batch: about a core's own cache."""
 INPUT = "u"
@@ -56,6 +60,8 @@ class Problem:
     def batch(self) -> int:
         """Boxes to bound at once."""
         largest = max((operation.size for operation in self.program.operations), default=1)
+        if self._compiled is not None:
+            return COMPILED_BATCH
         one = terms(self.degree, len(self.low)) * largest * np.dtype(np.float64).itemsize
         return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
 
@@ -63,6 +69,9 @@ class Problem:
         self, low: Corners, high: Corners
     ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
         """Bounds on each condition's smallest margin over boxes, in scales; NaN if unbounded."""
+        if self._compiled is not None:
+            lower, upper = self._compiled.bounds(low, high)
+            return self._from_least(lower), self._from_least(upper)
         centre = low + (high - low) * 0.5
         # Up by two last places: the corners lie inside whatever the centre was rounded to.
         half = np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)
@@ -97,8 +106,18 @@ class Problem:
     def _smallest(self, elements: Sequence[np.ndarray], boxes: np.ndarray) -> np.ndarray:
         """Smallest of each condition's elements [n, B] from its least, in scales; NaN wins."""
         rows = [np.broadcast_to(e.min(axis=0), len(boxes)) for e in elements]
-        least = np.array(self.least or (0.0,))
-        return np.stack(rows, axis=1) / np.array(self.scales) - least
+        return self._from_least(np.stack(rows, axis=1))
+
+    def _from_least(self, margins: Float[np.ndarray, "B C"]) -> Float[np.ndarray, "B C"]:
+        """Margins counted from what each condition must reach, in scales."""
+        return margins / np.array(self.scales) - np.array(self.least or (0.0,))
+
+    @cached_property
+    def _compiled(self) -> Bounder | None:
+        """In more axes than two, where boxes are many; the Python rules are the reference."""
+        if len(self.low) == PLANE or self.degree != COMPILED_DEGREE:
+            return None
+        return Bounder.of(self.program, self.names, self._folded)
 
     @cached_property
     def _algebra(self) -> TaylorAlgebra:

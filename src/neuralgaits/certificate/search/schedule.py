@@ -16,12 +16,14 @@ from neuralgaits.certificate.search.branch_and_bound import (
     start,
     to_split,
 )
-from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.problem import PLANE, Problem
 
 TURN_S = 2.0
 """Seconds that one root may take before the next has its turn."""
 MEMORY_BYTES = 2**29
 """What the boxes of all roots may take. A round needs a few times as much beside them."""
+WIDE_TURN_S, WIDE_MEMORY_BYTES = 20.0, 2**30
+"""The same in more axes than two, where each round copies more boxes, and there are more."""
 
 Progress = Callable[[float, int], None]
 """(proved share of all conditions' regions, boxes so far)."""
@@ -94,29 +96,55 @@ def _explore(
     for number, problem in enumerate(problems):
         if time.monotonic() < deadline and not current[number].begun:
             keep(number, start(problem, confirm))
-    room = _boxes_in_memory(problems)
-    more_to_decide = MAX_BOXES if deadline == np.inf else room
-    phases: list[tuple[Phase, int]] = [("decide", more_to_decide), ("tighten", TIGHTEN_BOXES)]
-    for phase, more in phases:
-        most = [min(len(state.tree.first) + more, room) for state in current]
+    phases: list[Phase] = ["decide", "tighten"]
+    for phase in phases:
+        room = _Room(problems, current, phase, deadline)
         left = list(range(len(problems)))
         while left and time.monotonic() < deadline:
             for number in left:
+                wide = len(problems[number].low) > PLANE
                 search(
                     problems[number],
                     current[number],
                     confirm,
                     phase=phase,
-                    most=most[number],
-                    deadline=min(deadline, time.monotonic() + TURN_S),
+                    most=room.of(number),
+                    deadline=min(deadline, time.monotonic() + (WIDE_TURN_S if wide else TURN_S)),
                     progress=partial(keep, number),
                 )
-            left = [n for n in left if len(to_split(problems[n], current[n], phase, most[n]))]
+            left = [n for n in left if len(to_split(problems[n], current[n], phase, room.of(n)))]
 
 
-def _boxes_in_memory(problems: Sequence[Problem]) -> int:
-    """Boxes that each root may have so that all of them fit."""
-    return int(MEMORY_BYTES / sum(Search.untouched(problem).tree.nbytes for problem in problems))
+class _Room:
+    """How many boxes roots may have.
+
+    In the plane each has its share. In more axes some need a thousand times as many as others, so
+    they take what is left of what all have together.
+    """
+
+    def __init__(
+        self,
+        problems: Sequence[Problem],
+        current: Sequence[Search],
+        phase: Phase,
+        deadline: float,
+    ):
+        self._current = current
+        self._bytes = [Search.untouched(problem).tree.nbytes for problem in problems]
+        self._wide = any(len(problem.low) > PLANE for problem in problems)
+        room = int(MEMORY_BYTES / sum(self._bytes))
+        more = TIGHTEN_BOXES
+        if phase == "decide":
+            more = MAX_BOXES if deadline == np.inf else room
+        self._most = [min(len(state.tree.first) + more, room) for state in current]
+
+    def of(self, number: int) -> int:
+        """Boxes that a root may have in all."""
+        if not self._wide:
+            return self._most[number]
+        sizes = [len(state.tree.first) for state in self._current]
+        used = sum(a * b for a, b in zip(sizes, self._bytes, strict=True))
+        return sizes[number] + max(int((WIDE_MEMORY_BYTES - used) / self._bytes[number]), 0)
 
 
 def proved_share(problems: Sequence[Problem], states: Sequence[Search]) -> float:

@@ -24,6 +24,10 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         bounds: what is proved.
     """
     missing = first_missing(orbit_premises(shape, orbit), bounds)
+    if not orbit.complete or bool(shape.told) != (orbit.attraction == "any two walks"):
+        missing = "its parameters are not those of its kind of attraction"
+    if missing is None and shape.told:
+        return _any_two_walks(shape, orbit, bounds)
     first, last = shape.ends
     if missing is None and not shape.falling < orbit.guard_from < orbit.guard_to <= last:
         missing = "the thin tube's guard is not where the foot falls"
@@ -82,6 +86,38 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         f"at mid-step the orbit has z2 in [{at_least(least, 8)}, {at_most(most, 8)}] kg m^2/s, and "
         f"is known to {at_most(width, 3)} everywhere",
         f"its multiplier is in [{at_least(below(low), 4)}, {at_most(above(high), 4)}]",
+    )
+    return Conclusion(3, "proved", None, words, figures)
+
+
+def _any_two_walks(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
+    """That walks under the same commands converge.
+
+    Along a step the zeta of two of them part at most as the series says. A reset carries a
+    neighbour that is off by 1 to one that is off by `gain` in zeta and by `moved` metres in z1,
+    on a flow that changes zeta by `along` a metre or less, whatever the next step is told.
+    """
+    last = shape.ends[1]
+    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    gain, moved, along = (
+        -arb(bounds[name, *box])
+        for name, box in (
+            ("orbit/gain", strip),
+            ("orbit/moved", strip),
+            ("orbit/along", shape.start),
+        )
+    )
+    over = arb(shape.start_strip) + (arb(last) - 1).max(1 - arb(strip[0][0]))
+    parting = (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
+    contraction = (gain + moved * along) * parting
+    figures = {"contraction_at_most": above(contraction)}
+    if not contraction < 1:
+        reason = f"walks are not shown to converge: a step makes {above(contraction):.4g} of 1"
+        return Conclusion(3, "undecided", reason, (), figures)
+    words = (
+        "any two trajectories of the undisturbed system in T under the same admissible commands "
+        f"converge: from step to step their distance in zeta = z2^2 / 2 at a phase shrinks to "
+        f"{at_most(above(contraction), 4)} of it or less, whatever the commands are",
     )
     return Conclusion(3, "proved", None, words, figures)
 

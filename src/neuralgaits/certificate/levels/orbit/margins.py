@@ -11,6 +11,7 @@ import numpy as np
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.barriers.regions import chebyshev
+from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.orbit.return_map import expansion, landing, slope, state
 from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.gait import ZeroDynamics
@@ -29,13 +30,15 @@ def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
 
 
 def margins(
-    gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, "2"]
+    gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
     """Margins at one point, of the walking set's chart or of the thin tube's.
 
     Outputs of the return map over the whole set are functions of u in the set's chart; those of
     the orbit take u in the chart of the thin tube.
     """
+    if orbit.attraction == "any two walks":
+        return _any_two_walks(gait, zd, orbit, u)
     thin = thin_gait(gait, orbit)
     wide_gain = landing(gait, zd, u).gain
     point = zd.point(thin.z(u))
@@ -67,6 +70,21 @@ def margins(
         "orbit/fastest": _series(orbit.fastest, u[0]) - parting,
         "orbit/reset-gain-low": reset.gain,
         "orbit/reset-gain-high": -reset.gain,
+    }
+
+
+def _any_two_walks(
+    gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, " n"]
+) -> dict[str, Float[Array, "..."]]:
+    """How walks part along a step and across its reset; nothing depends on what comes next."""
+    u = u[:PLANE]
+    landed, (start, guard) = landing(gait, zd, u), gait.span
+    along = slope(gait, zd.point(gait.z(u))) / (guard - start)
+    return {
+        "orbit/expansion": _series(orbit.expansion, u[0]) - expansion(gait, zd, u),
+        "orbit/gain": jnp.stack([landed.moved_zeta, -landed.moved_zeta]),
+        "orbit/moved": jnp.stack([landed.moved_z1, -landed.moved_z1]),
+        "orbit/along": jnp.stack([along, -along]),
     }
 
 

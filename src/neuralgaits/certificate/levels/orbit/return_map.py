@@ -51,6 +51,17 @@ class Landing(NamedTuple):
     """zeta after the reset [(kg m^2/s)^2]."""
     gain: Scalar
     """rho: distance of a neighbour after the reset per distance before it."""
+    moved_zeta: Scalar
+    """The part of it that is in zeta where the neighbour lands."""
+    moved_z1: Scalar
+    """How much further ahead that is, per distance before it [m / (kg m^2/s)^2]."""
+
+
+def _next(gait: Gait, zd: ZeroDynamics) -> ZeroDynamics:
+    """Zero dynamics of the next step, if the command stays."""
+    if gait.next_tube is None:
+        return zd
+    return ZeroDynamics(zd.robot, gait.policy.following, zd.residual, zd.reset_residual)
 
 
 def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
@@ -59,17 +70,20 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     def ends(phase, zeta):
         point = zd.point(state(gait, phase, zeta))
         after = point.z_after
-        return point.foot_above_ground, gait.phase(after[0]), 0.5 * after[1] * after[1]
+        then = gait.following.phase(after[0])
+        return point.foot_above_ground, then, 0.5 * after[1] * after[1]
 
     zeta = 0.5 * gait.z(u)[1] ** 2
     here, one, zero = (u[0], zeta), jnp.ones_like(zeta), jnp.zeros_like(zeta)
     (_, phase, after), by_phase = jax.jvp(ends, here, (one, zero))
     by_zeta = jax.jvp(ends, here, (zero, one))[1]
     before = slope(gait, zd.point(state(gait, *here)))
-    behind = slope(gait, zd.point(state(gait, phase, after)))
+    behind = slope(gait.following, _next(gait, zd).point(state(gait.following, phase, after)))
     # A neighbour at zeta + 1 meets the guard later by `later` phases, and `off` away from here.
     later = -by_zeta[0] / (by_phase[0] + by_zeta[0] * before)
     off = 1.0 + before * later
     moved_phase = by_phase[1] * later + by_zeta[1] * off
     moved_zeta = by_phase[2] * later + by_zeta[2] * off
-    return Landing(phase, after, moved_zeta - behind * moved_phase)
+    start, guard = gait.following.span
+    moved_z1 = moved_phase * (guard - start)
+    return Landing(phase, after, moved_zeta - behind * moved_phase, moved_zeta, moved_z1)

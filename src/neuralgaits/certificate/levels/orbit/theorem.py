@@ -8,11 +8,12 @@ from neuralgaits.certificate.levels.chart import Corner
 from neuralgaits.certificate.levels.premises import Premise
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 
-Attraction = Literal["contraction", "nested tubes"]
-"""Why the orbit attracts all of the walking set: see `conclude`."""
+Attraction = Literal["contraction", "nested tubes", "any two walks"]
+"""Why the orbit attracts all of the walking set: see `conclude`. The last is that of a gait with
+commands, which has no one orbit: walks under the same commands converge."""
 ORBIT, RETURN_MAP = "orbit", "return map"
 """Labels of the statements that level 3 rests on."""
-_OF_RETURN_MAP = ("orbit/expansion", "orbit/gain")
+_OF_RETURN_MAP = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
 """Outputs of the walking set's chart apart from those of the thin tube's."""
 
 
@@ -28,20 +29,32 @@ class Orbit:
         lower, upper: fences of the thin tube, zeta [(kg m^2/s)^2].
         expansion: upper bound of dF/dzeta over the walking set.
         slowest, fastest: bounds of dF/dzeta over the thin tube.
+
+    Without a thin tube its parameters are empty.
     """
 
     attraction: Attraction
-    guard_from: float
-    guard_to: float
-    lower: tuple[float, ...]
-    upper: tuple[float, ...]
-    expansion: tuple[float, ...]
-    slowest: tuple[float, ...]
-    fastest: tuple[float, ...]
+    guard_from: float = 0.0
+    guard_to: float = 0.0
+    lower: tuple[float, ...] = ()
+    upper: tuple[float, ...] = ()
+    expansion: tuple[float, ...] = ()
+    slowest: tuple[float, ...] = ()
+    fastest: tuple[float, ...] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether all series are there that its kind of attraction speaks of."""
+        thin = (self.lower, self.upper, self.slowest, self.fastest)
+        if self.attraction == "any two walks":
+            return bool(self.expansion) and not any(thin)
+        return bool(self.expansion) and all(thin)
 
 
 def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
     """Premises of level 3 beside those of level 2."""
+    if orbit.attraction == "any two walks":
+        return _of_any_two_walks(shape)
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
@@ -68,6 +81,18 @@ def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
         Premise("orbit/fastest", *whole, sign="not negative"),
         Premise("orbit/reset-gain-low", *thin_strip),
         Premise("orbit/reset-gain-high", *thin_strip, sign="any"),
+    ]
+
+
+def _of_any_two_walks(shape: WalkingSet) -> list[Premise]:
+    """What bounds how walks part along a step and across its reset, for every pair of commands."""
+    first, last = shape.ends
+    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    return [
+        Premise("orbit/expansion", (first, 0.0), (last, 1.0), sign="not negative"),
+        Premise("orbit/gain", *strip, sign="any"),
+        Premise("orbit/moved", *strip, sign="any"),
+        Premise("orbit/along", *shape.start, sign="any"),
     ]
 
 

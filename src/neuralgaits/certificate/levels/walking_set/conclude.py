@@ -37,9 +37,8 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
         missing = "phases of rise and fall that are not in order"
     if missing is None and not min(shape.disturbance) >= 0.0:
         missing = "a disturbance with a negative bound"
-    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
-    if missing is None and not bounds["set/reset-phase", *strip] > -shape.start_strip:
-        missing = "a reset may land outside the strip around the start of a step"
+    if missing is None:
+        missing = _why_not_inside(shape, bounds)
     if missing is not None:
         return Conclusion(2, "undecided", missing, (), {})
     pace = bounds["set/forward", *whole]
@@ -54,3 +53,27 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
     unsafe = [premise for premise in safe_premises(shape) if first_missing([premise], bounds)]
     words = walking_words(shape, boxes, figures["step_time_at_most_s"], not unsafe)
     return Conclusion(2, "proved", None, words, figures)
+
+
+def _why_not_inside(shape: WalkingSet, bounds: Bounds) -> str | None:
+    """Where else than in T a reset may land; None for nowhere.
+
+    Told commands, a reset lands at a distance d from the start of the next step and with a share b
+    of the tube's width at phase 0, or more, to either fence. Wherever on the strip that is, and
+    whatever the next step is told, a fence is less than start_strip x steepness widths from where
+    it is at phase 0.
+    """
+    strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
+    outside = "a reset may land outside the strip around the start of a step"
+    if not shape.told:
+        inside = bounds["set/reset-phase", *strip] > -shape.start_strip
+        return None if inside else outside
+    origin = (0.0, 0.0), (0.0, 0.0)
+    around = (-shape.start_strip, 0.0), (shape.start_strip, 0.0)
+    place, stride = -arb(bounds["set/reset-place", *strip]), arb(bounds["set/stride", *origin])
+    if not place < arb(shape.start_strip) * stride:
+        return outside
+    moved = -arb(bounds["set/steepness", *around]) * arb(shape.start_strip)
+    if not arb(bounds["set/inlet", *strip]) > moved:
+        return "a reset may land outside the fences of a step that is told another command"
+    return None

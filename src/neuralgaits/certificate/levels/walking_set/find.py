@@ -20,6 +20,14 @@ STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
 phase 1 by more than the last is not treated."""
 CLEAR = 1e-12
 """Height that the foot must have before and behind the guard's strip [m]: more than rounding."""
+FEW_PHASES, FEW_LEVELS, PAIRS, CHUNK = 61, 5, 5, 4096
+"""Fewer of them, with so many values of each axis of the commands, at most so many at once."""
+TOLD = 1.5
+"""Phases that a reset may land in per one that is seen, but for how lengths differ."""
+CLEAR_TOLD = 5e-5
+"""Height that the foot must have there [m]: more than bounds over commands are apart."""
+ROOM = 1.2
+"""How much more than what is seen at points bounds may be, where they enclose constants."""
 SHARE = 0.5
 """Share of its vertical speed at either end of the step that the foot must keep."""
 
@@ -27,28 +35,37 @@ SHARE = 0.5
 def find_set(
     spec: GaitSpec, look: Look, disturbance: tuple[float, float] = (0.0, 0.0)
 ) -> WalkingSet | str:
-    """Parameters of the walking set, or one sentence that says why there are none."""
-    levels = np.linspace(0.0, 1.0, LEVELS)
-    strip = _guard_strip(look, levels)
+    """Parameters of the walking set, or one sentence that says why there are none.
+
+    Of a gait with commands they are those of the worst pair that is looked at.
+    """
+    told = tuple(command.name for command in spec.commands)
+    count, levels = PHASES, np.linspace(0.0, 1.0, LEVELS)
+    if told:
+        look = over_pairs(spec, look)
+        count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
+    strip = _guard_strip(look, levels, CLEAR_TOLD if told else CLEAR)
     if strip is None:
         return (
             "the swing foot does not go through the ground everywhere within "
             f"{STRIPS[-1]} phases of the guard"
         )
     guard = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
-    landed = np.abs(look(guard)["after"][:, 0]).max()
-    start_strip = float(2.0 * landed + 1e-9)
+    seen = look(guard)
+    landed = np.abs(seen["after"][:, 0]).max()
+    more = TOLD * seen["stride"].max() / seen["stride"].min() if told else 2.0
+    start_strip = float(more * landed + 1e-9)
     if not start_strip < STRIPS[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
-    phases = np.linspace(0.0, 1.0, PHASES)
-    rate = look(_grid(phases, levels))["foot_rate"].reshape(PHASES, LEVELS)
+    phases = np.linspace(0.0, 1.0, count)
+    rate = look(_grid(phases, levels))["foot_rate"].reshape(count, -1)
     slowest, fastest = rate.min(axis=1), rate.max(axis=1)
     if slowest[0] <= 0.0 or fastest[-1] >= 0.0:
         return "the swing foot does not rise at the start of the step, or does not fall at its end"
     rising = slowest >= SHARE * slowest[0]
     falling = fastest <= SHARE * fastest[-1]
     risen = phases[np.argmin(rising) - 1]
-    fall = phases[PHASES - np.argmin(falling[::-1])]
+    fall = phases[count - np.argmin(falling[::-1])]
     return WalkingSet(
         start_strip=start_strip,
         guard_strip=strip,
@@ -57,6 +74,7 @@ def find_set(
         disturbance=disturbance,
         barriers=names_of(spec)[0],
         carried=names_of(spec)[1],
+        told=told,
     )
 
 
@@ -69,12 +87,44 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
     )
 
 
-def _guard_strip(look: Look, levels: np.ndarray) -> float | None:
+def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str, float]:
+    """What outputs that enclose constants must reach."""
+    if not shape.told:
+        return {"set/reset-phase": -shape.start_strip}
+    over = over_pairs(spec, look)
+    found = over(_grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
+    phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
+    pace = float(over(_grid(phases, levels))["pace"].min())
+    steep, stride = ROOM * float(np.abs(found["steepness"]).max()), float(found["stride"].min())
+    return {
+        "set/forward": SHARE * pace,
+        "set/stride": stride / ROOM**0.5,
+        "set/reset-place": -shape.start_strip * stride / ROOM,
+        "set/steepness": -steep,
+        "set/inlet": ROOM * shape.start_strip * steep,
+    }
+
+
+def over_pairs(spec: GaitSpec, look: Look) -> Look:
+    """Looks at points of (phase, level) with many pairs of commands, one point after the other."""
+    axes = [np.linspace(low, high, PAIRS) for c in spec.commands for _, low, high in c.axes]
+    pairs = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+
+    def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
+        rows = np.repeat(u, len(pairs), axis=0)
+        rows = np.hstack([rows, np.tile(pairs, (len(u), 1))])
+        parts = [look(rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    return over
+
+
+def _guard_strip(look: Look, levels: np.ndarray, clear: float) -> float | None:
     """A strip around phase 1 with the foot above the ground before it and below it behind."""
     for number, width in enumerate(STRIPS):
         above = look(_grid(np.array([1.0 - width]), levels))["foot"]
         below = look(_grid(np.array([1.0 + width]), levels))["foot"]
-        if above.min() > CLEAR and below.max() < -CLEAR:
+        if above.min() > clear and below.max() < -clear:
             return STRIPS[min(number + 1, len(STRIPS) - 1)]
     return None
 

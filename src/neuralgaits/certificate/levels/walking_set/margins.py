@@ -13,29 +13,29 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Array, Float, ZeroState
+from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.barriers.functions import transversal_inertia
+from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
-from neuralgaits.gait import Point, ZeroDynamics
+from neuralgaits.gait import AbstractPolicy, HybridInvariantPolicy, Point, ZeroDynamics
+from neuralgaits.gait.step_ends import END_POINT_MARGIN
 
 
 def margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSet, u: Float[Array, "2"]
+    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSet, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
     """Margins of the walking set at one chart point, by output name.
 
     Whatever depends on dz is given at every corner of the disturbance's box: those quantities
     are linear in dz, or a quotient of such, so a corner is the worst.
     """
-    z = gait.z(u)
+    z = gait.z(u[:PLANE])
     point = zd.point(z)
     pushed = [moved.point(z) for moved in disturbed(zd, shape.disturbance)]
     start, guard = gait.span
-    falls = jnp.stack([p.foot_velocity[1] for p in pushed])
+    falls = jnp.stack([p.foot_lift_rate for p in pushed])
     inward = [_inward(gait, p) for p in pushed]
-    phase = gait.phase(point.z_after[0])
-    level = gait.level(point.z_after)
     low, high = jnp.sqrt(2.0 * gait.tube.fences(u[0]))
     found = {
         "set/forward": jnp.stack([p.dz[0] for p in pushed]) / (guard - start),
@@ -47,16 +47,51 @@ def margins(
         "set/foot-below": -point.foot_above_ground,
         "set/foot-rises": falls,
         "set/foot-falls": -falls,
-        "set/reset-phase": jnp.stack([phase, -phase]),
-        # The level does not tell forward from backward: z2 must keep its sign as well.
-        "set/reset-level": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
     }
+    found |= _inlet(gait, point, u[0]) if shape.told else _reset(gait, point)
     for barrier in barriers(spec):
-        found[f"set/after {barrier.name}"] = barrier.function(point.after)
+        if not shape.told:
+            found[f"set/after {barrier.name}"] = barrier.function(point.after)
         found[f"set/value {barrier.name}"] = barrier.function(point)
         if any(shape.disturbance):
             found[f"set/rate {barrier.name}"] = _pushed_rates(barrier, zd, z, pushed)
     return found
+
+
+def _reset(gait: Gait, point: Point) -> dict[str, Float[Array, "..."]]:
+    """Where the reset lands, in the same tube."""
+    phase = gait.phase(point.z_after[0])
+    level = gait.level(point.z_after)
+    return {
+        "set/reset-phase": jnp.stack([phase, -phase]),
+        # The level does not tell forward from backward: z2 must keep its sign as well.
+        "set/reset-level": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
+    }
+
+
+def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, "..."]]:
+    """Where the reset lands in the tube of the next step; nothing here depends on its command."""
+    then, start, guard = gait.following, *gait.span
+    ahead = point.z_after[0] - then.span[0]
+    low, high = then.tube.fences(0.0)
+    level = (0.5 * point.z_after[1] * point.z_after[1] - low) / (high - low)
+    first, last = gait.tube.fences(0.0)
+    steep = gait.tube.fence_slopes(phase) / (last - first)
+    return {
+        "set/reset-place": jnp.stack([ahead, -ahead]),
+        "set/inlet": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
+        "set/stride": jnp.asarray(guard - start),
+        "set/steepness": jnp.concatenate([steep, -steep]),
+        "set/within-bounds": _within_bounds(gait.policy),
+    }
+
+
+def _within_bounds(policy: AbstractPolicy) -> Float[Array, "..."]:
+    """How far inside what outputs are clipped to both ends of a step are [rad]."""
+    assert isinstance(policy, HybridInvariantPolicy)
+    margin = END_POINT_MARGIN * (policy.upper - policy.lower)
+    ends = jnp.stack([policy.start_outputs, policy.guard_outputs])
+    return jnp.concatenate([ends - policy.lower - margin, policy.upper - margin - ends])
 
 
 def barriers(spec: GaitSpec) -> Iterator[Barrier]:

@@ -23,6 +23,7 @@ class WalkingSet:
         disturbance: bound on what may be added to dz (m/s, N m).
         barriers: names of the spec's barrier conditions.
         carried: the spec's conditions, by name, that hold on the strips as well.
+        told: names of the commands that a step is told; the chart has two axes for each.
     """
 
     start_strip: float
@@ -32,6 +33,12 @@ class WalkingSet:
     disturbance: tuple[float, float]
     barriers: tuple[str, ...]
     carried: tuple[str, ...]
+    told: tuple[str, ...] = ()
+
+    @property
+    def start(self) -> tuple[Corner, Corner]:
+        """The strip around phase 0."""
+        return (-self.start_strip, 0.0), (self.start_strip, 1.0)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -57,14 +64,44 @@ def walking_premises(shape: WalkingSet) -> list[Premise]:
         Premise("set/foot-falls", (shape.falling, 0.0), (last, 1.0)),
         Premise("set/foot-above", (before, 0.0), (before, 1.0)),
         Premise("set/foot-below", (last, 0.0), (last, 1.0)),
-        Premise("set/reset-phase", *strip, sign="any"),
-        Premise("set/reset-level", *strip),
+        *(_inlet(shape) if shape.told else _reset(shape)),
     ]
     for name in shape.barriers:
-        found.append(Premise(f"set/after {name}", *strip, sign="not negative"))
+        # Where a step is told commands, nothing that is read behind a reset may depend on those
+        # that come next: the function is asked on the strip that every reset lands in.
+        after = (f"set/value {name}", *shape.start) if shape.told else (f"set/after {name}", *strip)
+        found.append(Premise(*after, sign="not negative"))
         if any(shape.disturbance):
             found.append(Premise(f"set/rate {name}", *whole, sign="not negative"))
     return found
+
+
+def _reset(shape: WalkingSet) -> list[Premise]:
+    """Where a reset lands, in the chart of the only tube there is."""
+    strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
+    return [
+        Premise("set/reset-phase", *strip, sign="any"),
+        Premise("set/reset-level", *strip),
+    ]
+
+
+def _inlet(shape: WalkingSet) -> list[Premise]:
+    """That a reset lands in the tube of the next step, whatever that is told.
+
+    At phase 0 the tube depends on the command before alone, which is known. A reset lands a little
+    before or behind it, where the fences depend on the next command as well, as the length of a
+    phase does: so its place is measured in metres, its zeta against the fences at phase 0, and
+    what fences and lengths can make of it is bounded over all pairs of commands.
+    """
+    strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
+    origin = (0.0, 0.0), (0.0, 0.0)
+    return [
+        Premise("set/reset-place", *strip, sign="any"),
+        Premise("set/inlet", *strip),
+        Premise("set/stride", *origin),
+        Premise("set/within-bounds", *origin, sign="not negative"),
+        Premise("set/steepness", (-shape.start_strip, 0.0), (shape.start_strip, 0.0), sign="any"),
+    ]
 
 
 def safe_premises(shape: WalkingSet) -> list[Premise]:

@@ -29,12 +29,16 @@ def walking_words(
         pushed = f", whatever d(t) with |d| <= {bound} is added to dz"
         meant = ", with rates and forces of the undisturbed flow at each state"
     safe = "" if safe_from_the_start else " and the barrier functions not negative"
+    pair = " of a step with its commands before and after" if shape.told else ""
+    always = ", whatever admissible commands follow each other," if shape.told else ""
+    into = "T of the next step, whatever that is told" if shape.told else "T"
+    comma = "" if always and not pushed else ","
     return (
-        f"T is every state with z2 > 0 and phase from {first!r} to {last!r} between the fences"
-        f"{safe}, up to where the swing foot meets the ground",
-        f"every trajectory of the projected hybrid zero dynamics that starts in T{pushed}, stays "
-        "between the fences, meets the ground once and transversally within "
-        f"{at_most(step_time_s, 4)} s, and is reset into T: it walks for ever",
+        f"T{pair} is every state with z2 > 0 and phase from {first!r} to {last!r} between the "
+        f"fences{safe}, up to where the swing foot meets the ground",
+        f"every trajectory of the projected hybrid zero dynamics that starts in T{pushed}{always}"
+        f"{comma} stays between the fences, meets the ground once and transversally within "
+        f"{at_most(step_time_s, 4)} s, and is reset into {into}: it walks for ever",
         *_conditions(shape, boxes, meant),
     )
 

@@ -1,0 +1,1 @@
+"""Programs bounded by compiled code, where there is a compiler."""

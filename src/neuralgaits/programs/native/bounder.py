@@ -1,0 +1,189 @@
+"""Bounds on a Program's outputs over boxes, by compiled code."""
+
+import ctypes
+import os
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.programs.algebras.taylor_model import Taylor
+from neuralgaits.programs.native.library import library
+from neuralgaits.programs.program import Operation, Program
+
+KINDS = (
+    *("move", "add", "sub", "mul", "div", "neg", "square", "sum", "affine", "inner"),
+    *("sqrt", "exp", "log1p", "sin", "cos", "tanh", "logistic"),
+)
+"""In the order that the compiled code numbers them."""
+FIELDS = 12
+MOST_THREADS = 16
+
+
+class Bounder:
+    """Bounds on the smallest element of some outputs over boxes of u."""
+
+    def __init__(self, code: "_Code", axes: int, rules: ctypes.CDLL):
+        self._rules, self._outputs, self._threads = rules, len(code.outputs), _cores()
+        self._axes = axes
+        arrays = (code.operations, code.index, code.constants, code.outputs)
+        table, index, constants, outputs = (np.ascontiguousarray(array) for array in arrays)
+        self._handle = rules.ng_bounder(
+            *(axes, table.ctypes.data, len(table), index.ctypes.data, len(index)),
+            *(constants.ctypes.data, constants.shape[1], outputs.ctypes.data, len(outputs)),
+            code.workspace,
+        )
+
+    @classmethod
+    def of(
+        cls, program: Program, names: Sequence[str], folded: Mapping[int, Taylor]
+    ) -> "Bounder | None":
+        """For outputs of a Program of u alone; None where there is no compiled code.
+
+        Args:
+            program: whose only input boxes are given for.
+            names: of the outputs.
+            folded: its constant values, as `fold` gives them.
+        """
+        if len(program.inputs) != 1:
+            return None
+        (axes,) = program.inputs[0].shape
+        rules = library(axes)
+        return None if rules is None else cls(_encode(program, names, folded), axes, rules)
+
+    def __del__(self):
+        """Let the compiled code forget it."""
+        self._rules.ng_forget(self._handle)
+
+    def bounds(
+        self, low: Float[np.ndarray, "B n"], high: Float[np.ndarray, "B n"]
+    ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
+        """Bounds from below and above on each output's smallest element; NaN where there is none.
+
+        The upper one is the least of the elements' own: no smallest element is above it.
+        """
+        corners = [np.ascontiguousarray(side, dtype=np.float64) for side in (low, high)]
+        found = [np.empty((len(low), self._outputs)) for _ in corners]
+        self._rules.ng_bounds(
+            *(self._handle, corners[0].ctypes.data, corners[1].ctypes.data, len(low)),
+            *(self._threads, found[0].ctypes.data, found[1].ctypes.data),
+        )
+        return found[0], found[1]
+
+
+class _Code(NamedTuple):
+    """A Program as the compiled code reads it.
+
+    Attributes:
+        operations: kind, place and size of the result, columns, place in `index`, number of
+            operands, and (place, size) of three of them. [n, FIELDS]
+        index: of all moves: places of elements.
+        constants: centres and radii of all constant elements. [2, m]
+        outputs: (place, size). [C, 2]
+        workspace: elements that are kept at once.
+    """
+
+    operations: np.ndarray
+    index: np.ndarray
+    constants: np.ndarray
+    outputs: np.ndarray
+    workspace: int
+
+
+def _encode(program: Program, names: Sequence[str], folded: Mapping[int, Taylor]) -> _Code:
+    """Constants have negative places, -1 - their number; results take what was let go of."""
+    places: dict[int, int] = {0: 0}
+    centres: list[np.ndarray] = []
+    radii: list[np.ndarray] = []
+    count = 0
+    for number, value in folded.items():
+        places[number] = -1 - count
+        centres.append(value.poly[0].reshape(-1))
+        radii.append(value.radius.reshape(-1))
+        count += len(centres[-1])
+    outputs = {output.name: output.value for output in program.outputs}
+    wanted = [outputs[name] for name in names]
+    last = _last_uses(program, wanted)
+    room, sizes = _Room(program.sizes[0]), program.sizes
+    table, index = [], []
+    for number, operation in enumerate(program.operations, start=program.first_operation):
+        if not program.varies[number] or number not in last:
+            continue
+        places[number] = room.take(operation.size)
+        row = [KINDS.index(operation.kind), places[number], operation.size, operation.columns]
+        operands = operation.operands
+        row += [len(index), len(operands)]
+        if operation.kind == "move":
+            index += _sources(operation, places, sizes)
+            operands = ()
+        pairs = [x for operand in operands for x in (places[operand], sizes[operand])]
+        table.append(row + pairs + [0] * (FIELDS - len(row) - len(pairs)))
+        for operand in set(operation.operands):
+            if last.get(operand) == number and places[operand] > 0:
+                room.give(places[operand], sizes[operand])
+    return _Code(
+        np.array(table, dtype=np.int64).reshape(-1, FIELDS),
+        np.array(index, dtype=np.int64),
+        np.stack([np.concatenate([*part, [0.0]]) for part in (centres, radii)]),
+        np.array([(places[value], sizes[value]) for value in wanted], dtype=np.int64),
+        room.size,
+    )
+
+
+def _sources(operation: Operation, places: Mapping[int, int], sizes: Sequence[int]) -> list[int]:
+    """Places of the elements that a move gathers."""
+    joined = [
+        place - k if place < 0 else place + k
+        for operand in operation.operands
+        for place in [places[operand]]
+        for k in range(sizes[operand])
+    ]
+    return [joined[k] for k in operation.index]
+
+
+def _last_uses(program: Program, wanted: Sequence[int]) -> dict[int, int]:
+    """Number of the last operation that reads each value that the outputs need."""
+    last = dict.fromkeys(wanted, len(program.sizes))
+    for k in reversed(range(len(program.operations))):
+        number = program.first_operation + k
+        if number in last:
+            for operand in program.operations[k].operands:
+                last.setdefault(operand, number)
+    return last
+
+
+class _Room:
+    """Places in the workspace: the first gap that is large enough."""
+
+    def __init__(self, taken: int):
+        self.size = taken
+        self._gaps: list[tuple[int, int]] = []
+
+    def take(self, size: int) -> int:
+        """A place for so many elements."""
+        for k, (start, width) in enumerate(self._gaps):
+            if width >= size:
+                self._gaps[k] = (start + size, width - size)
+                if width == size:
+                    del self._gaps[k]
+                return start
+        start, self.size = self.size, self.size + size
+        return start
+
+    def give(self, start: int, size: int) -> None:
+        """Let go of it."""
+        merged: list[tuple[int, int]] = []
+        for begin, width in sorted([*self._gaps, (start, size)]):
+            if merged and sum(merged[-1]) == begin:
+                merged[-1] = (merged[-1][0], merged[-1][1] + width)
+            else:
+                merged.append((begin, width))
+        self._gaps = merged
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return min(len(os.sched_getaffinity(0)), MOST_THREADS)
+    return min(os.cpu_count() or 1, MOST_THREADS)
