@@ -15,8 +15,8 @@ import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._types import Actuated, Array, Float, Scalar
-from neuralgaits.gait.commands import Step
+from neuralgaits._types import Actuated, Array, Float
+from neuralgaits.gait.commands import Number, Step
 from neuralgaits.gait.network import Network
 from neuralgaits.gait.posture import Posture, walking_posture
 from neuralgaits.gait.reset_residual import AbstractResetResidual
@@ -129,13 +129,13 @@ class HybridInvariantPolicy(StepPolicy):
         )
         return _match(policy, robot)
 
-    def phase(self, z1: Scalar) -> Scalar:
+    def phase(self, z1: Number) -> Number:
         """Phase of the step at a hip position."""
         if self.anchor is None:
             return super().phase(z1)
         return self.anchor[0] + (z1 - self.anchor[1]) / (self.z_guard - self.z_start)
 
-    def path(self, phase: Scalar) -> Actuated:
+    def path(self, phase: Number) -> Actuated:
         """H, in powers of the phase or in terms of its ends. Returns: [m]."""
         if self.ends is None:
             return super().path(phase)

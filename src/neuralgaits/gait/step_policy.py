@@ -11,6 +11,7 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.gait.activations import logistic
+from neuralgaits.gait.commands import Number
 from neuralgaits.gait.network import Network, scaled_inputs
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import AbstractResetResidual
@@ -54,11 +55,11 @@ class StepPolicy(AbstractPolicy):
         share = logistic(self.path(phase) + (4.0 * bump * bump) * self.network(inputs))
         return self.lower + (self.upper - self.lower) * share
 
-    def phase(self, z1: Scalar) -> Scalar:
+    def phase(self, z1: Number) -> Number:
         """Phase of the step at a hip position."""
         return (z1 - self.z_start) / (self.z_guard - self.z_start)
 
-    def path(self, phase: Scalar) -> Actuated:
+    def path(self, phase: Number) -> Actuated:
         """H at a phase. Returns: [m]."""
         a0, a1, a2, a3 = self.cubic
         return a0 + phase * (a1 + phase * (a2 + phase * a3))
