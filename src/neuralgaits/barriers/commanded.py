@@ -26,7 +26,7 @@ from neuralgaits.gait.commands import Command, Commands, factors
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
-SPEED_CHANGE = 0.15
+SPEED_CHANGE = 0.12
 """Largest change of speed a step, as a share of its range: a return map that contracts by 0.7 lets
 a tube follow a change of about 0.4 of its width a step."""
 START_WIDTH, SIDES = 0.17, (-1.0, 1.0)
@@ -43,7 +43,7 @@ WEIGHTS = {
 to zero; where any foothold may follow any, the reset."""
 SHORTEST = 0.9
 """Least step length, as a share of the shortest asked for: footholds are met exactly."""
-APART = 0.3
+APART = 0.1
 """Scale of how far the fences are from zero and from each other, in the unit of zeta."""
 MORE_SAMPLES, MORE_STEPS, LEARNING_RATE, EFFORT = 2, 5000, 3e-3, 0.3
 
@@ -85,7 +85,7 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
     )
     aims = _middle_aims()
     if any(c.name == "speed" for c in commands):
-        aims = (*aims, MeanSpeed("mean-speed", "middle", 0.03, 0.03))
+        aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015))
     samples = {name: MORE_SAMPLES * count for name, count in plain.recipe.samples.items()}
     recipe = replace(
         plain.recipe,
@@ -95,7 +95,8 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
         effort=EFFORT,
         curriculum=0.5,
         corners=0.2,
-        widened=0.1,
+        widened=0.13,
+        faster_changes=0.3,
         largest_gradient=5.0,
     )
     return replace(
@@ -129,7 +130,7 @@ def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
         new_gait=partial(_new_gait_at, robot, speed),
         recipe=recipe,
-        aims=(*_middle_aims(), MeanSpeed("mean-speed", "middle", 0.03, 0.03, speed)),
+        aims=(*_middle_aims(), MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed)),
     )
 
 

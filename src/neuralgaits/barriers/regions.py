@@ -22,7 +22,7 @@ from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 
 Side = Literal["lower", "upper"]
-LEAST_ZETA = 0.03
+LEAST_ZETA = 0.01
 """Between fences that are kept apart, and above zero, in the unit of zeta."""
 Number = float | np.floating | Scalar
 """Elements of NumPy arrays are no arrays."""

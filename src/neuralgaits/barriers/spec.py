@@ -17,7 +17,7 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Commands
 
 Init = Literal["posture", "random"]
-_FOR_COMMANDS = ("curriculum", "widened", "corners", "largest_gradient")
+_FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient")
 """Fields of a recipe that a spec without commands does not tell."""
 
 
@@ -44,6 +44,8 @@ class Recipe:
         posture_steps: supervised steps towards the nominal posture before training.
         curriculum: share of the steps over which the range of commands grows from its middle.
         widened: share of the range of a command that is trained on beyond each of its ends.
+        faster_changes: share by which changes of a command are trained on that are larger than
+            its largest: calibration stretches them.
         corners: share of the samples of a command's axis that lie on its ends.
         largest_gradient: norm that gradients are clipped to; None for any.
     """
@@ -63,6 +65,7 @@ class Recipe:
     posture_steps: int = 0
     curriculum: float = 0.0
     widened: float = 0.0
+    faster_changes: float = 0.0
     corners: float = 0.0
     largest_gradient: float | None = None
 

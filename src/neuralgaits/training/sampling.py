@@ -39,6 +39,7 @@ class Sampler(NamedTuple):
         commands: Commands = (),
         corners: float = 0.0,
         widened: float = 0.0,
+        faster_changes: float = 0.0,
     ) -> "Sampler":
         """Lay out the strata.
 
@@ -49,6 +50,7 @@ class Sampler(NamedTuple):
             commands: of the gait, two axes each.
             corners: of `Recipe`.
             widened: likewise.
+            faster_changes: likewise.
         """
         lows, highs, rows, position = [], [], {}, 0
         for name, count in counts.items():
@@ -63,8 +65,11 @@ class Sampler(NamedTuple):
         ends = ends.reshape(2, 2 * len(commands))
         for i, command in enumerate(commands):
             more = widened * (command.high - command.low)
-            # Where any command may follow any, both axes are its range.
-            ends[:, 2 * i : 2 * i + 2 - (command.largest_change is not None)] += [[-more], [more]]
+            ends[:, 2 * i] += [-more, more]
+            if command.largest_change is None:  # Both axes are its range.
+                ends[:, 2 * i + 1] += [-more, more]
+            else:
+                ends[:, 2 * i + 1] *= 1.0 + faster_changes
         return cls(np.concatenate(lows), np.concatenate(highs), rows, ends, corners)
 
     def draw(self, key: PRNGKeyArray, grown: Scalar | float = 1.0) -> Float[Array, "N n"]:

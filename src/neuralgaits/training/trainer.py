@@ -131,7 +131,11 @@ class Trainer:
         recipe = spec.recipe
         plan = partial(Sampler.plan, spec.regions, commands=spec.commands)
         sampler = plan(
-            recipe.samples, recipe.overshoot, corners=recipe.corners, widened=recipe.widened
+            recipe.samples,
+            recipe.overshoot,
+            corners=recipe.corners,
+            widened=recipe.widened,
+            faster_changes=recipe.faster_changes,
         )
         more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
         validation = plan(more)
