@@ -92,7 +92,7 @@ def test_the_cases_meet_every_wish(told, asked):
     assert np.isnan(cases.given).any() and (cases.given < low).any() and (cases.given > high).any()
     down = (ticks.fault == 0) & (ticks.touchdown > 0.5)
     np.testing.assert_array_equal(ticks.before[down], cases.after[down])
-    reached = np.abs(ticks.after[down] - ticks.wanted[down]) < 1e-12
+    reached = np.abs(ticks.after[down] - ticks.wanted[down]) < 1e-6
     assert reached.any()
     # Only where a change is limited does a wish wait for further steps.
     assert reached.all() == all(c.largest_change is None for c in told.commands)
