@@ -6,9 +6,11 @@ import pytest
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import specs
+from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.runs import RunFolder
+from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import command_errors
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.orders import Orders, orders_of
@@ -170,3 +172,30 @@ def test_floors_are_as_high_as_they_are_told(amber, tmp_path):
     assert one.gauge.steps[0] >= 2
     rises = {round(float(abs(a - b)), 6) for a, b in one.floors}
     assert 0.004 in rises
+
+
+@pytest.mark.slow
+def test_a_live_walk_hears_at_the_next_touchdown(run):
+    start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
+    lives = [
+        LiveWalk(
+            run.robot,
+            run.trained.policy,
+            Pd(),
+            start,
+            z2_range=momentum_range(run.trained),
+            library=library,
+        )
+        for library in (None, engine_of_trained(run, "native").library)
+    ]
+    for live in lives:
+        np.testing.assert_allclose(live.told, [[0.725], [0.725]])
+        live.tell(speed=0.9)
+        with pytest.raises(InputError, match=r"between 0\.55 and 0\.9"):
+            live.tell(speed=2.0)
+        with pytest.raises(InputError, match="gait's commands, speed"):
+            live.tell(pace=0.6)
+        while live.verdict is None or not live.verdict.touchdown[0]:
+            assert live.tick()
+        np.testing.assert_allclose(live.told, [[0.725], [0.795]])
+    assert lives[0].time == lives[1].time

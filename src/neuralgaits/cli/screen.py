@@ -84,11 +84,20 @@ def show_walks(result: Simulated) -> None:
         if known.get(name) is not None
     ]
     show_table(("figure", "value"), rows)
+    missed = [
+        (name, number(error.mean), number(error.worst))
+        for name, error in result.command_error.items()
+        if error.mean is not None and error.worst is not None
+    ]
+    show_table(("command", "missed by, mean", "worst"), missed)
     if result.link is not None:
         _link(result.link)
     asked = ("plant", "controller", "engine", "start", "push", "run")
     facts = [(name, known[name]) for name in asked if known[name] is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]
+    told = [f"{name}={number(value)}" for name, value in (result.command or {}).items()]
+    if told or result.commands is not None:
+        facts.append(("told", ", ".join(told) or str(result.commands)))
     show_facts([*facts, *([("disturb", ", ".join(changed))] if changed else [])])
 
 

@@ -226,13 +226,13 @@ def largest_errors(
         program: to be bounded.
         lows: smallest inputs, by name.
         highs: largest inputs, by name.
-        cuts: how many parts each element of an input is cut into.
+        cuts: how many parts each element of an input is cut into; others stay whole.
 
     Returns: by output, a bound on the error of each element over the whole box.
     """
     axes, places = [], []
     for name in sorted(lows):
-        for i, parts in enumerate(cuts[name]):
+        for i, parts in enumerate(cuts.get(name, ())):
             axes.append(np.linspace(lows[name][i], highs[name][i], parts + 1))
             places.append((name, i))
     cells = np.stack(
@@ -244,6 +244,10 @@ def largest_errors(
     boxes: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     for name in sorted(lows):
         mine = [k for k, (owner, _) in enumerate(places) if owner == name]
+        if not mine:
+            count = cells.shape[1]
+            boxes[name] = (np.tile(lows[name], (count, 1)), np.tile(highs[name], (count, 1)))
+            continue
         low = np.stack([axes[k][cells[k]] for k in mine], axis=1)
         high = np.stack([axes[k][cells[k] + 1] for k in mine], axis=1)
         boxes[name] = (low, high)
