@@ -36,11 +36,14 @@ MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
 SLOWEST = 0.4
 """Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for."""
 WEIGHTS = {
-    "speed": {"forward": 5.0},
+    "speed": {"forward": 5.0, "flow-above-lower-fence": 2.0},
     "step_length": {"reset-above-lower-fence": 2.0, "reset-below-upper-fence": 2.0},
 }
 """Of conditions that give way first: where tubes are to fit many speeds, a lower fence that falls
 to zero; where any foothold may follow any, the reset."""
+FENCES = "fence-lower", "fence-upper"
+"""Regions with twice the samples: what is missed there is missed next to the start of a step, where
+the network has no say."""
 SHORTEST = 0.9
 """Least step length, as a share of the shortest asked for: footholds are met exactly."""
 APART = 0.1
@@ -90,12 +93,13 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
     recipe = replace(
         plain.recipe,
         steps=MORE_STEPS,
-        samples=samples | {"middle": 24},
+        samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in FENCES},
         learning_rate=LEARNING_RATE,
         effort=EFFORT,
         curriculum=0.5,
-        corners=0.2,
-        widened=0.13,
+        corners=0.35,
+        worst_weight=0.3,
+        widened=0.1,
         faster_changes=0.3,
         largest_gradient=5.0,
     )

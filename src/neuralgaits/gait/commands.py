@@ -63,9 +63,9 @@ class Command:
     def axes(self) -> tuple[tuple[str, float, float], ...]:
         """Two axes of the chart, (name, low, high), on which all pairs lie.
 
-        Where any value may follow any, (before, after); else (middle, difference): the pairs
-        that may follow each other are then a box, with corners where one of a pair is up to half
-        of the largest change outside the range.
+        Where any value may follow any, (before, after). Else (middle, difference), the middle
+        stretched so that the pairs that may follow each other are a box; in it, one of a pair is up
+        to an eighth of the largest change outside the range.
         """
         if self.largest_change is None:
             return (
@@ -79,13 +79,25 @@ class Command:
         """(before, after) at a point of its two axes."""
         if self.largest_change is None:
             return first, second
-        return first - 0.5 * second, first + 0.5 * second
+        middle, share = 0.5 * (self.low + self.high), self._share(second)
+        middle = middle + share * (first - middle)
+        return middle - 0.5 * second, middle + 0.5 * second
 
     def coordinates(self, before: Number, after: Number) -> tuple[Number, Number]:
         """The point of its two axes that has this pair."""
         if self.largest_change is None:
             return before, after
-        return 0.5 * (before + after), after - before
+        middle, change = 0.5 * (self.low + self.high), after - before
+        return middle + (0.5 * (before + after) - middle) / self._share(change), change
+
+    def _share(self, change: Number) -> Number:
+        """Share of the range in which the middle of a pair with this change may lie, and a little.
+
+        Half the range less half the change, were it not for the kink of |change| at zero:
+        change^2 / largest is below |change| where pairs are admissible, and equal at both ends.
+        """
+        largest = float(self.largest_change or 0.0)
+        return 1.0 - change * change / (largest * (self.high - self.low))
 
     def scaled(self, value: Float[Array, "..."]) -> Float[Array, "..."]:
         """Values in units of half the range, 0 in its middle."""

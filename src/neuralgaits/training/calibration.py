@@ -18,7 +18,7 @@ from neuralgaits.robots import PlanarBiped
 
 KNOTS = 9
 """Commands at which orbits are looked for."""
-BEYOND = 0.26
+BEYOND = 0.2
 """How far beyond the range of a speed, in units of half of it, the family was trained: twice the
 share `widened` of the recipe."""
 
