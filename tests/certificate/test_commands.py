@@ -80,9 +80,7 @@ def test_all_pairs_that_may_follow_each_other_lie_on_the_chart():
 
 def test_a_chart_says_what_may_follow_what():
     (words,) = CHART.sequences(["speed"])
-    assert words == (
-        "speed from 0.6 to 0.62, by at most 0.01 more or less than in the step before"
-    )
+    assert words == ("speed from 0.6 to 0.62, by at most 0.01 more or less than in the step before")
     assert Chart.of([ANY]).sequences(["step_length"]) == (
         "step_length from 0.3 to 0.4, any after any",
     )
@@ -169,9 +167,8 @@ def test_the_program_is_the_family_s_margins(family, traced):
     values = evaluate(program, {"u": u}, POINT)
     for k, point in enumerate(u):
         step, zd = one_step(gait, run.zero_dynamics, jnp.asarray(point))
-        found = ChainMap(
-            spec.margins(step, zd, jnp.asarray(point[:2])), set_margins(spec, step, zd, sets, jnp.asarray(point))
-        )
+        u_k = jnp.asarray(point)
+        found = ChainMap(spec.margins(step, zd, u_k[:2]), set_margins(spec, step, zd, sets, u_k))
         for name, value in values.items():
             np.testing.assert_allclose(value[k], found[name], rtol=1e-6, atol=1e-7)
         # What is deployed takes another formula to the same outputs.

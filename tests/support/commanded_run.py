@@ -44,9 +44,7 @@ def family_of(run: Run) -> CommandedGait:
         ),
     )
     scales = (policy.lower, policy.upper, policy.input_scale, policy.input_shift)
-    family = eqx.tree_at(
-        lambda p: (p.lower, p.upper, p.input_scale, p.input_shift), family, scales
-    )
+    family = eqx.tree_at(lambda p: (p.lower, p.upper, p.input_scale, p.input_shift), family, scales)
     return CommandedGait(family, CommandedTube.around(plain.tube, (SPEED,)))
 
 
