@@ -141,13 +141,13 @@ class HybridInvariantPolicy(AbstractPolicy):
         share = logistic(self._path(phase) + (4.0 * bump * bump) * self.network(inputs))
         return self.lower + (self.upper - self.lower) * share
 
-    def phase(self, z1: Scalar) -> Scalar:
+    def phase(self, z1: Scalar | np.floating) -> Scalar | np.floating:
         """Phase of the step at a hip position."""
         if self.anchor is None:
             return (z1 - self.z_start) / (self.z_guard - self.z_start)
         return self.anchor[0] + (z1 - self.anchor[1]) / (self.z_guard - self.z_start)
 
-    def _path(self, phase: Scalar) -> Actuated:
+    def _path(self, phase: Scalar | np.floating) -> Actuated:
         """H, in powers of the phase or in terms of its ends."""
         if self.ends is None:
             a0, a1, a2, a3 = self.cubic
