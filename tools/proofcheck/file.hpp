@@ -493,12 +493,13 @@ void conditions_of_statements(const Json& list, const ProgramFacts& program, Pro
   for (const Json& row : list_of(list, "the statements")) {
     const Json& root = field(row, "a statement", "root");
     const Box box = box_of(root, "a root box", file.chart, file.chart.size());
-    if (box.low[0] < 0.0 || box.high[0] > 1.0) continue;  // Strips.
+    const bool strips = box.low[0] < 0.0 || box.high[0] > 1.0;
     for (const string& name : names_of(field(row, "a statement", "conditions"), "conditions")) {
       const auto condition = file.conditions.find(name);
       if (condition == file.conditions.end()) continue;
       Condition& c = condition->second;
       c.scale = number_of(field(field(row, "a statement", "scales"), "the scales", name), "a scale");
+      if (strips) continue;
       if (c.region.empty()) c.region = text_of(field(row, "a statement", "region"), "a region");
       file.regions[c.region].push_back({{box.low[0], box.low[1]}, {box.high[0], box.high[1]}});
     }

@@ -269,7 +269,7 @@ def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
 
 
 def set_margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, "2"], xi: Any = None
+    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, " n"], xi: Any = None
 ) -> Margins:
     """Margins of the sets at one chart point and one xi, by output name."""
     found = {}

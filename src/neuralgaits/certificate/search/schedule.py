@@ -22,7 +22,7 @@ TURN_S = 2.0
 """Seconds that one root may take before the next has its turn."""
 MEMORY_BYTES = 2**29
 """What the boxes of all roots may take. A round needs a few times as much beside them."""
-WIDE_TURN_S, WIDE_MEMORY_BYTES = 20.0, 2**30
+WIDE_TURN_S, WIDE_MEMORY_BYTES = 20.0, 2**32
 """The same in more axes than two, where each round copies more boxes, and there are more."""
 
 Progress = Callable[[float, int], None]

@@ -129,7 +129,7 @@ def _end(orbit: Orbit, shape: WalkingSet) -> arb:
     """
     edge = 1 + 2 * arb(shape.start_strip).max(arb(shape.ends[1]) - 1)
     worst = arb(0)
-    for series in (orbit.expansion, orbit.slowest, orbit.fastest):
+    for series in filter(None, (orbit.expansion, orbit.slowest, orbit.fastest)):
         worst = worst.max(_value([abs(c) for c in series], edge))
     return worst
 

@@ -90,8 +90,12 @@ def _within_bounds(policy: AbstractPolicy) -> Float[Array, "..."]:
     """How far inside what outputs are clipped to both ends of a step are [rad]."""
     assert isinstance(policy, HybridInvariantPolicy)
     margin = END_POINT_MARGIN * (policy.upper - policy.lower)
-    ends = jnp.stack([policy.start_outputs, policy.guard_outputs])
-    return jnp.concatenate([ends - policy.lower - margin, policy.upper - margin - ends])
+    parts = [
+        part
+        for end in (policy.start_outputs, policy.guard_outputs)
+        for part in (end - policy.lower - margin, policy.upper - margin - end)
+    ]
+    return jnp.concatenate(parts)
 
 
 def barriers(spec: GaitSpec) -> Iterator[Barrier]:

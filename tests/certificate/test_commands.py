@@ -1,0 +1,205 @@
+"""Levels 1 to 3 of a gait that is told commands: its chart, its sets, what follows from bounds."""
+
+import json
+from collections import ChainMap
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.analysis.run import open_run
+from neuralgaits.barriers import specs
+from neuralgaits.certificate.levels.chart import Axis, Chart
+from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
+from neuralgaits.certificate.levels.sets import (
+    condition_problems,
+    find_sets,
+    one_step,
+    premise_problems,
+    set_margins,
+    trace_certificate,
+)
+from neuralgaits.certificate.levels.walking_set.theorem import (
+    WalkingSet,
+    safe_premises,
+    strips,
+    walking_premises,
+)
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.gait.commands import Command
+from neuralgaits.programs import POINT, evaluate
+from support.commanded_run import SPEED, family_of
+from support.shipped_run import SHIPPED
+
+ANY = Command("step_length", 0.3, 0.4)
+BOXES = [("ahead", (0.0, 0.0), (1.0, 1.0)), ("torso", (0.0, 0.0), (1.0, 1.0))]
+SHAPE = WalkingSet(
+    1e-3, 1e-3, 0.1, 0.9, (0.0, 0.0), ("torso",), ("ahead", "torso"), told=("speed",)
+)
+WALKS = Orbit("any two walks", expansion=(0.1, 0.0, 0.02))
+CHART = Chart.of([SPEED])
+
+
+def bounds_of(**other):
+    """A bound for every premise; names with `_` for `/` and `-` may be given another."""
+    good = {
+        "set/reset-place": -1e-4,
+        "set/stride": 0.3,
+        "set/inlet": 0.05,
+        "set/steepness": -3.0,
+        "orbit/gain": -0.6,
+        "orbit/moved": -1e-6,
+        "orbit/along": -800.0,
+        **{name.replace("__", "/").replace("_", "-"): bound for name, bound in other.items()},
+    }
+    premises = [
+        *((p.output, p.low, p.high) for p in walking_premises(SHAPE)),
+        *((p.output, p.low, p.high) for p in safe_premises(SHAPE)),
+        *((p.output, p.low, p.high) for p in orbit_premises(SHAPE, WALKS)),
+        *BOXES,
+        *strips(SHAPE, BOXES),
+    ]
+    return {premise: good.get(premise[0], 1.0) for premise in premises}
+
+
+def concluded(bounds, chart=CHART, shape=SHAPE, walks=WALKS):
+    return conclude({2: shape, 3: walks}, BOXES, bounds, chart)
+
+
+def test_all_pairs_that_may_follow_each_other_lie_on_the_chart():
+    random = np.random.default_rng(0)
+    before, after = random.uniform(SPEED.low, SPEED.high, (2, 1000))
+    for a, b in zip(before, after, strict=True):
+        first, second = SPEED.coordinates(a, b)
+        (_, low, high), (_, least, most) = SPEED.axes
+        near = abs(b - a) <= SPEED.largest_change
+        assert (low <= first <= high and least <= second <= most) == near
+
+
+def test_a_chart_says_what_may_follow_what():
+    (words,) = CHART.sequences(["speed"])
+    assert words == ("speed from 0.6 to 0.62, by at most 0.01 more or less than in the step before")
+    assert Chart.of([ANY]).sequences(["step_length"]) == (
+        "step_length from 0.3 to 0.4, any after any",
+    )
+    assert Chart.of([SPEED]).sequences(["slope"]) is None
+    assert Chart.of([SPEED]).sequences([]) is None
+    lopsided = Chart((Axis("speed", 0.6, 0.7), Axis("change of speed", -0.01, 0.02)))
+    assert lopsided.sequences(["speed"]) is None
+
+
+def test_levels_2_and_3_speak_of_every_admissible_sequence():
+    second, third = concluded(bounds_of())
+    assert second.proved and third.proved, (second.reason, third.reason)
+    words = " ".join(second.words)
+    assert "whatever admissible commands follow each other" in words
+    assert "whatever that is told" in words and "by at most 0.01 more or less" in words
+    assert "under the same admissible commands converge" in " ".join(third.words)
+    assert "orbit" not in " ".join(third.words)
+    assert 0.6 < third.figures["contraction_at_most"] < 0.7
+
+
+@pytest.mark.parametrize(
+    ("name", "bound", "missing"),
+    [
+        ("set__reset_place", -4e-4, "outside the strip"),
+        ("set__stride", 0.05, "outside the strip"),
+        ("set__steepness", -60.0, "outside the fences"),
+        ("set__inlet", 2e-3, "outside the fences"),
+        ("set__within_bounds", -1e-3, "set/within-bounds"),
+        ("orbit__gain", -0.95, "not shown to converge"),
+        ("orbit__along", -1e6, "not shown to converge"),
+    ],
+)
+def test_each_premise_of_what_comes_next_counts(name, bound, missing):
+    answers = concluded(bounds_of(**{name: bound}))
+    assert any(missing in (answer.reason or "") for answer in answers)
+    assert not all(answer.proved for answer in answers)
+
+
+def test_barriers_are_asked_on_all_of_the_strip_that_a_reset_lands_in():
+    bounds = bounds_of()
+    where = ("set/value torso", (-1e-3, 0.0), (1e-3, 1.0))
+    assert not concluded(bounds | {where: -1.0})[0].proved
+    assert not any(name.startswith("set/after") for name, *_ in bounds)
+
+
+def test_a_chart_without_the_commands_proves_nothing_of_them():
+    for chart in (Chart(), Chart.of([ANY]), Chart.of([SPEED, ANY])):
+        assert not any(answer.proved for answer in concluded(bounds_of(), chart))
+
+
+def test_a_theorem_of_sequences_needs_its_own_premises():
+    plain = replace(SHAPE, told=())
+    assert not any(answer.proved for answer in concluded(bounds_of(), CHART, plain))
+    assert not concluded(bounds_of(), walks=replace(WALKS, attraction="contraction"))[1].proved
+    assert not concluded(bounds_of(), walks=replace(WALKS, expansion=()))[1].proved
+
+
+def test_parameters_are_written_and_read():
+    theorems = Theorems.of(SHAPE, WALKS, claimed=(2, 3))
+    tables = json.loads(json.dumps(theorems.tables()))
+    assert Theorems.read(tables) == theorems
+    assert "told" not in Theorems.of(replace(SHAPE, told=())).tables()[0]["parameters"]
+
+
+@pytest.fixture(scope="module")
+def family():
+    run = open_run(SHIPPED)
+    spec = specs.commanded(run.robot, (SPEED,))
+    return run, spec, family_of(run)
+
+
+@pytest.fixture(scope="module")
+def traced(family):
+    run, spec, gait = family
+    sets = find_sets(spec, gait, run.zero_dynamics, 3, (0.0, 0.0))
+    assert set(sets.parameters) == {2, 3}, sets.reasons
+    return sets, trace_certificate(spec, run.robot, gait, sets)
+
+
+def test_the_program_is_the_family_s_margins(family, traced):
+    run, spec, gait = family
+    sets, program = traced
+    u = np.array([[0.3, 0.4, 0.605, 0.004], [1.0, 0.9, 0.618, -0.01]])
+    values = evaluate(program, {"u": u}, POINT)
+    for k, point in enumerate(u):
+        step, zd = one_step(gait, run.zero_dynamics, jnp.asarray(point))
+        u_k = jnp.asarray(point)
+        found = ChainMap(spec.margins(step, zd, u_k[:2]), set_margins(spec, step, zd, sets, u_k))
+        for name, value in values.items():
+            np.testing.assert_allclose(value[k], found[name], rtol=1e-6, atol=1e-7)
+        # What is deployed takes another formula to the same outputs.
+        plain = gait.at(run.robot, jnp.asarray(point[2:]))
+        np.testing.assert_allclose(
+            *(each.policy(each.z(jnp.asarray(point[:2]))) for each in (plain, step)), atol=1e-11
+        )
+
+
+def test_roots_are_whole_in_the_commands_and_each_condition_has_its_own_boxes(family, traced):
+    _, spec, _ = family
+    sets, program = traced
+    problems = [
+        *condition_problems(spec, program, CHART),
+        *premise_problems(spec, sets, program, CHART),
+    ]
+    assert all(len(problem.names) == 1 for problem in problems)
+    assert all(CHART.spans(problem.low, problem.high) for problem in problems)
+    assert {problem.names[0] for problem in problems} >= {c.name for c in spec.conditions}
+
+
+def test_a_reset_lands_inside_whatever_step_comes_next(family, traced):
+    """The premise that fences move little near phase 0, at points of many next commands."""
+    run, _, gait = family
+    shape = traced[0].parameters[2]
+    random = np.random.default_rng(1)
+    for _ in range(5):
+        before, after, then = 0.61 + random.uniform(-0.005, 0.005, 3)
+        u = [1.0, random.uniform(), *SPEED.coordinates(before, after)]
+        step, zd = one_step(gait, run.zero_dynamics, jnp.asarray(u))
+        landed = zd.point(step.z(jnp.asarray(u[:2]))).z_after
+        later = gait.at(run.robot, jnp.array(SPEED.coordinates(after, then)), exact=True)
+        assert abs(later.phase(landed[0])) < shape.start_strip
+        assert 0.0 < later.level(landed) < 1.0

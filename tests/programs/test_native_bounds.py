@@ -1,0 +1,71 @@
+"""Bounds by compiled code are those of the Python rules, and hold at points."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.programs.native.library import ENGINE, library
+from neuralgaits.programs.tracing.tracer import trace
+
+WEIGHTS = np.random.default_rng(4).normal(size=(6, 4))
+
+
+def everything(u):
+    """Every kind of operation, of every axis."""
+    hidden = jnp.tanh(jnp.asarray(WEIGHTS) @ u + 0.3)
+    near = 2.0 + jnp.sin(u[0]) * hidden[:3]
+    inner = jnp.dot(near, jnp.cos(near)) - jnp.sum(jnp.square(hidden))
+    root = jnp.sqrt(3.0 + u[1] * u[3]) / (2.0 + hidden[4])
+    smooth = jnp.log1p(jnp.exp(u[2])) + jax.nn.sigmoid(-hidden[5])
+    return {"first": jnp.stack([inner, root]), "second": smooth * near - 0.7}
+
+
+@pytest.fixture(scope="module")
+def problem():
+    if library(4) is None:
+        pytest.skip("no C++ compiler")
+    program = trace(everything, {"u": (4,)})
+    return Problem(
+        "all", (-1.0,) * 4, (1.0,) * 4, ("first", "second"), (1.0, 2.0), program, least=(0.1, 0.0)
+    )
+
+
+def boxes(width, count=300):
+    random = np.random.default_rng(1)
+    low = random.uniform(-1.0, 1.0 - width, (count, 4))
+    return low, low + width * random.uniform(0.0, 1.0, (count, 4))
+
+
+@pytest.mark.parametrize("width", [1e-3, 0.1, 0.5])
+def test_they_are_those_of_the_python_rules(problem, width, monkeypatch):
+    low, high = boxes(width)
+    found = problem.bounds(low, high)
+    reference = Problem(*(getattr(problem, n) for n in problem.__dataclass_fields__))
+    monkeypatch.setitem(vars(reference), "_compiled", None)
+    for ours, theirs in zip(found, reference.bounds(low, high), strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-10, atol=1e-10)
+
+
+def test_they_hold_at_random_points(problem):
+    low, high = boxes(0.4, count=200)
+    lower, _ = problem.bounds(low, high)
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        points = random.uniform(low, high)
+        assert np.all(lower <= problem.values(points))
+
+
+def test_a_box_on_a_singularity_has_no_bound(problem):
+    program = trace(lambda u: {"one": 1.0 / u[0] + u[1] * u[2] * u[3]}, {"u": (4,)})
+    wide = Problem("all", (-1.0,) * 4, (1.0,) * 4, ("one",), (1.0,), program)
+    for side in wide.bounds(np.full((1, 4), -1.0), np.full((1, 4), 1.0)):
+        assert np.isnan(side).all()
+
+
+def test_the_python_rules_can_be_asked_for(monkeypatch):
+    monkeypatch.setenv(ENGINE, "numpy")
+    library.cache_clear()
+    assert library(4) is None
+    library.cache_clear()

@@ -1,0 +1,78 @@
+"""A family of gaits around the shipped one, told a speed that moves it a little: no training."""
+
+from pathlib import Path
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.barriers import specs
+from neuralgaits.barriers.regions import CommandedGait, CommandedTube
+from neuralgaits.gait.commanded import CommandedPolicy
+from neuralgaits.gait.commands import Command
+from neuralgaits.records.asked import Asked, Range
+from neuralgaits.runs import RunFolder
+from neuralgaits.runs.latest import finish
+from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
+from support.shipped_run import SHIPPED
+
+SPEED = Command("speed", 0.60, 0.62, 0.01)
+MOVED = 0.0003
+"""How far the guard moves from the middle of the range to its end [m]."""
+
+
+def family_of(run: Run) -> CommandedGait:
+    """The run's gait, with a guard that moves with the speed."""
+    plain = run.gait
+    policy = plain.policy
+    share = (policy.guard_outputs - policy.lower) / (policy.upper - policy.lower)
+    family = CommandedPolicy.init(run.robot, (SPEED,), key=jax.random.key(0))
+    weights = policy.network.weights
+    first = np.hstack([weights[0], np.zeros((len(weights[0]), 2))])
+    zeros = np.zeros_like(family.guard_outputs)
+    outputs, slopes, z1 = zeros.copy(), zeros.copy(), np.zeros(len(zeros))
+    outputs[0], slopes[0] = np.log(share / (1.0 - share)), policy.guard_slopes
+    z1[:2] = float(policy.z_guard), MOVED
+    family = eqx.tree_at(
+        lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.guard_z1),
+        family,
+        (
+            type(policy.network)((first, *weights[1:]), policy.network.biases, "tanh"),
+            *(outputs, slopes, z1),
+        ),
+    )
+    scales = (policy.lower, policy.upper, policy.input_scale, policy.input_shift)
+    family = eqx.tree_at(lambda p: (p.lower, p.upper, p.input_scale, p.input_shift), family, scales)
+    return CommandedGait(family, CommandedTube.around(plain.tube, (SPEED,)))
+
+
+def make(place: Path) -> Run:
+    """A finished run of it in a new folder."""
+    shipped = open_run(SHIPPED)
+    spec = specs.commanded(shipped.robot, (SPEED,))
+    asked = Asked(
+        robot=shipped.robot.name,
+        spec="walking",
+        seed=0,
+        init="posture",
+        hidden=(32, 32),
+        steps=1,
+        described=spec.describe(),
+        not_provable_because=None,
+        commands={SPEED.name: Range(SPEED.low, SPEED.high, SPEED.largest_change)},
+    )
+    copies = {ROBOT: shipped.robot.layout.xml, SPEC: (SHIPPED / SPEC).read_text()}
+    folder = RunFolder.create(
+        asked, copies, name=shipped.robot.name, seed=0, root=place.parent, out=place
+    )
+    gait = jax.tree.map(lambda leaf: np.asarray(leaf, np.float64), family_of(shipped))
+    folder.write_tree(WEIGHTS, gait)
+    finish(folder, {}, place.parent)
+    return open_run(place)
+
+
+def at(*numbers: float) -> jnp.ndarray:
+    """A chart point."""
+    return jnp.array(numbers)
