@@ -43,6 +43,7 @@ def trained(robot: PlanarBiped, spec: GaitSpec, init: Init) -> Gait:
     """A gait of the paper's spec after the paper's number of steps."""
     key = jax.random.key(SEED)
     gait = spec.new_gait(key, init, None)
+    assert isinstance(gait, Gait)
     if init == "posture":
         steps = spec.recipe.posture_steps
         gait = start_from_posture(robot, gait, steps, jax.random.fold_in(key, 1))
@@ -55,6 +56,7 @@ def trained(robot: PlanarBiped, spec: GaitSpec, init: Init) -> Gait:
             state = trainer.validate(state)
             print(f"{init}: step {step:4d}  loss {float(loss.total):.4f}", flush=True)
     best = trainer.gait(state.best)
+    assert isinstance(best, Gait)
     measured = trainer.report(best, seed=FRESH_SEED)
     show(f"{init}: loss on fresh samples", measured.loss, "~ 5e-3 (paper)")
     return best

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import specs
+from neuralgaits.barriers.regions import Gait
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots.loader import robot_from_text
 
@@ -44,6 +45,7 @@ def relative_margins(robot, policy):
     """Margins over scales at POINTS, by name."""
     spec = specs.walking(robot, policy)
     gait = spec.new_gait(jax.random.key(3), "random", (6,))
+    assert isinstance(gait, Gait)
     zd = ZeroDynamics(robot, gait.policy)
     margins = jax.jit(jax.vmap(lambda u: spec.margins(gait, zd, u)))(POINTS)
     return {c.name: np.asarray(margins[c.name]) / c.scale for c in spec.conditions}

@@ -8,6 +8,7 @@ import pytest
 
 from neuralgaits.barriers import Barrier, Box, GaitSpec, Pointwise, specs
 from neuralgaits.barriers import functions as f
+from neuralgaits.barriers.regions import Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
 from neuralgaits.robots.loader import robot_from_text
@@ -174,7 +175,7 @@ def test_the_paper_says_what_table_1_says(amber):
     assert [c.alpha for c in spec.conditions if isinstance(c, Barrier)] == [10, 10, 50, 50, 1, 1]
     assert by_name["symmetry"].absolute_loss and by_name["foot-on-guard"].absolute_loss
     gait = spec.new_gait(jax.random.key(0), "posture", (4,))
-    assert isinstance(gait.policy, MLPPolicy)
+    assert isinstance(gait, Gait) and isinstance(gait.policy, MLPPolicy)
     assert gait.policy.network.activation == "relu"
     low, high = (np.asarray(gait.z(np.array([1.0, level]))) for level in (0.0, 1.0))
     for z, energy in ((low, 0.0), (high, 1.0)):  # |z2| = m h sqrt(E + (g / h) z1^2).

@@ -79,8 +79,9 @@ def test_all_pairs_that_may_follow_each_other_lie_on_the_chart():
 
 
 def test_a_chart_says_what_may_follow_what():
-    (words,) = CHART.sequences(["speed"])
-    assert words == ("speed from 0.6 to 0.62, by at most 0.01 more or less than in the step before")
+    assert CHART.sequences(["speed"]) == (
+        "speed from 0.6 to 0.62, by at most 0.01 more or less than in the step before",
+    )
     assert Chart.of([ANY]).sequences(["step_length"]) == (
         "step_length from 0.3 to 0.4, any after any",
     )
@@ -173,9 +174,8 @@ def test_the_program_is_the_family_s_margins(family, traced):
             np.testing.assert_allclose(value[k], found[name], rtol=1e-6, atol=1e-7)
         # What is deployed takes another formula to the same outputs.
         plain = gait.at(run.robot, jnp.asarray(point[2:]))
-        np.testing.assert_allclose(
-            *(each.policy(each.z(jnp.asarray(point[:2]))) for each in (plain, step)), atol=1e-11
-        )
+        deployed, traced = (each.policy(each.z(jnp.asarray(point[:2]))) for each in (plain, step))
+        np.testing.assert_allclose(deployed, traced, atol=1e-11)
 
 
 def test_roots_are_whole_in_the_commands_and_each_condition_has_its_own_boxes(family, traced):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import functions, quantities, specs
+from neuralgaits.barriers.regions import Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.programs import ops
@@ -81,6 +82,7 @@ def test_specs_with_relu_are_not_provable(robot, name):
     """They say so, and where."""
     spec = specs.load(name, robot)
     gait = spec.new_gait(jax.random.key(0), "random", (8, 8))
+    assert isinstance(gait, Gait)
     zd = ZeroDynamics(robot, gait.policy)
     with pytest.raises(SpecError, match=r"activations\.py.*cannot be proved"):
         trace(lambda u: spec.margins(gait, zd, u), {"u": (2,)})

@@ -4,6 +4,7 @@ import jax
 import pytest
 
 from neuralgaits.barriers import specs
+from neuralgaits.barriers.regions import Gait
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import load_robot
@@ -54,6 +55,7 @@ def test_walking_spec(agree):
     robot = load_robot("amber3m")
     spec = specs.walking(robot)
     gait = spec.new_gait(jax.random.key(0), "posture", None)
+    assert isinstance(gait, Gait)
 
     def margins(u):
         return spec.margins(gait, ZeroDynamics(robot, gait.policy), u)

@@ -10,6 +10,7 @@ import numpy as np
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.barriers import specs
 from neuralgaits.barriers.regions import CommandedGait, CommandedTube
+from neuralgaits.gait import HybridInvariantPolicy
 from neuralgaits.gait.commanded import CommandedPolicy
 from neuralgaits.gait.commands import Command
 from neuralgaits.records.asked import Asked, Range
@@ -27,6 +28,7 @@ def family_of(run: Run) -> CommandedGait:
     """The run's gait, with a guard that moves with the speed."""
     plain = run.gait
     policy = plain.policy
+    assert isinstance(policy, HybridInvariantPolicy)
     share = (policy.guard_outputs - policy.lower) / (policy.upper - policy.lower)
     family = CommandedPolicy.init(run.robot, (SPEED,), key=jax.random.key(0))
     weights = policy.network.weights

@@ -40,6 +40,9 @@ class Clockwork:
     def disturb(self, name, value):
         raise ValueError(f"{name} {value}")
 
+    def tell(self, name, value):
+        raise ValueError(f"{name} {value}")
+
     def jump(self, z):
         return "not there" if z[0] > 0.0 else None
 
