@@ -24,7 +24,14 @@ from neuralgaits.robots import PlanarBiped
 
 MEASURED = ("q", "dq", "dz", "torque")
 """What of a point's data a log says."""
-FOLLOWS = ("theta", "foot", "foot_velocity", "centre_of_mass")
+FOLLOWS = (
+    "theta",
+    "foot",
+    "foot_velocity",
+    "foot_above_ground",
+    "foot_lift_rate",
+    "centre_of_mass",
+)
 """What follows from it without the policy."""
 BLOCK = 2048
 """Rows judged at once: one compiled shape for logs of any length."""
