@@ -116,7 +116,8 @@ class CommandedPolicy(AbstractPolicy):
                 # A walk at twice the speed takes steps about half as long again.
                 z1[1 + i] = 0.5 * posture.z_guard * half / middle
         # From here on a few Newton steps are enough.
-        guard = _start_guard(robot, z1[:1], posture, commands)
+        with jax.ensure_compile_time_eval():  # Runs are opened without computing weights.
+            guard = np.asarray(_start_guard(robot, z1[:1], posture, commands))
         share = (guard - posture.lower) / (posture.upper - posture.lower)
         outputs[0] = np.log(share / (1.0 - share))
         return cls(

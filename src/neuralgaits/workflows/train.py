@@ -181,8 +181,13 @@ def train_to_the_end(
 def _summary(run: Run, session: Session, proof: TrainingProof | None, began: float) -> Trained:
     """What a training says of itself, with the hash of its conditions as a Program."""
     asked, report = run.asked, session.trainer.report(run.trained, seed=FRESH_SAMPLES_SEED)
+    # Aims are those of the middle of the tubes, which calibration leaves for the orbit.
+    aimed = (
+        session.trainer.report(session.gait, seed=FRESH_SAMPLES_SEED) if run.spec.aims else report
+    )
     found = {name: violations(margins) for name, margins in report.margins.items()}
-    aims = {aim.name: found.pop(aim.name) for aim in run.spec.aims}
+    aims = {aim.name: violations(aimed.margins[aim.name]) for aim in run.spec.aims}
+    found = {name: value for name, value in found.items() if name not in aims}
     program = None
     if asked.not_provable_because is None:
         program = trace_spec(run.spec, run.robot, run.trained, run.residuals)
@@ -192,7 +197,7 @@ def _summary(run: Run, session: Session, proof: TrainingProof | None, began: flo
         spec=asked.spec,
         seed=asked.seed,
         steps=int(session.state.step) + (0 if proof is None else proof.repair_steps),
-        loss=report.loss,
+        loss=aimed.loss,
         conditions=found,
         provable=program is not None,
         program_hash=None if program is None else program.hash,

@@ -1,0 +1,37 @@
+"""A run of a gait with commands: made, opened again, looked at where it was told to be."""
+
+import numpy as np
+import pytest
+
+from neuralgaits.analysis.run import open_run
+from neuralgaits.errors import InputError
+from neuralgaits.records.asked import Range
+from neuralgaits.robots import load_robot
+from neuralgaits.workflows.train import train
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    root = tmp_path_factory.mktemp("runs")
+    return train(load_robot("amber3m"), speed=(0.6, 0.8), steps=2, hidden=(4,), root=root)
+
+
+def test_it_opens_as_it_was_made(made):
+    opened = open_run(made.path)
+    assert opened.asked.commands == {"speed": Range(0.6, 0.8, pytest.approx(0.024))}
+    assert set(opened.summary.aims) == {aim.name for aim in opened.spec.aims}
+    assert set(opened.summary.conditions) == {c.name for c in opened.spec.conditions}
+    here = opened.policy.at(from_={"speed": 0.7}, to={"speed": 0.7})
+    same = made.at(speed=0.7).gait.policy
+    for name in ("z_start", "z_guard", "cubic"):
+        np.testing.assert_allclose(getattr(here, name), getattr(same, name), rtol=1e-12)
+    assert opened.at(speed=0.8).gait.policy.z_guard > opened.at(speed=0.6).gait.policy.z_guard
+
+
+def test_what_it_is_not_told_is_refused(made):
+    with pytest.raises(InputError, match=r"expected speed between 0.6 and 0.8 m/s, found 0.9"):
+        made.at(speed=0.9)
+    with pytest.raises(InputError, match=r"give --speed LOW:HIGH"):
+        train(made.robot, speed=0.7, slope=(-0.05, 0.05))
