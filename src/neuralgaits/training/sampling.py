@@ -89,7 +89,7 @@ class Sampler(NamedTuple):
         share = jax.random.uniform(jax.random.fold_in(key, 2), shape, dtype=u.dtype)
         # Wider than the axis and clipped: what is beyond lies on its ends.
         wide = (share - 0.5) / (1.0 - self.corners)
-        low, high = self.ends
+        low, high = self.ends[:, None]
         middle = 0.5 * (low + high)
         return jnp.concatenate(
             [u, middle + grown * (high - low) * jnp.clip(wide, -0.5, 0.5)], axis=1
