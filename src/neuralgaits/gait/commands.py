@@ -49,9 +49,10 @@ class Command:
                 f"found {self.low:g}:{self.high:g}"
             )
         change = self.largest_change
-        if change is not None and not 0.0 < change:
+        if change is not None and not 0.0 < change < self.high - self.low:
             raise SpecError(
-                f"command {self.name}: expected a largest change above 0, or none, found {change:g}"
+                f"command {self.name}: expected a largest change above 0 and below the range's "
+                f"{self.high - self.low:g}, or none where any may follow any, found {change:g}"
             )
 
     @property
