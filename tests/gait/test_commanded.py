@@ -41,7 +41,7 @@ def wild(family, key):
 ON = {"speed": "rabbit", "footholds": "amber3m", "all": "amber3m"}
 
 
-@pytest.fixture(scope="module", params=ON.items(), ids=ON)
+@pytest.fixture(scope="module", params=ON.items(), ids=list(ON))
 def family(request):
     name, robot = request.param[0], load_robot(request.param[1])
     made = CommandedPolicy.init(robot, FAMILIES[name], key=jax.random.key(2), hidden=(8,))

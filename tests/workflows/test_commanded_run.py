@@ -1,12 +1,17 @@
 """A run of a gait with commands: made, opened again, looked at where it was told to be."""
 
+import shlex
+
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.run import open_run
+from neuralgaits.analysis.run import PolicyOfSteps, open_run
+from neuralgaits.cli.arguments import Train
+from neuralgaits.cli.words import read
 from neuralgaits.errors import InputError
-from neuralgaits.records.asked import Range
+from neuralgaits.report import again
 from neuralgaits.robots import load_robot
+from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.train import train
 
 pytestmark = pytest.mark.slow
@@ -20,14 +25,19 @@ def made(tmp_path_factory):
 
 def test_it_opens_as_it_was_made(made):
     opened = open_run(made.path)
-    assert opened.asked.commands == {"speed": Range(0.6, 0.8, pytest.approx(0.024))}
+    (told,) = opened.asked.commands.values()
+    assert (told.low, told.high) == (0.6, 0.8)
+    assert told.largest_change == pytest.approx(0.024)
     assert set(opened.summary.aims) == {aim.name for aim in opened.spec.aims}
     assert set(opened.summary.conditions) == {c.name for c in opened.spec.conditions}
-    here = opened.policy.at(from_={"speed": 0.7}, to={"speed": 0.7})
+    steps = opened.policy
+    assert isinstance(steps, PolicyOfSteps)
+    here = steps.at(from_={"speed": 0.7}, to={"speed": 0.7})
     same = made.at(speed=0.7).gait.policy
     for name in ("z_start", "z_guard", "cubic"):
         np.testing.assert_allclose(getattr(here, name), getattr(same, name), rtol=1e-12)
-    assert opened.at(speed=0.8).gait.policy.z_guard > opened.at(speed=0.6).gait.policy.z_guard
+    slow, fast = (opened.at(speed=v).gait.policy.z1_range for v in (0.6, 0.8))
+    assert fast[1] > slow[1]
 
 
 def test_what_it_is_not_told_is_refused(made):
@@ -35,3 +45,15 @@ def test_what_it_is_not_told_is_refused(made):
         made.at(speed=0.9)
     with pytest.raises(InputError, match=r"give --speed LOW:HIGH"):
         train(made.robot, speed=0.7, slope=(-0.05, 0.05))
+
+
+def test_the_command_that_makes_it_again_tells_its_range(made):
+    line = again.training(made.folder)
+    assert line is not None
+    verb = read(shlex.split(line)[1:])
+    assert isinstance(verb, Train) and verb.speed == "0.6:0.8"
+
+
+def test_level_4_is_refused(made):
+    with pytest.raises(InputError, match=r"expected level 1, 2 or 3 for a gait with commands"):
+        certify(made.path, level=4)

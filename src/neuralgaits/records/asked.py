@@ -111,6 +111,11 @@ class Asked(Record):
         return (*refined, *told)
 
     @property
+    def last_level(self) -> int:
+        """The highest level that a certificate can reach: full order is about one gait."""
+        return 3 if self.commands else 4
+
+    @property
     def learning_rate(self) -> float | None:
         """Of the recipe; None if it does not say."""
         return self.described["recipe"].get("learning_rate")

@@ -4,11 +4,12 @@ Robots and specs are named here and nowhere else: by a built-in's name if the ru
 built-in, else by the run's own copy, since the file that was given may have changed or gone.
 """
 
+import math
 from pathlib import Path
 from typing import Any
 
 from neuralgaits.barriers import specs
-from neuralgaits.records.asked import asked_of
+from neuralgaits.records.asked import Asked, asked_of
 from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
 from neuralgaits.report.page import words
 from neuralgaits.robots import registry
@@ -65,6 +66,7 @@ def training(
         line = ["train", robot_word(folder), "--spec", spec, "--init", asked.init]
         if asked.hidden:
             line += ["--hidden", ",".join(str(width) for width in asked.hidden)]
+        line += _told(asked)
     line += ["--seed", str(asked.seed if seed is None else seed)]
     line += ["--steps", str(asked.steps if steps is None else steps)]
     if asked.certify is not None:
@@ -83,6 +85,18 @@ def longer(folder: RunFolder) -> str:
     twice = 2 * asked_of(folder).steps
     anew = ("train", robot_word(folder), "--spec", spec_word(folder) or "walking")
     return training(folder, steps=twice) or command(*anew, "--steps", twice)
+
+
+def _told(asked: Asked) -> list[str]:
+    """Flags of a speed or of ranges of commands."""
+    if asked.speed is not None:
+        return [f"--speed={asked.speed!r}"]
+    words = []
+    for name, told in asked.commands.items():
+        # Degrees on the command line.
+        ends = (math.degrees(x) if name == "slope" else x for x in (told.low, told.high))
+        words.append(f"--{name.replace('_', '-')}={':'.join(repr(float(x)) for x in ends)}")
+    return words
 
 
 def _parent(folder: RunFolder, told: str) -> Path | None:

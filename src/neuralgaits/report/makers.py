@@ -123,6 +123,9 @@ def _return_map(source: Source) -> Made:
 
 def _full_order_set(source: Source) -> Made:
     certificate = source.certificate
+    if source.run.asked.commands:
+        line = again.certifying(source.run.path, source.run.asked.last_level)
+        raise Absent("level 4 is not about gaits with commands", line)
     if certificate.full is None:
         raise Absent(certificate.no_full, again.certifying(source.run.path, 4))
     return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)

@@ -123,6 +123,11 @@ def certify(
     check_budget(budget)
     deadline = time.monotonic() + (np.inf if budget is None else budget)
     trained = open_run(run)
+    if level > trained.asked.last_level:
+        raise InputError(
+            f"expected level 1, 2 or 3 for a gait with commands, found {level}: the theorem of "
+            "full order is about one gait; leave --level out"
+        )
     chart, spec = _chart(trained, within or {})
     try:
         sets = find_sets(spec, trained.trained, trained.zero_dynamics, level, disturbance)

@@ -105,7 +105,7 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
     if saved.certificate is None:
         if not saved.asked.not_provable_because:
             yield "a certificate", command("certify", saved.name)
-    elif (level := saved.certificate.level) < words.LAST_LEVEL:
+    elif (level := saved.certificate.level) < saved.asked.last_level:
         line = again.certifying(saved.folder.path, level + 1)
         yield f"level {level + 1}: {words.LEVELS[level + 1]}", line
     for figure in contents.figures:
