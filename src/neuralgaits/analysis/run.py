@@ -102,6 +102,10 @@ class Run:
         return ZeroDynamics(self.robot, self.gait.policy, *self.residuals)
 
 
+# Compiled once, not once a call.
+_policy_at, _gait_at = eqx.filter_jit(CommandedPolicy.at), eqx.filter_jit(CommandedGait.at)
+
+
 @dataclass(frozen=True)
 class PolicyOfSteps:
     """Policies of a family by their commands, for a robot."""
@@ -120,9 +124,7 @@ class PolicyOfSteps:
         Raises: InputError on missing or other names, and values outside their range.
         """
         pair = Pair(*(values(self.family.commands, given) for given in (from_, to)))
-        policy = eqx.filter_jit(CommandedPolicy.at)(
-            self.family, self.robot, pair, self.reset_residual
-        )
+        policy = _policy_at(self.family, self.robot, pair, self.reset_residual)
         return jax.tree.map(np.asarray, policy)
 
 
@@ -137,7 +139,7 @@ def steady_gait(
         command = {c.name: 0.5 * (c.low + c.high) for c in family.commands}
     given = values(family.commands, command)
     v = [x for c, a in zip(family.commands, given, strict=True) for x in c.coordinates(a, a)]
-    found = eqx.filter_jit(CommandedGait.at)(family, robot, np.array(v), reset_residual)
+    found = _gait_at(family, robot, np.array(v), reset_residual)
     return jax.tree.map(np.asarray, found.following)
 
 

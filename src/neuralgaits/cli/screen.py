@@ -50,6 +50,10 @@ def show_training(result: Trained) -> None:
     if result.certificate is not None:
         show_sentence(_proof_of_training(result.certificate))
     facts = [(name, getattr(result, name)) for name in ("robot", "spec", "seed", "loss")]
+    if "speed" in result.commands:
+        asked, found = result.commands["speed"], result.orbit_speeds_m_s
+        orbits = "no orbit" if found is None else f"orbits at {found[0]:.3g} to {found[1]:.3g}"
+        facts.append(("speed", f"asked {asked.low:g} to {asked.high:g} m/s, {orbits}"))
     facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
     facts += [("run", result.run), ("next", command("simulate", named(result.run)))]
     show_facts(facts)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from neuralgaits.errors import RunError
 from neuralgaits.records.asked import Range
-from neuralgaits.records.record import Count, Record, Texts
+from neuralgaits.records.record import Count, Pair, Record, Texts
 from neuralgaits.runs.commands import resuming
 from neuralgaits.runs.names import SUMMARY
 
@@ -104,6 +104,8 @@ class Trained(Record):
         certificate: None if no proof was asked for.
         commands: what the gait is told at each touchdown, by name.
         aims: what fresh samples say of each.
+        orbit_speeds_m_s: mean speeds of the orbits at both ends of the range of `speed`, other
+            commands in the middle of theirs; None without that command, or without an orbit.
         compile_s, train_s, wall_s: times.
     """
 
@@ -120,6 +122,7 @@ class Trained(Record):
     certificate: TrainingProof | None = None
     commands: Mapping[str, Range] = field(default_factory=dict)
     aims: Mapping[str, Violations] = field(default_factory=dict)
+    orbit_speeds_m_s: Pair | None = None
     compile_s: float = 0.0
     train_s: float = 0.0
     wall_s: float

@@ -8,6 +8,7 @@ import jax
 import numpy as np
 
 from neuralgaits._settings import check_proof_budget, check_seed, check_steps
+from neuralgaits.analysis.orbit import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.barriers import GaitSpec, specs, user_code
 from neuralgaits.barriers.commanded import Interval, commands_of
@@ -205,10 +206,24 @@ def _summary(run: Run, session: Session, proof: TrainingProof | None, began: flo
         certificate=proof,
         commands=asked.commands,
         aims=aims,
+        orbit_speeds_m_s=_orbit_speeds(run),
         compile_s=session.compile_s,
         train_s=session.train_s,
         wall_s=time.perf_counter() - began,
     )
+
+
+def _orbit_speeds(run: Run) -> tuple[float, float] | None:
+    """Mean speeds of the orbits at both ends of the range of `speed` (m/s)."""
+    told = run.asked.commands
+    if "speed" not in told:
+        return None
+    middle = {name: 0.5 * (c.low + c.high) for name, c in told.items()}
+    found = []
+    for speed in (told["speed"].low, told["speed"].high):
+        there = run.at(**(middle | {"speed": speed}))
+        found.append(poincare(there.zero_dynamics, there.gait.z(np.array([0.5, 0.5]))).speed_m_s)
+    return (found[0], found[1]) if np.isfinite(found).all() else None
 
 
 def violations(margins: np.ndarray) -> Violations:
