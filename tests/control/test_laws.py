@@ -1,18 +1,14 @@
-from functools import partial
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits._quick_jit import quick_jit
 from neuralgaits.control import PAPER, Fblin, Pd
 from neuralgaits.control.law import Reading
 from neuralgaits.control.momentum import zero_state
-from neuralgaits.gait import BezierPolicy
-
-QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
-"""Compiling takes longer than the runs."""
-quick = partial(jax.jit, compiler_options=QUICK)
+from neuralgaits.gait import BezierPolicy, ZeroDynamics
+from neuralgaits.gait.posture import momentum_unit, walking_posture
 
 
 def reading_of(robot, q, dq):
@@ -44,7 +40,7 @@ def test_fblin_makes_the_outputs_a_critically_damped_oscillator(robot, rng):
     for _ in range(2):
         policy, q, dq = a_case(robot, rng)
 
-        @quick
+        @quick_jit
         def along(q, dq, policy=policy):
             """The outputs' acceleration, by differentiating along the full dynamics."""
             reading = reading_of(robot, q, dq)
@@ -73,11 +69,52 @@ def test_fblin_stays_finite_where_no_torque_can_linearise(amber):
 def test_pd_is_spring_and_damper_around_the_policy(amber, rng):
     policy, q, dq = a_case(amber, rng)
     reading = reading_of(amber, q, dq)
-    desired = Pd().desired(amber, policy, reading)
+    law = Pd(stiffness=(1500.0,), damping=(50.0,), feed_forward=False)
+    desired = law.desired(amber, policy, reading)
     _, dy = jax.jvp(policy, (reading.z,), (reading.dz,))
     np.testing.assert_allclose(desired.dy, dy)
     expected = -1500.0 * (q[1:] - policy(reading.z)) - 50.0 * (dq[1:] - dy)
-    np.testing.assert_allclose(Pd().torque(amber, reading, desired), expected)
+    np.testing.assert_allclose(law.torque(amber, reading, desired), expected)
+
+
+def test_the_feed_forward_keeps_outputs_that_are_met(robot, rng):
+    """Where the outputs have no error, they get none: by differentiating along the dynamics."""
+    law = Pd().fitted(robot)
+    bezier = BezierPolicy(rng.uniform(-0.3, 0.3, (robot.n - 1, 5)), (-0.2, 0.2))
+    zd = ZeroDynamics(robot, bezier)
+
+    @quick_jit
+    def along(z):
+        q, dq = jnp.split(zd.phi_inv(z), 2)
+        reading = reading_of(robot, q, dq)
+        torque = law.torque(robot, reading, law.desired(robot, bezier, reading))
+        ddq = robot.acceleration(q, dq, torque)
+
+        def rates(q, dq):
+            reading = reading_of(robot, q, dq)
+            return dq[1:] - jax.jvp(bezier, (reading.z,), (reading.dz,))[1]
+
+        return ddq, rates(q, dq), jax.jvp(rates, (q, dq), (dq, ddq))[1]
+
+    ddq, rate, change = along(jnp.array([0.05, 0.4 * momentum_unit(robot)]))
+    np.testing.assert_allclose(rate, 0.0, atol=1e-9)
+    np.testing.assert_allclose(change, 0.0, atol=1e-9 * (1.0 + float(jnp.max(jnp.abs(ddq)))))
+
+
+def test_gains_fit_the_inertia_that_a_motor_feels(robot):
+    """A step in one torque alone, by the full dynamics; given gains are left as they are."""
+    posture = walking_posture(robot)
+    ahead = posture.z_guard - robot.hip_gradient[1:] @ posture.guard_outputs
+    q = jnp.concatenate([jnp.array([ahead / robot.hip_gradient[0]]), posture.guard_outputs])
+    rest = jnp.zeros(robot.n)
+    law, given = Pd(bandwidth=30.0).fitted(robot), Pd(stiffness=(7.0,)).fitted(robot)
+    accelerations = jax.vmap(lambda torque: robot.acceleration(q, rest, torque))
+    pushes = jnp.concatenate([jnp.eye(robot.n - 1), jnp.zeros((1, robot.n - 1))])
+    answers = accelerations(pushes)
+    inertia = 1.0 / jnp.diag((answers[:-1] - answers[-1:])[:, 1:])
+    np.testing.assert_allclose(law.stiffness, 900.0 * inertia, rtol=1e-9)
+    np.testing.assert_allclose(law.damping, 60.0 * inertia, rtol=1e-9)
+    assert given.stiffness == (7.0,) * (robot.n - 1)
 
 
 def test_the_papers_controller_tells_the_policy_no_momentum(amber, rng):
@@ -88,7 +125,7 @@ def test_the_papers_controller_tells_the_policy_no_momentum(amber, rng):
     np.testing.assert_array_equal(desired.y, policy(z1_only))
     slope = jax.jacfwd(policy)(z1_only)[:, 0]
     np.testing.assert_allclose(desired.dy, slope * reading.dz[0])
-    assert (PAPER.stiffness, PAPER.damping) == (578.0, 16.2)
+    assert (PAPER.stiffness, PAPER.damping) == ((578.0,), (16.2,))
 
 
 @pytest.mark.parametrize("law", [Pd(), Fblin()])

@@ -10,7 +10,6 @@ from neuralgaits.control.controller import Controller, start, step
 from neuralgaits.control.safeguard import Fault, SafeguardConfig
 from neuralgaits.gait import HybridInvariantPolicy
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.walk import LAWS
 
 CALM = SafeguardConfig(torque_swing_s=1e-9)
 
@@ -127,5 +126,8 @@ def test_blending_starts_at_the_posture_it_finds(controller):
     np.testing.assert_allclose(held[1], (1.0 - share) * hold + share * wanted[1], rtol=1e-9)
 
 
-def test_gains_of_the_hold_are_those_of_the_default_law():
-    assert (CALM.hold_stiffness, CALM.hold_damping) == (LAWS["pd"].stiffness, LAWS["pd"].damping)  # type: ignore[attr-defined]
+def test_the_hold_has_the_lowest_gains_of_the_default_law():
+    robot = load_robot("amber3m")
+    config, law = SafeguardConfig.fitted(robot), Pd().fitted(robot)
+    assert config.hold_stiffness == pytest.approx(min(law.stiffness))
+    assert config.hold_damping == pytest.approx(min(law.damping))

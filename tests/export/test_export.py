@@ -127,7 +127,7 @@ def test_a_mismatch_leaves_nothing(trained, tmp_path, monkeypatch):
 
     def spoilt(design):
         files = real(design)
-        files["gait.c"] = files["gait.c"].replace(".damping = NG(50.0)", ".damping = NG(50.1)")
+        files["gait.c"] = files["gait.c"].replace(".damping = {NG(", ".damping = {NG(1.001 * ")
         return files
 
     monkeypatch.setattr(workflow, "gait_files", spoilt)

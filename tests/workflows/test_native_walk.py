@@ -133,7 +133,7 @@ def test_a_start_that_no_number_holds_is_not_walked_on(run, library):
 def test_another_plant_with_other_signs_and_gains(run, library):
     """The controller's robot is not the plant's; gains are numbers of the scene, not of the C."""
     plant = load_robot("amber3m-tail")
-    law = Pd(stiffness=1200.0, damping=40.0, hold_ticks=3)
+    law = Pd(stiffness=(1200.0,), damping=(40.0,), hold_ticks=3)
     settings = {"plant": plant, "controller": law, "steps": 2, "record": True}
     one, two = walked(run, **settings), walked(run, library=library, **settings)
     assert two.engine == "native"

@@ -36,7 +36,7 @@ class Controller(eqx.Module):
     Attributes:
         robot: the model the controller believes in.
         policy: desired outputs y_d(z), or a family of them that is told commands.
-        law: how torques follow from them.
+        law: how torques follow from them, fitted to the robot.
         bounds: of the measured z; the law says what of it the policy is told.
         torque_limit: of each actuated joint, stance leg first [N m]. [m]
         stance: thresholds of the stance machine.
@@ -71,7 +71,7 @@ class Controller(eqx.Module):
         Args:
             robot: the model the controller believes in.
             policy: desired outputs, or a family of them.
-            law: `Pd()`, `PAPER` or `Fblin()`.
+            law: `Pd()`, `PAPER` or `Fblin()`; it is fitted to the robot.
             z2_range: momenta the policy was trained on (kg m^2/s), wide bounds if None.
             torque_limit: [m] (N m), the robot's own if None.
             stance: thresholds, the defaults if None.
@@ -84,7 +84,7 @@ class Controller(eqx.Module):
         return cls(
             robot=robot,
             policy=policy,
-            law=law,
+            law=law.fitted(robot),
             bounds=zero_state_bounds(robot, of_middle, z2_range),
             torque_limit=np.asarray(limit, dtype=np.float64),
             stance=StanceConfig() if stance is None else stance,

@@ -1,23 +1,14 @@
-"""Input-output linearisation: the outputs obey ddy = -w^2 y - 2 w dy, with no linear solve.
+"""Input-output linearisation: the outputs obey ddy = -w^2 y - 2 w dy on the model's dynamics.
 
-With ddq_a = slope ddz1 + known and ddq_1 from c . ddq = ddz1, the unactuated row of the dynamics
-is one scalar equation for ddz1; the actuated rows then give the torque. Source:
-Westervelt et al. (2007), section 5.
+Source: Westervelt et al. (2007), section 5.
 """
 
 import equinox as eqx
-import jax
-import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Coordinates, ZeroState
+from neuralgaits._types import Actuated, ZeroState
+from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
 from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
-from neuralgaits.gait.coordinates import lift
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import centre_of_mass_velocity
-
-# Smallest |momentum per unit ddz1| that is divided by, in units of mass times leg length. A walk
-# stays near 1; below this the robot falls in a posture where hip and momentum part company.
-SMALLEST_DENOMINATOR = 0.03
 
 
 class Fblin(AbstractLaw):
@@ -37,44 +28,10 @@ class Fblin(AbstractLaw):
 
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
         """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
-        z, dz = reading.z, reading.dz
-        (y, d1, d2), change = jax.linearize(lambda point: _with_slopes(outputs, point), z)
-        _, d1_rate, d2_rate = change(dz)
-        curvature = d1_rate * dz[0] + d2_rate * dz[1]
-        speed = centre_of_mass_velocity(robot, reading.q, reading.dq)[0]
-        ddz2 = robot.mass * robot.gravity * speed
-        drift = curvature + d2 * ddz2
-        return Desired(y, d1 * dz[0] + d2 * dz[1], d1, drift)
+        return accelerated(robot, outputs, reading)
 
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
         error, rate = errors(reading, desired)
         pull = -(self.bandwidth**2) * error - 2.0 * self.bandwidth * rate
-        ddq = consistent_acceleration(robot, reading, desired.slope, desired.drift + pull)
-        balance = robot.mass_matrix(reading.q) @ ddq + robot.bias(reading.q, reading.dq)
-        return balance[1:]
-
-
-def consistent_acceleration(
-    robot: PlanarBiped, reading: Reading, slope: Actuated, known: Actuated
-) -> Coordinates:
-    """The acceleration with ddq_a = slope ddz1 + known that needs no torque at the foot.
-
-    Returns: [n] (rad/s^2).
-    """
-    row = robot.mass_matrix(reading.q)[0]
-    along = lift(robot, jnp.ones(()), slope)
-    rest = lift(robot, jnp.zeros(()), known)
-    denominator = row @ along
-    smallest = SMALLEST_DENOMINATOR * robot.mass * jnp.sum(robot.hip)
-    size = jnp.maximum(jnp.abs(denominator), smallest)
-    ddz1 = -(robot.bias(reading.q, reading.dq)[0] + row @ rest)
-    ddz1 = ddz1 / jnp.where(denominator < 0.0, -size, size)
-    return along * ddz1 + rest
-
-
-def _with_slopes(outputs: Outputs, z: ZeroState) -> tuple[Actuated, Actuated, Actuated]:
-    """Desired outputs and both partial derivatives."""
-    y, push = jax.linearize(outputs, z)
-    along_z1, along_z2 = jnp.eye(2)
-    return y, push(along_z1), push(along_z2)
+        return inverse_dynamics(robot, reading, desired.slope, desired.drift + pull)

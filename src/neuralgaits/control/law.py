@@ -46,6 +46,10 @@ class AbstractLaw(eqx.Module):
     hold_ticks: eqx.AbstractVar[int]
     """Control ticks between two questions to the policy."""
 
+    def fitted(self, robot: PlanarBiped) -> "AbstractLaw":
+        """The law for a robot: with gains that suit its inertias, if it has gains."""
+        return self
+
     @abstractmethod
     def told(self, z: ZeroState) -> ZeroState:
         """What the policy is told of the measured z, once that is bounded. Returns: [2]."""

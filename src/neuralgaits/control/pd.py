@@ -1,30 +1,52 @@
-"""Joint PD towards the policy's outputs: the paper's deployment."""
+"""Joint PD towards the policy's outputs, beside the torques that the model asks for."""
+
+from collections.abc import Sequence
+from dataclasses import replace
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from neuralgaits._types import Actuated, ZeroState
+from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
+from neuralgaits.control.joint_inertia import joint_inertia
 from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
 from neuralgaits.robots import PlanarBiped
 
+BANDWIDTH = 45.0
+"""w of the default gains [rad/s]."""
+
 
 class Pd(AbstractLaw):
-    """Torque = -stiffness (q_a - y_d) - damping (dq_a - dy_d), without feed-forward.
+    """Torque = feed-forward - stiffness (q_a - y_d) - damping (dq_a - dy_d).
 
-    Stiff gains hold at 1 kHz because reflected rotor inertia slows the joints.
+    The feed-forward is what the model needs for the policy's own accelerations. Gains are fitted
+    to a robot, stiffness = I w^2 and damping = 2 I w with I of `joint_inertia`, unless they are
+    given.
 
     Attributes:
-        stiffness: per joint [N m/rad].
-        damping: per joint [N m s/rad].
+        bandwidth: w of fitted gains [rad/s].
+        stiffness: by joint, or one for all [N m/rad]; nothing until it is fitted.
+        damping: likewise [N m s/rad].
+        feed_forward: whether the model's torques are added.
         hold_ticks: control ticks between two questions to the policy: 500 Hz at 1 kHz.
         measure_z2: False tells the policy z2 = 0, as the paper's experiments did.
     """
 
-    stiffness: float = eqx.field(default=1500.0, static=True)
-    damping: float = eqx.field(default=50.0, static=True)
+    bandwidth: float = eqx.field(default=BANDWIDTH, static=True)
+    stiffness: tuple[float, ...] = eqx.field(default=(), static=True)
+    damping: tuple[float, ...] = eqx.field(default=(), static=True)
+    feed_forward: bool = eqx.field(default=True, static=True)
     hold_ticks: int = eqx.field(default=2, static=True)
     measure_z2: bool = eqx.field(default=True, static=True)
+
+    def fitted(self, robot: PlanarBiped) -> "Pd":
+        """The same with gains for each joint of a robot."""
+        w = self.bandwidth
+        stiffness = self.stiffness or w * w * joint_inertia(robot)
+        damping = self.damping or 2.0 * w * joint_inertia(robot)
+        return replace(self, stiffness=_each(stiffness, robot), damping=_each(damping, robot))
 
     def told(self, z: ZeroState) -> ZeroState:
         """All of z, or z1 with z2 = 0. Returns: [2]."""
@@ -32,14 +54,24 @@ class Pd(AbstractLaw):
 
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
         """Desired outputs and rates at the measured z. Returns: `Desired`."""
+        if self.feed_forward:
+            return accelerated(robot, outputs, reading)
         y, dy = jax.jvp(outputs, (reading.z,), (reading.dz,))
         return Desired(y, dy, jnp.zeros_like(y), jnp.zeros_like(y))
 
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
+        law = self.fitted(robot)
         error, rate = errors(reading, desired)
-        return -self.stiffness * error - self.damping * rate
+        torque = -jnp.array(law.stiffness) * error - jnp.array(law.damping) * rate
+        if not self.feed_forward:
+            return torque
+        return torque + inverse_dynamics(robot, reading, desired.slope, desired.drift)
 
 
-PAPER = Pd(stiffness=578.0, damping=16.2, measure_z2=False)
+def _each(gains: Sequence[float] | Actuated, robot: PlanarBiped) -> tuple[float, ...]:
+    return tuple(float(gain) for gain in np.broadcast_to(np.asarray(gains), robot.n - 1))
+
+
+PAPER = Pd(stiffness=(578.0,), damping=(16.2,), feed_forward=False, measure_z2=False)
 """The paper's deployment: its gains, and a policy that is told z2 = 0."""

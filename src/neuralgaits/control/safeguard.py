@@ -11,10 +11,13 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Int, Scalar
 from neuralgaits.control.controller import Command, Controller
+from neuralgaits.control.joint_inertia import joint_inertia
 from neuralgaits.control.measurement import Measurement, leg_joints
+from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.robots import PlanarBiped
 
 CLOCK_S = 1e-6
@@ -44,7 +47,7 @@ class SafeguardConfig:
         torque_swing_s: fastest change of a torque from one limit to the other [s]. Four control
             ticks of 1 kHz: current loops of such drives settle within one.
         blend_s: from holding the first posture to the law [s]; 0 for none.
-        hold_stiffness: while blending [N m/rad]; gains of `Pd`.
+        hold_stiffness: while blending [N m/rad].
         hold_damping: while blending [N m s/rad].
         largest_pitch: of a torso [rad], as `simulation.falls` has it.
         angle_margin: beyond the ranges of the robot file [rad]: half a right angle is no overshoot.
@@ -68,6 +71,12 @@ class SafeguardConfig:
     contact_share: float = 0.01
     airborne_s: float = 0.15
     gap_s: float = 0.05
+
+    @classmethod
+    def fitted(cls, robot: PlanarBiped) -> "SafeguardConfig":
+        """Defaults that hold with the lowest gains that `Pd` has for a joint of the robot."""
+        inertia = float(np.min(joint_inertia(robot)))
+        return cls(hold_stiffness=BANDWIDTH**2 * inertia, hold_damping=2.0 * BANDWIDTH * inertia)
 
 
 class SafeguardState(NamedTuple):

@@ -110,17 +110,13 @@ def _law(name: str, law: AbstractLaw) -> str:
     values = [f".name = {_quoted(name)}", f".hold_ticks = {law.hold_ticks}"]
     if isinstance(law, Pd):
         values += [
-            ".kind = NG_JOINT_PD",
-            f".stiffness = {literal(law.stiffness)}",
-            f".damping = {literal(law.damping)}",
+            f".stiffness = {braces(np.array(law.stiffness))}",
+            f".damping = {braces(np.array(law.damping))}",
+            f".model = {int(law.feed_forward)}",
             f".measure_z2 = {int(law.measure_z2)}",
         ]
     elif isinstance(law, Fblin):
-        values += [
-            ".kind = NG_LINEARISING",
-            f".bandwidth = {literal(law.bandwidth)}",
-            ".measure_z2 = 1",
-        ]
+        values += [".model = 1", f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1"]
     return "{" + ", ".join(values) + "}"
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits.control import AbstractLaw, Fblin, Pd
-from neuralgaits.control.fblin import SMALLEST_DENOMINATOR
+from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.errors import InputError
@@ -72,13 +72,21 @@ def gains(law: AbstractLaw) -> str:
     rate = f"policy asked every {law.hold_ticks} ticks"
     if isinstance(law, Pd):
         told = "" if law.measure_z2 else ", told z2 = 0"
-        return f"{law.stiffness:g} N m/rad, {law.damping:g} N m s/rad, {rate}{told}"
+        torques = "the model's torques, " if law.feed_forward else ""
+        gains = f"{_each(law.stiffness)} N m/rad, {_each(law.damping)} N m s/rad"
+        return f"{torques}{gains}, {rate}{told}"
     if isinstance(law, Fblin):
         return f"input-output linearisation, {law.bandwidth:g} rad/s, {rate}"
     raise InputError(
         f"expected a law of this package (pd, fblin, paper), found {type(law).__name__}: C is "
         "written for those"
     )
+
+
+def _each(gains: tuple[float, ...]) -> str:
+    """Gains by joint, stance leg first; one number if they are alike."""
+    every = np.unique(np.array(gains))
+    return f"{every[0]:.4g}" if len(every) == 1 else "/".join(f"{g:.4g}" for g in gains)
 
 
 def names(design: Design) -> dict[str, str | int]:

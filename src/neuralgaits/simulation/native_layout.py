@@ -51,8 +51,10 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         "ng_law",
         [
             ("name", c_char_p),
-            ("kind", c_int),
-            *_reals("stiffness", "damping", "bandwidth"),
+            ("stiffness", of_joints),
+            ("damping", of_joints),
+            ("model", c_int),
+            ("bandwidth", c_double),
             ("hold_ticks", c_int),
             ("measure_z2", c_int),
         ],

@@ -68,10 +68,11 @@ def scene_of(
 def _set_law(law: Any, wanted: AbstractLaw) -> None:
     law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
     if isinstance(wanted, Pd):
-        law.kind, law.measure_z2 = 0, int(wanted.measure_z2)
-        law.stiffness, law.damping = float(wanted.stiffness), float(wanted.damping)
+        law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
+        _fill(law.stiffness, wanted.stiffness)
+        _fill(law.damping, wanted.damping)
     elif isinstance(wanted, Fblin):
-        law.kind, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
+        law.model, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
     else:
         raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
 

@@ -150,7 +150,7 @@ def walk(
             record=record,
             longest=longest,
         )
-        return Walk(robot, field, law, "native", episodes, orders.commands)
+        return Walk(robot, field, one.law, "native", episodes, orders.commands)
     scene = Scene.of(field, one, steps, falls, orders.first)
     batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
     if remote is not None:
@@ -169,7 +169,7 @@ def walk(
         longest=longest,
         watch=watch,
     )
-    return Walk(robot, field, law, "jax", episodes, orders.commands)
+    return Walk(robot, field, one.law, "jax", episodes, orders.commands)
 
 
 def _controller(

@@ -124,7 +124,7 @@ static void ask(const ng_law *law, const ng_real z[2], const ng_real dz[2], ng_r
     if (!law->measure_z2) {
         at[1] = along[1] = curved[1] = NG(0.0);
     }
-    if (law->kind == NG_JOINT_PD) {
+    if (!law->model) {
         POLICY_RATE(along, at, held->dy, held->y);
         return;
     }
@@ -134,20 +134,10 @@ static void ask(const ng_law *law, const ng_real z[2], const ng_real dz[2], ng_r
     }
 }
 
-static void pd(const ng_law *law, const ng_real q[NG_COORDINATES],
-               const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
-               ng_real torque[NG_ACTUATED])
-{
-    for (int i = 0; i < NG_ACTUATED; ++i) {
-        torque[i] = -law->stiffness * (q[i + 1] - wanted->y[i]) -
-                    law->damping * (dq[i + 1] - wanted->dy[i]);
-    }
-}
-
 /* Torques of ddq_a = slope ddz1 + known, where ddz1 follows from no torque at the foot. */
-static void linearising(const ng_law *law, const ng_real q[NG_COORDINATES],
-                        const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
-                        ng_real torque[NG_ACTUATED])
+static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
+                             const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
+                             ng_real torque[NG_ACTUATED])
 {
     const ng_real w = law->bandwidth;
     ng_real mass[NG_COORDINATES * NG_COORDINATES], bias[NG_COORDINATES];
@@ -180,6 +170,23 @@ static void linearising(const ng_law *law, const ng_real q[NG_COORDINATES],
         for (int i = 0; i < NG_ACTUATED; ++i) {
             torque[i] += mass[(i + 1) * NG_COORDINATES + j] * ddq;
         }
+    }
+}
+
+/* Before limits. */
+static void torques(const ng_law *law, const ng_real q[NG_COORDINATES],
+                    const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
+                    ng_real torque[NG_ACTUATED])
+{
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        torque[i] = NG(0.0);
+    }
+    if (law->model) {
+        inverse_dynamics(law, q, dq, wanted, torque);
+    }
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        torque[i] -= law->stiffness[i] * (q[i + 1] - wanted->y[i]) +
+                     law->damping[i] * (dq[i + 1] - wanted->dy[i]);
     }
 }
 
@@ -332,11 +339,7 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
         state->ticks_to_policy = law->hold_ticks;
     }
     state->ticks_to_policy -= 1;
-    if (law->kind == NG_JOINT_PD) {
-        pd(law, command->q, command->dq, &state->held, command->actuated);
-    } else {
-        linearising(law, command->q, command->dq, &state->held, command->actuated);
-    }
+    torques(law, command->q, command->dq, &state->held, command->actuated);
     command->saturated = saturate(config, command->actuated);
     for (int i = 0; i < NG_ACTUATED; ++i) {
         command->y_d[i] = state->held.y[i];

@@ -14,18 +14,17 @@
 #define NG_COMMANDS 0 /* a gait that is told nothing */
 #endif
 
-/* How torques follow from what the policy wants. */
-typedef enum {
-    NG_JOINT_PD,   /* torque = -stiffness (q_a - y_d) - damping (dq_a - dy_d) */
-    NG_LINEARISING /* outputs obey ddy = -w^2 y - 2 w dy on the model's dynamics */
-} ng_law_kind;
-
+/*
+ * How torques follow from what the policy wants:
+ *   -stiffness (q_a - y_d) - damping (dq_a - dy_d)
+ * and, with a model, its torques of ddq_a = ddy_d - w^2 (q_a - y_d) - 2 w (dq_a - dy_d).
+ */
 typedef struct {
     const char *name;
-    ng_law_kind kind;
-    ng_real stiffness;  /* of NG_JOINT_PD [N m/rad] */
-    ng_real damping;    /* of NG_JOINT_PD [N m s/rad] */
-    ng_real bandwidth;  /* w of NG_LINEARISING [rad/s] */
+    ng_real stiffness[NG_ACTUATED]; /* stance leg first [N m/rad] */
+    ng_real damping[NG_ACTUATED];   /* likewise [N m s/rad] */
+    int model;          /* 0: no torques of the model, and no accelerations */
+    ng_real bandwidth;  /* w: 0 leaves errors to stiffness and damping [rad/s] */
     int hold_ticks;     /* ticks between two questions to the policy */
     int measure_z2;     /* 0: the policy is told z2 = 0 */
 } ng_law;
@@ -72,7 +71,7 @@ typedef struct {
 typedef struct {
     ng_real y[NG_ACTUATED];     /* desired angles [rad] */
     ng_real dy[NG_ACTUATED];    /* their rates [rad/s] */
-    ng_real slope[NG_ACTUATED]; /* d y / d z1; of NG_LINEARISING [rad/m] */
+    ng_real slope[NG_ACTUATED]; /* d y / d z1; of laws with a model [rad/m] */
     ng_real drift[NG_ACTUATED]; /* desired accelerations at ddz1 = 0; likewise [rad/s^2] */
 } ng_desired;
 
