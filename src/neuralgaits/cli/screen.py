@@ -72,6 +72,10 @@ def _proof_of_training(proof: TrainingProof) -> Text:
     return Text.assemble(found, f" at level 1 after {repairs}, {margin}")
 
 
+_MANY_SATURATED = 0.05
+"""Share of ticks: a touchdown alone has a tenth of it."""
+
+
 def show_walks(result: Simulated) -> None:
     """How far each episode came, what stopped it, and the gait's figures."""
     walks, count = result.steps_walked, len(result.fell)
@@ -88,6 +92,12 @@ def show_walks(result: Simulated) -> None:
         if known.get(name) is not None
     ]
     show_table(("figure", "value"), rows)
+    share = result.saturated_fraction
+    if share is not None and share > _MANY_SATURATED:
+        show_sentence(
+            f"{share:.0%} of ticks are at the torque limit: what walks here has no torque in "
+            "reserve; a slower gait (`train --speed`), stronger motors or lower gains have"
+        )
     missed = [
         (name, number(error.mean), number(error.worst))
         for name, error in result.command_error.items()
