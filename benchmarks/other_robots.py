@@ -1,7 +1,8 @@
 """Robots of other kinds, by the defaults: trained, proved to level 3, walked 1000 steps.
 
-Asked: RABBIT, every file of examples/robots, and nine of ten random bipeds of 3 to 60 kg with three to six
-motors; at most 1 % of ticks at a torque limit. ROBOTS=N takes N random ones; FILES=no leaves the files out.
+Asked: RABBIT, every file of examples/robots, and nine of ten random bipeds of 3 to 60 kg with three
+to six motors; at most 1 % of ticks at a torque limit. ROBOTS=N takes N random ones; FILES=no leaves
+the files out.
 """
 
 import os
