@@ -1,5 +1,3 @@
-from functools import partial
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -9,10 +7,6 @@ from neuralgaits.control import PAPER, Fblin, Pd
 from neuralgaits.control.law import Reading
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait import BezierPolicy
-
-QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
-"""Compiling takes longer than the runs."""
-quick = partial(jax.jit, compiler_options=QUICK)
 
 
 def reading_of(robot, q, dq):
@@ -44,7 +38,7 @@ def test_fblin_makes_the_outputs_a_critically_damped_oscillator(robot, rng):
     for _ in range(2):
         policy, q, dq = a_case(robot, rng)
 
-        @quick
+        @jax.jit
         def along(q, dq, policy=policy):
             """The outputs' acceleration, by differentiating along the full dynamics."""
             reading = reading_of(robot, q, dq)

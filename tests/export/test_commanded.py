@@ -31,8 +31,11 @@ def compiled(folder, files, flags=()):
 
 @pytest.fixture(scope="module")
 def told():
-    """One command that may change so far, and one that may be any after any."""
-    return commanded_design("amber3m", LAWS, (SPEED, FOOTHOLDS[0]))
+    """One command that may change so far, and one that may be any after any.
+
+    Under the law that needs most of a policy: laws are compared in test_controller.py.
+    """
+    return commanded_design("amber3m", {"fblin": LAWS["fblin"]}, (SPEED, FOOTHOLDS[0]))
 
 
 @pytest.fixture(scope="module")
