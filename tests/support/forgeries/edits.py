@@ -91,7 +91,7 @@ def constants(table: Table, changes: Mapping[str, Callable[[np.ndarray], Any]]) 
     assert not missing, missing
     rows = [
         replace(c, array=np.asarray(changes[c.name](c.array.copy()), dtype=float))
-        if c.name in changes
+        if c.name is not None and c.name in changes
         else c
         for c in program.constants
     ]
