@@ -18,9 +18,6 @@ from neuralgaits.certificate.levels.sets import fences_of, look_at
 from neuralgaits.certificate.levels.walking_set.find import find_set
 
 STEPS = 200
-QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
-"""Compiling takes longer than the runs."""
-quick = partial(jax.jit, compiler_options=QUICK)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +58,7 @@ def test_the_derivative_is_that_of_the_integrated_return_map(trained, flow):
     gait, zd = trained.gait, trained.zero_dynamics
     low, high = gait.tube.fences(jnp.array(0.5))
 
-    @quick
+    @jax.jit
     def landed(zeta):
         """At the guard: phase and zeta after the robot's own reset, and what is said of it."""
         z = return_map.state(gait, jnp.array(1.0), zeta)
@@ -94,10 +91,10 @@ def test_the_gain_does_not_depend_on_where_the_guard_lies_in_phase(trained):
     zd = ng.ZeroDynamics(robot, policy)
     u = jnp.array([0.97, 0.4])
     # A guard {foot height = target} through this very point.
-    target, z = quick(lambda u: (zd.point(gait.z(u)).foot[1], gait.z(u)))(u)
+    target, z = jax.jit(lambda u: (zd.point(gait.z(u)).foot[1], gait.z(u)))(u)
     start = jnp.stack([u[0], 0.5 * z[1] ** 2])
 
-    @quick
+    @jax.jit
     def after_crossing(zeta):
         """Reset of where the trajectory through (u[0], zeta) meets that guard, at one phase."""
         pair = jnp.stack([start[0], zeta])
@@ -113,11 +110,11 @@ def test_the_gain_does_not_depend_on_where_the_guard_lies_in_phase(trained):
 
     phase, zeta = after_crossing(start[1])
     state = partial(return_map.state, gait)
-    behind = quick(lambda *at: return_map.slope(gait, zd.point(state(*at))))(phase, zeta)
+    behind = jax.jit(lambda *at: return_map.slope(gait, zd.point(state(*at))))(phase, zeta)
     step = 1e-4 * start[1]
     up, down = after_crossing(start[1] + step), after_crossing(start[1] - step)
     moved = [(a - b) / (2 * step) for a, b in zip(up, down, strict=True)]
-    gain = quick(lambda u: return_map.landing(gait, zd, u).gain)(u)
+    gain = jax.jit(lambda u: return_map.landing(gait, zd, u).gain)(u)
     assert float(gain) == pytest.approx(float(moved[1] - behind * moved[0]), rel=1e-5)
 
 
@@ -156,7 +153,7 @@ def test_nested_tubes_narrow_as_fast_as_the_flow_says(trained, look):
         low, high = thin.tube.fences(phase)
         return (2.0 * zeta - low - high) / (high - low)
 
-    @quick
+    @jax.jit
     def both(u):
         """By side of the orbit: the rate by differences, and what is said of it."""
         rates = []

@@ -83,7 +83,11 @@ def test_commands_about_a_run_of_an_own_robot(own, at, capfd):
     kinds = {type(verb).__name__ for verb in asked}
     assert kinds >= {"Train", "Simulate", "Certify", "Report", "Fit", "Episodes"}
     check(on_screen(place.screens))
-    check(on_page(f"<code>{how_sure(open_run(place.run)).words}</code>"))
+    # Of a certificate it depends on what the budget allowed whether there is a proof to check.
+    bare = shutil.copytree(
+        place.run, "my runs/bare run", ignore=shutil.ignore_patterns("certificate")
+    )
+    check(on_page(f"<code>{how_sure(open_run(bare)).words}</code>"))
 
 
 def test_the_commands_of_making_it_again_run(own, at, capfd):

@@ -1,7 +1,6 @@
 """Conditions judged on logs: against states whose place in the tube is known from the chart."""
 
 from dataclasses import replace
-from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -13,9 +12,6 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Log
 from neuralgaits.logs.satisfaction import satisfaction
 
-QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
-"""Compiling takes longer than the runs."""
-quick = partial(jax.jit, compiler_options=QUICK)
 COUNT = 40
 MOST = 4 * COUNT
 """Charts of a log at most."""
@@ -35,7 +31,7 @@ def gait(amber, spec):
 def state_at(amber, gait):
     """Full states at charts, by one compiled shape."""
     zd = ZeroDynamics(amber, gait.policy)
-    lift = quick(jax.vmap(lambda u: zd.phi_inv(gait.z(u))))
+    lift = jax.jit(jax.vmap(lambda u: zd.phi_inv(gait.z(u))))
 
     def at(charts):
         padding = ((0, MOST - len(charts)), (0, 0))
@@ -103,7 +99,7 @@ def test_a_condition_is_judged_as_on_the_zero_dynamics_where_the_robot_is_on_the
         point = zd.point(device.z(u))
         return jnp.stack([jnp.all(c.margins(device, zd, point) >= 0.0) for c in chosen])
 
-    judgement = np.asarray(quick(jax.vmap(held))(jnp.asarray(charts)))
+    judgement = np.asarray(jax.jit(jax.vmap(held))(jnp.asarray(charts)))
     for condition, holds in zip(chosen, judgement.T, strict=True):
         (box,) = spec.regions[condition.region]
         due = (charts[:, 0] >= box.low[0]) & (charts[:, 0] <= box.high[0])

@@ -2,7 +2,8 @@
 
 The table is tests/support/forgeries/; `benchmarks/forgeries.py` prints it with every answer
 and without what is taken on trust here: that boxes were bounded where a forgery is one of
-structure, and that a file which is refused by itself is refused with a run as well.
+structure, or where they stand in the true proof as well, and that a file which is refused by
+itself is refused with a run as well.
 """
 
 import contextlib
@@ -14,7 +15,7 @@ import pytest
 from support.forgeries import code, runs
 from support.forgeries.ask import answers, ask_cpp, ask_python, ask_report, complaints
 from support.forgeries.base import YES
-from support.forgeries.quick import statements_taken_as_checked, traced_once
+from support.forgeries.quick import stated, statements_taken_as_checked, traced_once
 from support.forgeries.table import KINDS, THEMES
 
 PROGRAM = Path(__file__).parents[2] / "build" / "proofcheck"
@@ -30,6 +31,12 @@ def traced():
 def base(traced, tmp_path_factory):
     with traced_once(traced):
         return runs.make(tmp_path_factory.mktemp("forgeries"))
+
+
+@pytest.fixture(scope="module")
+def stated_truly(base):
+    """What test_shipped.py bounds; of the default gait, a forgery's own statements are left."""
+    return stated(base.runs["walk"] / runs.PROOF)
 
 
 def test_what_is_forged_is_true(proofcheck, base, traced, tmp_path):
@@ -54,14 +61,14 @@ def test_the_table_has_no_kind_twice_and_enough_of_them():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("theme", THEMES)
-def test_forgeries(proofcheck, base, traced, tmp_path, theme):
+def test_forgeries(proofcheck, base, stated_truly, traced, tmp_path, theme):
     """Each differs from what it was made from, and gets an answer that is right."""
     wrong = {}
     for kind in THEMES[theme]:
         forged = kind.make(base)
         true = base.texts[kind.about].encode()
         assert forged.content != true or forged.run != base.runs[kind.about], kind.kind
-        bounds = contextlib.nullcontext() if kind.bounded else statements_taken_as_checked()
+        bounds = statements_taken_as_checked(stated_truly if kind.bounded else None)
         with bounds, traced_once(traced), tempfile.TemporaryDirectory(dir=tmp_path) as folder:
             heard = answers(kind, forged, folder, PROGRAM, ("cpp", "alone", "report"))
             refused = "alone" in heard and heard["alone"].word in ("rejected", "unreadable")

@@ -8,9 +8,10 @@ from typing import Any, cast
 import jax
 import numpy as np
 
+from neuralgaits._quick_jit import QUICK
 from neuralgaits.robots import PlanarBiped
 
-QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+LEAST = QUICK | {"xla_backend_optimization_level": 0}
 """Compiling takes longer than the runs."""
 
 
@@ -20,7 +21,7 @@ def batched(function: Callable[..., Any]) -> Callable[..., Any]:
     def many(robot: PlanarBiped, *states: Any) -> Any:
         return jax.vmap(partial(function, robot))(*states)
 
-    run = jax.jit(many, compiler_options=QUICK)
+    run = jax.jit(many, compiler_options=LEAST)
     return lambda robot, *states: jax.tree.map(np.asarray, run(unnamed(robot), *states))
 
 

@@ -14,13 +14,16 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from neuralgaits._quick_jit import quick_jit
+from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float, Int
+from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, joint_ranges
 from neuralgaits.export.facts import Design
-from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.commands import Limits, Pair, coordinates_of
+from neuralgaits.gait import AbstractPolicy, ZeroDynamics
+from neuralgaits.gait.commands import Command, Limits, Pair, coordinates_of
+from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 
@@ -30,8 +33,8 @@ NEVER = 1e30
 """Time since the last touchdown before there was one [s], as `NG_NEVER`."""
 _OUTPUT_ERROR, _RATE_ERROR = 0.05, 0.5
 """Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`."""
-_STEPS_AT_ONCE = 2048
-"""Steps of a family that are computed together."""
+_AT_ONCE = 2048
+"""Cases that are computed together: another number would be compiled again."""
 _CLEAR_OF_THRESHOLD = 1e-4
 """How far from a threshold a drawn number stays [m], [s]: rounding decides nothing."""
 
@@ -265,7 +268,7 @@ def steps_of(
     design: Design, count: int, seed: int
 ) -> tuple[Float[np.ndarray, "N 2 p"], Float[np.ndarray, "N s"]]:
     """Commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
-    pair, _ = _commands(design, min(count, _STEPS_AT_ONCE), np.random.default_rng([seed, 1]))
+    pair, _ = _commands(design, min(count, _AT_ONCE), np.random.default_rng([seed, 1]))
     commands, numbers = np.stack(pair, axis=1), _numbers(design, pair)
     return (
         np.resize(commands, (count, *commands.shape[1:])),
@@ -280,8 +283,21 @@ def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.
 
 def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
     policy, residual = design.gait.policy, design.controller.reset_residual
-    found = quick_jit(jax.vmap(lambda told: policy.step_numbers(design.robot, told, residual)))
-    return np.asarray(found(pair))
+    count = len(pair.before)
+    rows = max(count, _AT_ONCE)
+    whole = Pair(*(np.resize(side, (rows, *side.shape[1:])) for side in pair))
+    return np.asarray(_of_steps(policy, design.robot, residual, whole))[:count]
+
+
+@quick_filter_jit
+def _of_steps(
+    policy: AbstractPolicy,
+    robot: PlanarBiped,
+    residual: AbstractResetResidual | None,
+    pairs: Pair,
+) -> Float[Array, "N s"]:
+    """Numbers of many steps: of one number of them, so that it is compiled once."""
+    return jax.vmap(lambda told: policy.step_numbers(robot, told, residual))(pairs)
 
 
 def _commands(
@@ -313,25 +329,40 @@ def _lifted(
     Returns: [N, 2n], [N, m], [N, m], [N, s].
     """
     robot, residual = design.robot, design.controller.reset_residual
+    given, parts = (chart, eta, *pair), []
+    for start in range(0, len(chart), _AT_ONCE):
+        some = [np.asarray(side[start : start + _AT_ONCE]) for side in given]
+        chosen = [np.resize(side, (_AT_ONCE, *side.shape[1:])) for side in some]
+        found = _lift(design.gait, design.commands, robot, residual, chosen)
+        parts.append([np.asarray(part)[: len(some[0])] for part in found])
+    return tuple(np.concatenate(part) for part in zip(*parts, strict=True))  # type: ignore[return-value]
 
-    def lift(case):
-        u, error, told = case
-        v = coordinates_of(design.commands, told)
-        gait = design.gait.at(robot, v, residual, exact=True)
-        low, high = gait.tube.fences(u[0])
-        start, guard = gait.span
+
+@quick_filter_jit
+def _lift(
+    gait: AnyGait,
+    commands: tuple[Command, ...],
+    robot: PlanarBiped,
+    residual: AbstractResetResidual | None,
+    cases: list[np.ndarray],
+) -> tuple[Array, Array, Array, Array]:
+    """Of one number of cases, so that it is compiled once.
+
+    Of a family every case has a policy of its own: a few at a time, for the memory they take.
+    """
+
+    def lift(u, error, before, after):
+        told = Pair(before, after)
+        here = gait.at(robot, coordinates_of(commands, told), residual, exact=True)
+        low, high = here.tube.fences(u[0])
+        start, guard = here.span
         zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
         z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
-        y, slope = jax.jvp(gait.policy, (z,), (jnp.array([1.0, 0.0]),))
-        numbers = design.gait.policy.step_numbers(robot, told, residual)
-        return ZeroDynamics(robot, gait.policy).phi_inv(z, error), y, slope, numbers
+        y, slope = jax.jvp(here.policy, (z,), (jnp.array([1.0, 0.0]),))
+        numbers = gait.policy.step_numbers(robot, told, residual)
+        return ZeroDynamics(robot, here.policy).phi_inv(z, error), y, slope, numbers
 
-    # Of a family every case has a policy of its own: a few at a time, for the memory they take.
-    few = _STEPS_AT_ONCE if design.commands else None
-    lifted = quick_jit(lambda cases: jax.lax.map(lift, cases, batch_size=few))
-    if few is None:
-        lifted = quick_jit(jax.vmap(lift))
-    return tuple(np.asarray(part) for part in lifted((chart, eta, pair)))  # type: ignore[return-value]
+    return jax.vmap(lift)(*cases)
 
 
 def _clear(design: Design, cases: Cases) -> np.ndarray:

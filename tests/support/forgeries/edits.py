@@ -3,8 +3,9 @@
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,13 @@ NOBODY = "ab" * 32
 
 
 def program_of(table: Table) -> Program:
-    return Program.from_json(json.dumps(table["program"]))
+    return _read(json.dumps(table["program"]))
+
+
+@lru_cache(maxsize=8)
+def _read(text: str) -> Program:
+    """Most forgeries start from the same few."""
+    return Program.from_json(text)
 
 
 def put(table: Table, program: Program) -> None:
@@ -74,12 +81,20 @@ def claim(name: str, box: Table, *, region: str = "tube", bound: float = 0.0) ->
 
 def constant(table: Table, name: str, change: Callable[[np.ndarray], Any]) -> None:
     """A named constant changed, under the hash that follows."""
+    constants(table, {name: change})
+
+
+def constants(table: Table, changes: Mapping[str, Callable[[np.ndarray], Any]]) -> None:
+    """The same of several."""
     program = program_of(table)
+    missing = set(changes) - {c.name for c in program.constants}
+    assert not missing, missing
     rows = [
-        replace(c, array=np.asarray(change(c.array.copy()), dtype=float)) if c.name == name else c
+        replace(c, array=np.asarray(changes[c.name](c.array.copy()), dtype=float))
+        if c.name is not None and c.name in changes
+        else c
         for c in program.constants
     ]
-    assert any(c.name == name for c in program.constants), name
     put(table, replace(program, constants=tuple(rows)))
 
 

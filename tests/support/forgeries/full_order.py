@@ -7,8 +7,8 @@ from typing import Any
 
 from support.forgeries.base import LOOSE, NO, OPEN, Answer, Case, Table, Theme, refused, true
 from support.forgeries.edits import (
-    constant,
     constantly,
+    constants,
     more_outputs,
     number,
     parameters,
@@ -35,9 +35,8 @@ def _in_program(table: Table) -> None:
     found = parameters(table, 4)
     alone = [float.fromhex(found[name]) for name in ORDER[:-2]]
     pace = [float.fromhex(x) for x in found["pace"]]
-    constant(table, "full.set", lambda _: alone + pace)
     rows = [float.fromhex(b[name]) for b in found["barriers"] for name in OF_BARRIER]
-    constant(table, "full.barriers", lambda _: rows)
+    constants(table, {"full.set": lambda _: alone + pace, "full.barriers": lambda _: rows})
 
 
 def _number(what: str, change: Callable[[Table], None], *, inside: Answer, run: Answer) -> None:

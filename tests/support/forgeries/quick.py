@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from neuralgaits.certificate.proof_file import shared_check
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError
+from neuralgaits.programs import Program
 
 Traced = dict[Any, Any]
 
@@ -31,11 +32,28 @@ class _Taken:
         return iter(())
 
 
+def stated(proof: Path) -> frozenset[str]:
+    """What a proof states, each statement with its Program."""
+    found = claims.read_claims(proof)
+    return frozenset(_stated(found.program, statement) for statement in found.statements)
+
+
 @contextmanager
-def statements_taken_as_checked() -> Iterator[None]:
-    """No box is bounded: what is judged is the file, and what is concluded from it."""
+def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator[None]:
+    """No box is bounded: what is judged is the file, and what is concluded from it.
+
+    Args:
+        known: of `stated`, if only these are taken as checked and others bounded.
+    """
+    check = StatementCheck.of
+
+    def of(program: Program, statement: claims.Statement) -> Any:
+        if known is None or _stated(program, statement) in known:
+            return _Taken()
+        return check(program, statement)
+
     with (
-        mock.patch.object(StatementCheck, "of", lambda program, statement: _Taken()),
+        mock.patch.object(StatementCheck, "of", of),
         mock.patch.object(shared_check, "_cores", lambda: 1),
     ):
         yield
@@ -61,6 +79,10 @@ def programs_read_once(known: Traced) -> Iterator[None]:
     """Proofs that have the same Program, to the last character, share the one that was read."""
     with mock.patch.object(claims, "_program", _read_once(claims._program, known)):
         yield
+
+
+def _stated(program: Program, statement: claims.Statement) -> str:
+    return f"{program.hash} {statement}"
 
 
 def _here(run: Path, theorems: Theorems) -> dict[str, Any]:
