@@ -41,7 +41,7 @@ def load_robot(name_or_path: str | Path) -> PlanarBiped:
     Raises: RobotError if the file cannot be used, naming the body or joint and the remedy;
         InputError if JAX runs in single precision.
     """
-    text, fallback = _robot_text(name_or_path)
+    text, fallback = robot_text(name_or_path)
     return robot_from_text(text, fallback)
 
 
@@ -86,7 +86,7 @@ def _read(
     derive.LegData,
 ]:
     """What MuJoCo understood, by role: model, tree, skeleton, lines of the links, joints, leg."""
-    model = _compile(text, name)
+    model = compile_text(text, name)
     tree = read_tree(model)
     refuse_ignored_physics(model)
     skeleton = read_skeleton(model, tree)
@@ -103,8 +103,11 @@ def _torso_data(tree: PlanarTree, skeleton: Skeleton) -> derive.TorsoData | None
     return derive.TorsoData(link.mass, link.inertia, (link.com - skeleton.hip) / 1j)
 
 
-def _robot_text(name_or_path: str | Path) -> tuple[str, str]:
-    """The MJCF text of a built-in robot or a file, and a name for it."""
+def robot_text(name_or_path: str | Path) -> tuple[str, str]:
+    """The MJCF text of a built-in robot or a file, and a name for it.
+
+    Raises: RobotError if there is no such robot, or the file cannot be read.
+    """
     name = str(name_or_path)
     if name in registry.built_in():
         return registry.model_file(name).read_text(encoding="utf-8"), name
@@ -116,7 +119,11 @@ def _robot_text(name_or_path: str | Path) -> tuple[str, str]:
     return standalone_text(path), path.stem
 
 
-def _compile(text: str, name: str) -> mujoco.MjModel:
+def compile_text(text: str, name: str) -> mujoco.MjModel:
+    """Compile MJCF text.
+
+    Raises: RobotError with MuJoCo's reason, warnings included, and the remedy.
+    """
     warnings: list[str] = []
     # Unasked, MuJoCo prints its warnings, and logs them to a file in the caller's folder.
     mujoco.set_mju_user_warning(warnings.append)
