@@ -262,13 +262,20 @@ class Inspect:
 
     robot: Robot
     """Name of a built-in robot, or path of an MJCF file."""
+    planarise: Annotated[Path | None, arg(metavar="OUT.xml")] = None
+    """Write a copy that can be treated: flat feet welded and ended in point feet, what the theory
+    ignores taken out; every change is said."""
     output: Annotated[Output, arg(name="")] = Output()
 
 
 @dataclass(frozen=True)
 class Robots:
-    """List the built-in robots and specs."""
+    """List the built-in robots and specs, or write a robot's file to start from."""
 
+    robot: Annotated[Positional[str | None], arg(metavar="[ROBOT]")] = None
+    """Name of the built-in robot to write; all are listed without it."""
+    out: Annotated[Path | None, arg(metavar="FILE.xml")] = None
+    """File to write it to."""
     output: Annotated[Output, arg(name="")] = Output()
 
 

@@ -75,6 +75,18 @@ def links_from_text(text: str, name: str) -> tuple[derive.LegData, derive.TorsoD
     return leg, _torso_data(tree, skeleton)
 
 
+def bodies_from_text(text: str, name: str) -> tuple[tuple[str, ...], tuple[str, ...], str | None]:
+    """The file's names of the links: the first body of what is welded together.
+
+    Returns: of leg 0 and of leg 1, lowest link first, and of the torso or None.
+    Raises: RobotError, as `load_robot`.
+    """
+    _, tree, skeleton, _, _, _ = _read(text, name)
+    first, second = (tuple(tree.links[i].name for i in leg) for leg in skeleton.legs)
+    torso = skeleton.torso
+    return first, second, None if torso is None else tree.links[torso].name
+
+
 def _read(
     text: str, name: str
 ) -> tuple[

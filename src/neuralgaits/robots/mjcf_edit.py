@@ -165,7 +165,7 @@ class MjcfEdit:
             element = self.found.actuators[number]
             name = element.get("name", "")
             self.remove(element)
-            self.say(f"motor {name or f'number {number}'}: removed, {why}")
+            self.say(f"motor {name or 'without a name'}: removed, {why}")
             self.drop_references("actuator", {name} - {""})
         if numbers:
             self.drop_keyframes()

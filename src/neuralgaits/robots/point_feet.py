@@ -139,7 +139,7 @@ def _add_sphere(edit: MjcfEdit, body: int, place: np.ndarray, friction: float, f
     local = data.xmat[body].reshape(3, 3).T @ (place - data.xpos[body])
     # Nanometres: MuJoCo turns quaternions with rounding.
     local = np.round(local, 9) + 0.0
-    # It meets the floor by the floor's own bits, as what stood there did, and no sphere meets another.
+    # It meets the floor by the floor's own bits, as what stood there did; spheres do not meet.
     kind, affinity = int(model.geom_conaffinity[floor]), 0
     if kind == 0:
         affinity = int(model.geom_contype[floor])
