@@ -14,6 +14,7 @@ import jax
 import mujoco
 import numpy as np
 
+from neuralgaits._names import meant
 from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import derive, registry
 from neuralgaits.robots.actuation import refuse_other_actuators
@@ -127,7 +128,11 @@ def robot_text(name_or_path: str | Path) -> tuple[str, str]:
     looks_like_name = isinstance(name_or_path, str) and path.name == name and not path.suffix
     if looks_like_name and not path.exists():
         known = ", ".join(registry.built_in())
-        raise RobotError(f"unknown robot {name}: use one of {known}, or a path to an MJCF file")
+        hint = meant(name, registry.built_in())
+        hint = f"{hint} " if hint else ""
+        raise RobotError(
+            f"unknown robot {name}: {hint}use one of {known}, or a path to an MJCF file"
+        )
     return standalone_text(path), path.stem
 
 
