@@ -150,8 +150,8 @@ class GaitSpec:
         """The same spec without the named conditions."""
         unknown = sorted(set(names) - {condition.name for condition in self.conditions})
         if unknown:
-            names = [condition.name for condition in self.conditions]
-            hints = [hint for name in unknown if (hint := meant(name, names))]
+            known = [condition.name for condition in self.conditions]
+            hints = [hint for name in unknown if (hint := meant(name, known))]
             said = f"spec {self.name!r} has no conditions {unknown}"
             raise SpecError("; ".join((said, *hints)))
         kept = tuple(c for c in self.conditions if c.name not in names)

@@ -71,8 +71,8 @@ def load(
     path, separator, attribute = name.rpartition(":")
     if not separator and name.endswith(".py"):
         raise SpecError(
-            f"spec {name!r}: expected FILE.py:NAME, found a file alone; add the name of its function "
-            f"or spec, as in {name}:{Path(name).stem}"
+            f"unknown spec {name!r}: expected FILE.py:NAME, found no name; add that of its "
+            f"function or spec, as in {name}:{Path(name).stem}"
         )
     if not separator or not path.endswith(".py"):
         hint = meant(name, _BUILT_IN)

@@ -51,7 +51,7 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
 
 
 def _refuse_no_number(name: str, kind: type | None, value: str) -> None:
-    if kind not in _NUMBERS:
+    if kind is None or kind not in _NUMBERS:
         return
     try:
         kind(value)

@@ -42,8 +42,7 @@ Verb = (
 )
 """One subcommand each: the class name in lower case, with hyphens."""
 _VERBS = {
-    re.sub("(?<=[a-z])(?=[A-Z])", "-", verb.__name__).lower(): verb
-    for verb in typing.get_args(Verb)
+    re.sub("(?<=[a-z])(?=[A-Z])", "-", one.__name__).lower(): one for one in typing.get_args(Verb)
 }
 
 
