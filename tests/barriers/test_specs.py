@@ -71,8 +71,8 @@ def test_conditions_come_and_go(spec):
     more = spec.with_conditions(plain())
     assert [c.name for c in more.conditions][-1] == "extra"
     assert more.without("extra") == spec
-    with pytest.raises(SpecError, match=r"has no conditions \['foward'\]; did you mean forward\?"):
-        specs.walking(amber).without("foward")
+    with pytest.raises(SpecError, match=r"has no conditions \['extre'\]; did you mean extra\?"):
+        more.without("extre")
     with pytest.raises(SpecError, match=r"has no conditions \['lean'\]"):
         spec.without("lean")
 
