@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits.records.inspected import RobotFacts
-from neuralgaits.robots import load_robot
+from neuralgaits.robots import load_robot, registry
 from neuralgaits.robots.loader import robot_text
 from neuralgaits.robots.planarise import planarise
 from neuralgaits.workflows.inspect import inspect
@@ -22,6 +22,15 @@ def planarise_file(source: str | Path, out: Path) -> RobotFacts:
     Raises: RobotError if the file cannot be made into a planar biped, InputError if there is a file
         at `out`; nothing is written then.
     """
-    made = planarise(*robot_text(source))
+    text, name = robot_text(source)
+    made = planarise(text, name)
     write_robot_file(out, made.text)
-    return replace(inspect(load_robot(out)), written=str(out), changes=made.changes)
+    changes = (*_resolved(source, text), *made.changes)
+    return replace(inspect(load_robot(out)), written=str(out), changes=changes)
+
+
+def _resolved(source: str | Path, text: str) -> tuple[str, ...]:
+    """One line if the text is not the file's own word for word."""
+    if str(source) in registry.built_in() or Path(source).read_text(encoding="utf-8") == text:
+        return ()
+    return ("includes put in place, files of meshes and textures named by their full paths",)
