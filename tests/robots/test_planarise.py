@@ -25,8 +25,7 @@ AMBER = re.sub(
     flags=re.S,
 )
 STILTS = pages.files(pages.ROOT / "docs" / "your_robot.md")["stilts.xml"]
-ROOT = re.search(r'<joint name="root_x".*root_pitch[^/]*/>', STILTS, re.S)
-assert ROOT
+ROOT = STILTS[STILTS.index('<joint name="root_x"') : STILTS.index('<inertial pos="0 0 0.22"')]
 LEFT_HIP = '<joint name="hip_left" class="hip" axis="0 1 0"/>'
 FLAT = {
     "walker2d": (walkers.walker2d(), "leg{}", "foot{}", ("", "_left"), "leg{}_joint"),
@@ -66,13 +65,12 @@ def test_a_foot_without_its_ankle_weighs_what_it_weighed(name):
         reach = [np.abs(data.geom_xmat[g].reshape(3, 3)[2]) @ model.geom_aabb[g, 3:] for g in soles]
         sole = float(np.min(data.geom_xpos[soles, 2] - reach))
         up, ahead = link.centre_of_mass_m
+        assert link.length_m is not None
         com = data.subtree_com[body]
         # The leg stands straight: its line is the vertical through the ankle.
         assert up == pytest.approx(com[2] - sole - 0.003, abs=1e-9)
         assert ahead == pytest.approx(com[0] - ankle[0], abs=1e-9)
-        about_knee = link.inertia_kg_m2 + link.mass_kg * (
-            (link.length_m - link.centre_of_mass_m[0]) ** 2 + ahead**2
-        )
+        about_knee = link.inertia_kg_m2 + link.mass_kg * ((link.length_m - up) ** 2 + ahead**2)
         dof = model.jnt_dofadr[joint]
         assert about_knee == pytest.approx(inertia[dof, dof] - model.dof_armature[dof], rel=1e-9)
     assert float(robot.mass) == pytest.approx(model.body_mass.sum(), rel=1e-12)
@@ -164,7 +162,7 @@ def test_a_shank_that_meets_the_floor_ends_in_a_sphere():
 
 def test_a_free_joint_becomes_slides_and_a_hinge():
     """Also of a body that is turned: the slides are along the world's axes."""
-    free = STILTS.replace(ROOT.group(), '<freejoint name="base"/>')
+    free = STILTS.replace(ROOT, '<freejoint name="base"/>')
     made = planarise(free, "stilts")
     said = "free joint base: replaced by base_x, base_z, base_pitch, which move in the plane x, z"
     assert made.changes == (said,)
@@ -307,7 +305,7 @@ def test_what_only_the_user_knows_is_refused_in_one_line(case):
 
 
 def test_a_three_dimensional_robot_is_refused():
-    free = STILTS.replace(ROOT.group(), '<freejoint name="base"/>')
+    free = STILTS.replace(ROOT, '<freejoint name="base"/>')
     text = free.replace('<joint name="hip_left"', '<joint name="hip_left" axis="1 0 0"')
     with pytest.raises(RobotError, match="joint hip_left is not planar"):
         planarise(text, "humanoid")
