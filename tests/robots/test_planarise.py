@@ -160,6 +160,17 @@ def test_a_shank_that_meets_the_floor_ends_in_a_sphere():
     assert robot.leg_length == pytest.approx(0.45 + 0.5 + 0.04 - 0.003)
 
 
+def test_a_sphere_that_is_there_stays_the_foot():
+    leg = r'<body name="foot(\w*)" pos.*?</body>'
+    tip = r'<geom name="tip\1" type="sphere" size="0.05" pos="0 0 -0.3"/>'
+    text = re.sub(leg, tip, walkers.walker2d(), flags=re.S)
+    made = planarise(re.sub(r'<motor joint="foot\w*"[^/]*/>', "", text), "walker")
+    assert "leg_geom: shape and mass kept, no contact with the floor" in made.changes
+    robot = robot_from_text(made.text, "walker")
+    assert robot.layout.feet == ("tip", "tip_left")
+    assert float(robot.foot_radius) == 0.05
+
+
 def test_a_free_joint_becomes_slides_and_a_hinge():
     """Also of a body that is turned: the slides are along the world's axes."""
     free = STILTS.replace(ROOT, '<freejoint name="base"/>')
@@ -302,6 +313,15 @@ def test_what_only_the_user_knows_is_refused_in_one_line(case):
     with pytest.raises(RobotError, match=f"^amber cannot be planarised: .*{said}") as refusal:
         planarise(AMBER.replace(old, new, 1), "amber")
     assert "\n" not in str(refusal.value)
+
+
+def test_one_flat_foot_is_refused():
+    """Not with the advice to planarise."""
+    ankle = '<joint name="foot_left_joint"'
+    text = walkers.walker2d().replace(f'{ankle} pos="-0.2 0 0.1"', f'{ankle} pos="-0.2 0 0.4"')
+    with pytest.raises(RobotError, match="legs of unequal data") as refusal:
+        planarise(text, "walker")
+    assert "--planarise" not in str(refusal.value)
 
 
 def test_a_three_dimensional_robot_is_refused():

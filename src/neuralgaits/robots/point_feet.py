@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.robots.mjcf_edit import MjcfEdit
-from neuralgaits.robots.planar_tree import PlanarTree, body_name, read_tree
+from neuralgaits.robots.planar_tree import body_name, read_tree
 from neuralgaits.robots.skeleton import extent, find_legs, is_flat_foot, touching
 
 _RADIUS_M = 0.003
@@ -20,8 +20,6 @@ _HARD_CONTACT = "0.002 1"
 and to a plastic impact, as the model has it."""
 _LONGEST_LEG = 4
 """Links of a leg that is treated, and a foot."""
-
-Legs = tuple[tuple[int, ...], tuple[int, ...]]
 
 
 def give_point_feet(edit: MjcfEdit) -> None:
@@ -36,10 +34,12 @@ def give_point_feet(edit: MjcfEdit) -> None:
     _, legs, _ = find_legs(tree)
     lowest = [tree.links[leg[0]].bodies for leg in legs]
     met = [touching(edit.model, bodies, floor) for bodies in lowest]
-    spheres = mujoco.mjtGeom.mjGEOM_SPHERE
-    if all(len(geoms) == 1 and edit.model.geom_type[geoms[0]] == spheres for geoms in met):
-        for geoms in met:
-            _name_foot(edit, geoms[0])
+    sphere = mujoco.mjtGeom.mjGEOM_SPHERE
+    round_ones = [[g for g in geoms if edit.model.geom_type[g] == sphere] for geoms in met]
+    if not ankles and all(len(spheres) == 1 for spheres in round_ones):
+        for geoms, (foot,) in zip(met, round_ones, strict=True):
+            _name_foot(edit, foot)
+            _picture_only(edit, [geom for geom in geoms if geom != foot])
         return
     if not all(met):
         return  # Nothing says where the leg ends; the loader names the body.
@@ -66,10 +66,10 @@ def _weld_ankles(edit: MjcfEdit) -> dict[int, np.ndarray]:
     """
     model, tree, floor = edit.model, read_tree(edit.model), edit.floor()
     _, legs, _ = find_legs(tree, _LONGEST_LEG)
-    if floor is None or not _all_flat(edit, tree, legs, floor):
-        return {}
     ankles, data = {}, edit.at_zero()
     for leg in legs:
+        if floor is None or not is_flat_foot(model, data, tree, leg, floor):
+            continue
         link, parent = tree.links[leg[0]], tree.links[leg[1]]
         joint, name = link.joint.index, link.joint.name
         body = int(model.jnt_bodyid[joint])
@@ -83,11 +83,6 @@ def _weld_ankles(edit: MjcfEdit) -> dict[int, np.ndarray]:
         edit.drop_keyframes()
     edit.compile()
     return ankles
-
-
-def _all_flat(edit: MjcfEdit, tree: PlanarTree, legs: Legs, floor: int) -> bool:
-    data = edit.at_zero()
-    return all(is_flat_foot(edit.model, data, tree, leg, floor) for leg in legs)
 
 
 def _friction(edit: MjcfEdit, geoms: list[int], floor: int) -> float:
@@ -127,6 +122,8 @@ def _tip(edit: MjcfEdit, geoms: list[int]) -> tuple[int, np.ndarray]:
 
 
 def _picture_only(edit: MjcfEdit, geoms: list[int]) -> None:
+    if not geoms:
+        return
     for geom in geoms:
         edit.found.geoms[geom].set("contype", "0")
         edit.found.geoms[geom].set("conaffinity", "0")
