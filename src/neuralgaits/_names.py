@@ -3,6 +3,9 @@
 A slash marks the premises of a theorem, as in set/inertia; a condition or region has none.
 """
 
+import difflib
+from collections.abc import Iterable
+
 LONGEST_NAME = 200
 """Characters: paths of robot files are names too."""
 
@@ -22,3 +25,9 @@ def why_no_name(name: object) -> str | None:
     if "/" in name:
         return f"{name!r}, which has a slash: names with one are premises of the theorems"
     return None
+
+
+def meant(name: str, known: Iterable[str]) -> str:
+    """A question that asks for the name most like one that is not there; empty if none is."""
+    close = difflib.get_close_matches(name, list(known), 1)
+    return f"did you mean {close[0]}?" if close else ""

@@ -71,6 +71,8 @@ def test_conditions_come_and_go(spec):
     more = spec.with_conditions(plain())
     assert [c.name for c in more.conditions][-1] == "extra"
     assert more.without("extra") == spec
+    with pytest.raises(SpecError, match=r"has no conditions \['extre'\]; did you mean extra\?"):
+        more.without("extre")
     with pytest.raises(SpecError, match=r"has no conditions \['lean'\]"):
         spec.without("lean")
 
@@ -89,7 +91,8 @@ def test_built_in_specs_load_by_name(amber, name):
             "runing",
             "expected one of walking, walking-mlp, paper, authors, or FILE.py:NAME",
         ),
-        ("spec.py", "unknown spec"),
+        ("walkin", "unknown spec 'walkin': did you mean walking. expected one of"),
+        ("spec.py", r"unknown spec 'spec\.py': .* as in spec\.py:spec"),
         ("missing.py:own", "spec file missing.py: no such file"),
         ("own.py:nothing", "own.py defines no 'nothing'"),
         ("own.py:number", "expected a GaitSpec, found int"),

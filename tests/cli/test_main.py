@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
+import neuralgaits
 from neuralgaits import errors
 from neuralgaits.cli import main as entry
-from neuralgaits.cli import verbs
+from neuralgaits.cli import misspelt, verbs, words
 from neuralgaits.cli.main import main
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
@@ -49,14 +50,25 @@ def _only_line(capfd: Captured) -> str:
 @pytest.mark.parametrize(
     ("arguments", "found"),
     [
-        ([], "train, simulate, certify, check-proof, fit, refine, episodes, export, report"),
-        (["walk"], "walk"),
+        (["walk"], "no command walk: expected one of train, simulate, certify, check-proof, fit"),
+        (["trian", "amber3m"], "no command trian; did you mean train?"),
+        (["check-prof", "x"], "did you mean check-proof?"),
         (["train"], "ROBOT"),
         (["train", "amber3m", "--init", "zero"], "'zero'"),
         (["train", "amber3m", "--steps", "many"], "'many'"),
         (["train", "amber3m", "--hidden", "32,"], "32,32"),
         (["simulate", "latest", "--controller"], "--controller"),
         (["simulate", "latest", "--speed", "3"], "--speed"),
+        (
+            ["train", "amber3m", "--stpes", "5"],
+            "option --stpes of train; did you mean --steps?",
+        ),
+        (["train", "amber3m", "--step_lenth=1"], "did you mean --step-length?"),
+        (["view", "latest", "--prot", "1"], "unknown option --prot of view; did you mean --port?"),
+        (["demo", "--zzz"], "unknown option --zzz of demo; see `neuralgaits demo --help`"),
+        (["simulate", "latest", "--push", "abc"], "--push: expected a number, found 'abc'"),
+        (["simulate", "latest", "--push=abc"], "--push: expected a number, found 'abc'"),
+        (["view", "latest", "--port", "1.5"], "--port: expected a whole number, found '1.5'"),
     ],
 )
 def test_bad_usage_is_one_line_and_2(capfd: Captured, arguments: list[str], found: str) -> None:
@@ -143,11 +155,35 @@ def test_json_stands_alone_on_stdout(capfd: Captured, answer: Any, good: bool, c
     assert "from a C library" in err
 
 
-def test_help_is_on_stdout_and_good(capfd: Captured) -> None:
-    assert main(["--help"]) == 0
+@pytest.mark.parametrize("arguments", [["--help"], []])
+def test_help_is_on_stdout_and_good(capfd: Captured, arguments: list[str]) -> None:
+    assert main(arguments) == 0
     out, err = capfd.readouterr()
     assert "simulate" in out
     assert err == ""
+
+
+def test_the_help_says_a_default_where_there_is_one(capfd: Captured) -> None:
+    assert main(["simulate", "--help"]) == 0
+    out = " ".join(capfd.readouterr().out.split())
+    assert "(default: None)" not in out
+    assert "(default: False)" not in out
+    assert "(default: 50)" in out
+
+
+def test_every_option_of_every_verb_is_known_to_the_speller() -> None:
+    """The parser and the look-out for misspelt words read the same classes."""
+    for name, verb in words._VERBS.items():
+        for option in misspelt._options(verb):
+            misspelt.refuse_misspelt([name, option], words._VERBS)
+    options = misspelt._options(words._VERBS["train"])
+    assert {"--step-length", "--certify", "--json"} <= set(options)
+    assert "--robot" not in options
+
+
+def test_version(capfd: Captured) -> None:
+    assert main(["--version"]) == 0
+    assert capfd.readouterr().out == f"neuralgaits {neuralgaits.__version__}\n"
 
 
 def test_a_crash_of_compiled_code_is_not_silent() -> None:

@@ -16,6 +16,7 @@ from neuralgaits.records.certified import Certified
 from neuralgaits.records.checked import Checked
 from neuralgaits.records.exported import ControllerExport
 from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
 from neuralgaits.records.reported import Reported
 from neuralgaits.records.trained import Trained
@@ -195,6 +196,51 @@ ROBOTS = {
     "robots": [{"name": "amber3m-paper", "about": "nominal model of the paper, without " * 4}],
     "specs": [],
 }
+INSPECTED = {
+    "robot": "walker2d",
+    "links": [
+        {
+            "name": "stance_lower_leg",
+            "length_m": 0.557,
+            "inertia_kg_m2": 0.2036971,
+            "body": "lower_leg_left",
+            "mass_kg": 5.94812,
+            "centre_of_mass_m": [0.173912, 0.0532411],
+        },
+        {
+            "name": "torso",
+            "length_m": None,
+            "inertia_kg_m2": 0.07,
+            "body": "torso",
+            "mass_kg": 3.7,
+            "centre_of_mass_m": [0.2, -0.01],
+        },
+    ],
+    "actuators": [
+        {
+            "joint": "stance_lower_leg_joint",
+            "torque_limit_nm": 100.0,
+            "lower_rad": 0.0,
+            "upper_rad": 2.618,
+            "armature_kg_m2": 0.01,
+            "damping_nms_rad": 0.1,
+            "file_joint": "lower_leg_joint_left",
+            "file_motor": "lower_leg_motor_left",
+        }
+    ],
+    "coordinates": ["stance_lower_leg", "stance_knee"],
+    "mass_kg": 23.7,
+    "underactuation": 1,
+    "torso": "torso",
+    "stance_foot": "foot_point",
+    "swing_foot": "foot_left_point",
+    "hip_height_m": 1.007,
+    "foot_radius_m": 0.003,
+    "friction": 1.9,
+    "gravity_m_s2": 9.81,
+    "written": PATH,
+    "changes": ["ankle foot_joint: removed, flat foot foot is welded to leg, " * 3],
+}
 SCREENS = {
     "proof": (proof_screen.show_proof, Certified.of(PROOF)),
     "check": (proof_screen.show_check, Checked.of(CHECK)),
@@ -205,6 +251,9 @@ SCREENS = {
     "report": (report_verb.show_report, Reported.of(REPORT)),
     "doctor": (screen.show_findings, Machine.of(DOCTOR)),
     "robots": (screen.show_names, BuiltIn.of(ROBOTS)),
+    "robot-file": (screen.show_written, BuiltIn.of({**ROBOTS, "written": PATH})),
+    "inspect": (screen.show_robot, RobotFacts.of(INSPECTED)),
+    "planarise": (screen.show_planarised, RobotFacts.of(INSPECTED)),
 }
 
 

@@ -65,7 +65,7 @@ def test_an_ankle_is_named_with_what_to_remove_and_where_the_sphere_goes(geoms):
     said = "body foot is a flat foot on the ankle foot_joint, but only point feet are treated: "
     assert refusal(walker(flat, "foot_joint")) == (
         f"{said}remove foot_joint and its motor, and end leg in one sphere that collides with the "
-        "floor"
+        "floor; `neuralgaits inspect FILE --planarise OUT.xml` does that"
     )
     assert refusal(walker(flat)).startswith(f"{said}remove foot_joint, and end leg in one sphere")
 

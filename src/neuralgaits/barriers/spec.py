@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._names import why_no_name
+from neuralgaits._names import meant, why_no_name
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers.aims import AbstractAim
 from neuralgaits.barriers.conditions import AbstractCondition
@@ -150,7 +150,10 @@ class GaitSpec:
         """The same spec without the named conditions."""
         unknown = sorted(set(names) - {condition.name for condition in self.conditions})
         if unknown:
-            raise SpecError(f"spec {self.name!r} has no conditions {unknown}")
+            known = [condition.name for condition in self.conditions]
+            hints = [hint for name in unknown if (hint := meant(name, known))]
+            said = f"spec {self.name!r} has no conditions {unknown}"
+            raise SpecError("; ".join((said, *hints)))
         kept = tuple(c for c in self.conditions if c.name not in names)
         weights = {name: value for name, value in self.weights.items() if name not in names}
         return replace(self, conditions=kept, weights=weights)

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from neuralgaits._names import meant
 from neuralgaits.barriers import paper as _paper
 from neuralgaits.barriers import user_code
 from neuralgaits.barriers import walking as _walking
@@ -68,9 +69,16 @@ def load(
     if name in _BUILT_IN:
         return _BUILT_IN[name](robot)
     path, separator, attribute = name.rpartition(":")
-    if not separator or not path.endswith(".py"):
+    if not separator and name.endswith(".py"):
         raise SpecError(
-            f"unknown spec {name!r}: expected one of {', '.join(_BUILT_IN)}, or FILE.py:NAME"
+            f"unknown spec {name!r}: expected FILE.py:NAME, found no name; add that of its "
+            f"function or spec, as in {name}:{Path(name).stem}"
+        )
+    if not separator or not path.endswith(".py"):
+        hint = meant(name, _BUILT_IN)
+        hint = f"{hint} " if hint else ""
+        raise SpecError(
+            f"unknown spec {name!r}: {hint}expected one of {', '.join(_BUILT_IN)}, or FILE.py:NAME"
         )
     value = getattr(_module(path), attribute, None)
     if value is None:

@@ -2,10 +2,22 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from tyro.conf import Positional, arg
+import tyro
+from tyro.conf import Positional
 
+
+def arg(**settings: Any) -> Any:
+    """As `tyro.conf.arg`, without the default in the help where that is None or False."""
+    return tyro.conf.arg(help_behavior_hint=_default, **settings)
+
+
+def _default(label: str) -> str:
+    return "" if label in ("None", "False") else f"(default: {label})"
+
+
+Flag = Annotated[bool, arg()]
 Robot = Annotated[Positional[str], arg(metavar="ROBOT")]
 Run = Annotated[Positional[str], arg(metavar="RUN")]
 OwnRobot = Annotated[Positional[str | None], arg(metavar="[ROBOT]")]
@@ -16,7 +28,7 @@ OwnRobot = Annotated[Positional[str | None], arg(metavar="[ROBOT]")]
 class Output:
     """How the result is shown."""
 
-    json: bool = False
+    json: Flag = False
     """Print one JSON object on stdout, and no progress."""
     verbose: Annotated[bool, arg(aliases=["-v"])] = False
     """Show the traceback of an error."""
@@ -48,7 +60,7 @@ class Train:
     """Range of heights of the next foothold to be told [m], as in --step-height=-0.02:0.02."""
     slope: Annotated[str | None, arg(metavar="A:B")] = None
     """Range of slopes of the ground to be told [degrees], as in --slope=-5:5."""
-    certify: bool = False
+    certify: Flag = False
     """Prove the conditions (level 1) after training; where that fails, train on with samples of
     the boxes that are left, until the proof stands."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
@@ -76,7 +88,7 @@ class Simulate:
     """How to reach controller c, as in law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
     steps: Annotated[int, arg(metavar="N")] = 50
     """Walking steps an episode."""
-    engine: Literal["native", "jax"] | None = None
+    engine: Annotated[Literal["native", "jax"] | None, arg(metavar="{native,jax}")] = None
     """Compiled code or JAX, which is the reference and many times slower; native if it is not
     given and there is a C compiler."""
     start: Literal["centre", "region", "fixed-point"] = "centre"
@@ -117,7 +129,7 @@ class Certify:
     the run's residual may still be off by."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""
-    resume: bool = False
+    resume: Flag = False
     """Go on with the boxes of the last certificate."""
     output: Annotated[Output, arg(name="")] = Output()
 
@@ -164,7 +176,7 @@ class Refine:
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
     """Bounds on what may be added to dz beside the residual (m/s, N m), which training then bears;
     learned: what the residual may still be off by."""
-    certify: bool = False
+    certify: Flag = False
     """Prove the conditions (level 1) on the corrected dynamics, as train --certify does."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """With --certify: time for proofs and further training."""
@@ -210,7 +222,7 @@ class Export:
     format: Literal["c", "onnx"] = "c"
     """c: the controller in C99 without dependencies. onnx: the policy and its rate; needs the onnx
     extra."""
-    force: bool = False
+    force: Flag = False
     """Replace the files of an earlier export."""
     output: Annotated[Output, arg(name="")] = Output()
 
@@ -234,7 +246,7 @@ class Page:
     """Port to listen on; a free one if not given."""
     host: Annotated[str | None, arg(metavar="ADDRESS")] = None
     """Address to bind to; this machine alone reaches the page if not given."""
-    no_browser: bool = False
+    no_browser: Flag = False
     """Print the address only."""
 
 
@@ -262,13 +274,20 @@ class Inspect:
 
     robot: Robot
     """Name of a built-in robot, or path of an MJCF file."""
+    planarise: Annotated[Path | None, arg(metavar="OUT.xml")] = None
+    """Write a copy that can be treated: flat feet welded and ended in point feet, what the theory
+    ignores taken out; every change is said."""
     output: Annotated[Output, arg(name="")] = Output()
 
 
 @dataclass(frozen=True)
 class Robots:
-    """List the built-in robots and specs."""
+    """List the built-in robots and specs, or write a robot's file to start from."""
 
+    robot: Annotated[Positional[str | None], arg(metavar="[ROBOT]")] = None
+    """Name of the built-in robot to write; all are listed without it."""
+    out: Annotated[Path | None, arg(metavar="FILE.xml")] = None
+    """File to write it to."""
     output: Annotated[Output, arg(name="")] = Output()
 
 

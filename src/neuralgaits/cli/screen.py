@@ -129,10 +129,24 @@ def _link(link: LinkFigures) -> None:
 
 
 def show_robot(result: RobotFacts) -> None:
-    """Links, actuators and the whole."""
+    """Links, joints by both names, actuators and the whole."""
     show_table(
-        ("link", "length m", "inertia kg m²"),
-        [(link.name, number(link.length_m), number(link.inertia_kg_m2)) for link in result.links],
+        ("link", "your body", "length m", "mass kg", "centre of mass m", "inertia kg m²"),
+        [
+            (
+                link.name,
+                link.body,
+                number(link.length_m),
+                number(link.mass_kg),
+                _centre(link.centre_of_mass_m),
+                number(link.inertia_kg_m2),
+            )
+            for link in result.links
+        ],
+    )
+    show_table(
+        ("actuated joint", "your joint", "your motor"),
+        [(motor.joint, motor.file_joint, motor.file_motor) for motor in result.actuators],
     )
     columns = ("torque_limit_nm", "lower_rad", "upper_rad", "armature_kg_m2", "damping_nms_rad")
     show_table(
@@ -142,7 +156,35 @@ def show_robot(result: RobotFacts) -> None:
             for motor in result.actuators
         ],
     )
-    show_facts(item for item in result.items() if item[0] not in ("links", "actuators"))
+    apart = ("links", "actuators", "written", "changes")
+    show_facts(item for item in result.items() if item[0] not in apart)
+
+
+def _centre(place: tuple[float, float]) -> str:
+    """Of mass: how far up the link, and how far beside its line where it is beside it."""
+    up, ahead = place
+    if abs(ahead) < 1e-9:
+        return number(up)
+    return f"{number(up)}, {number(abs(ahead))} {'ahead' if ahead > 0.0 else 'behind'}"
+
+
+def show_planarised(result: RobotFacts) -> None:
+    """What was changed in a robot file, a line each, and what the new one holds."""
+    if result.changes:
+        show_sentence(Text("changed", "yellow"), f": {len(result.changes)} things")
+        for change in result.changes:
+            show_sentence("- ", change, hang=2)
+    else:
+        show_sentence(Text("nothing to change", "green"), ": the new file is a copy")
+    show_robot(result)
+    show_facts([("written", result.written), ("next", command("train", str(result.written)))])
+
+
+def show_written(result: BuiltIn) -> None:
+    """Where a built-in robot was written to."""
+    facts = [("robot", one.name) for one in result.robots]
+    next_line = command("inspect", str(result.written))
+    show_facts([*facts, ("written", result.written), ("next", next_line)])
 
 
 def show_names(result: BuiltIn) -> None:

@@ -54,10 +54,10 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
     cells = [[cell if isinstance(cell, Text) else Text(cell) for cell in row] for row in rows]
     if not cells:
         return
-    widths = [
-        max(_longest_word(text) for text in (Text(name), *column))
-        for name, column in zip(head, zip(*cells, strict=True), strict=True)
+    columns = [
+        (Text(name), *column) for name, column in zip(head, zip(*cells, strict=True), strict=True)
     ]
+    widths = [max(map(_longest_word, column)) for column in columns]
     if sum(widths) + _GAP * (len(widths) - 1) > console.width:
         for row in cells:
             for number, (name, cell) in enumerate(zip(head, row, strict=True)):
@@ -66,8 +66,15 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
                     show_sentence(label, cell, indent=_GAP if number else 0, hang=_GAP)
         return
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for name, width in zip(head, widths, strict=True):
-        table.add_column(name, min_width=width)
+    # Shared out here: left to itself, the library cuts words off where room is short.
+    wanted = [
+        max(text.cell_len for text in column) - width
+        for column, width in zip(columns, widths, strict=True)
+    ]
+    spare = console.width - sum(widths) - _GAP * (len(widths) - 1)
+    share = min(1.0, spare / max(sum(wanted), 1))
+    for name, width, more in zip(head, widths, wanted, strict=True):
+        table.add_column(name, width=width + int(share * more))
     for row in cells:
         table.add_row(*row)
     console.print(table)

@@ -70,7 +70,7 @@ def carry_out(verb: Verb) -> Outcome:
         case Inspect():
             return _inspect(verb)
         case Robots():
-            return _robots()
+            return _robots(verb)
         case Doctor():
             return _doctor()
 
@@ -230,15 +230,26 @@ def _export(verb: Export) -> Outcome:
 
 
 def _inspect(verb: Inspect) -> Outcome:
+    if verb.planarise is not None:
+        from neuralgaits.workflows.planarise import planarise_file
+
+        return Outcome(planarise_file(verb.robot, verb.planarise), True, screen.show_planarised)
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.inspect import inspect
 
     return Outcome(inspect(load_robot(verb.robot)), True, screen.show_robot)
 
 
-def _robots() -> Outcome:
-    from neuralgaits.workflows.robots import robots
+def _robots(verb: Robots) -> Outcome:
+    from neuralgaits.workflows.robots import robots, write_built_in
 
+    if (verb.robot is None) != (verb.out is None):
+        raise InputError(
+            "expected a robot and a file to write, found one of them: write "
+            "`neuralgaits robots ROBOT --out FILE.xml`"
+        )
+    if verb.robot is not None and verb.out is not None:
+        return Outcome(write_built_in(verb.robot, verb.out), True, screen.show_written)
     return Outcome(robots(), True, screen.show_names)
 
 

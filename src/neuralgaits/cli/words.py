@@ -1,7 +1,11 @@
 """The words of a command line, turned into a verb with its settings."""
 
+import re
+import typing
+
 import tyro
 
+from neuralgaits._version import __version__
 from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
@@ -18,6 +22,7 @@ from neuralgaits.cli.arguments import (
     Train,
     View,
 )
+from neuralgaits.cli.misspelt import refuse_misspelt
 
 Verb = (
     Train
@@ -36,16 +41,24 @@ Verb = (
     | Doctor
 )
 """One subcommand each: the class name in lower case, with hyphens."""
+_VERBS = {
+    re.sub("(?<=[a-z])(?=[A-Z])", "-", one.__name__).lower(): one for one in typing.get_args(Verb)
+}
 
 
 def read(arguments: list[str]) -> Verb:
     """Turn words into a verb.
 
-    Raises: SystemExit as tyro does, after printing help (code 0) or an error (code 2).
+    Raises: InputError for a word that is misspelt; SystemExit as tyro does, after printing help or
+        the version (code 0) or an error (code 2).
     """
-    words = list(arguments)
+    words = list(arguments) or ["--help"]
+    if words == ["--version"]:
+        print(f"neuralgaits {__version__}")
+        raise SystemExit(0)
     if words and words[0] in ("-v", "--verbose"):
         words = [*words[1:], "-v"]
+    refuse_misspelt(words, _VERBS)
     return tyro.cli(
         Verb,  # type: ignore[arg-type]
         prog="neuralgaits",

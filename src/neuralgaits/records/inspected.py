@@ -2,21 +2,36 @@
 
 from dataclasses import dataclass
 
-from neuralgaits.records.record import Record
+from neuralgaits.records.record import Pair, Record, Texts
 
 
 @dataclass(frozen=True)
 class LinkFacts:
-    """A link. Attributes: length_m: to the centre of the foot sphere; None for a torso."""
+    """A link, with the first leg of the file in stance.
+
+    Attributes:
+        length_m: to the centre of the foot sphere; None for a torso.
+        inertia_kg_m2: about the centre of mass, across the plane.
+        body: the file's name of it, of the first body where several are welded.
+        centre_of_mass_m: up the link from its lower joint or foot, of a torso from the hip, and
+            ahead of the link when that is upright.
+    """
 
     name: str
     length_m: float | None
     inertia_kg_m2: float
+    body: str
+    mass_kg: float
+    centre_of_mass_m: Pair
 
 
 @dataclass(frozen=True)
 class MotorFacts:
-    """An actuated joint: its limits, and what its rotor and bearing add."""
+    """An actuated joint: its limits, and what its rotor and bearing add.
+
+    Attributes:
+        file_joint, file_motor: the file's names, with its first leg in stance.
+    """
 
     joint: str
     torque_limit_nm: float
@@ -24,6 +39,8 @@ class MotorFacts:
     upper_rad: float
     armature_kg_m2: float
     damping_nms_rad: float
+    file_joint: str
+    file_motor: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +53,8 @@ class RobotFacts(Record):
         torso, stance_foot, swing_foot: names; None without a torso.
         hip_height_m: of a straight leg, from the centre of the foot sphere.
         friction: of the feet [1].
+        written: the file that a changed copy was written to, and what is described; None if none.
+        changes: what was changed in it, one line each.
     """
 
     robot: str
@@ -51,3 +70,5 @@ class RobotFacts(Record):
     foot_radius_m: float
     friction: float
     gravity_m_s2: float
+    written: str | None = None
+    changes: Texts = ()

@@ -16,10 +16,14 @@ class Named:
 
 @dataclass(frozen=True, eq=False)
 class BuiltIn(Record):
-    """Everything that exists by name."""
+    """Everything that exists by name.
+
+    Attributes: written: the file that a robot was written to; None if none was asked for.
+    """
 
     robots: tuple[Named, ...]
     specs: tuple[Named, ...]
+    written: str | None = None
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import jax
 import mujoco
 import numpy as np
 
+from neuralgaits._names import meant
 from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import derive, registry
 from neuralgaits.robots.actuation import refuse_other_actuators
@@ -41,7 +42,7 @@ def load_robot(name_or_path: str | Path) -> PlanarBiped:
     Raises: RobotError if the file cannot be used, naming the body or joint and the remedy;
         InputError if JAX runs in single precision.
     """
-    text, fallback = _robot_text(name_or_path)
+    text, fallback = robot_text(name_or_path)
     return robot_from_text(text, fallback)
 
 
@@ -75,6 +76,18 @@ def links_from_text(text: str, name: str) -> tuple[derive.LegData, derive.TorsoD
     return leg, _torso_data(tree, skeleton)
 
 
+def bodies_from_text(text: str, name: str) -> tuple[tuple[str, ...], tuple[str, ...], str | None]:
+    """The file's names of the links: the first body of what is welded together.
+
+    Returns: of leg 0 and of leg 1, lowest link first, and of the torso or None.
+    Raises: RobotError, as `load_robot`.
+    """
+    _, tree, skeleton, _, _, _ = _read(text, name)
+    first, second = (tuple(tree.links[i].name for i in leg) for leg in skeleton.legs)
+    torso = skeleton.torso
+    return first, second, None if torso is None else tree.links[torso].name
+
+
 def _read(
     text: str, name: str
 ) -> tuple[
@@ -86,7 +99,7 @@ def _read(
     derive.LegData,
 ]:
     """What MuJoCo understood, by role: model, tree, skeleton, lines of the links, joints, leg."""
-    model = _compile(text, name)
+    model = compile_text(text, name)
     tree = read_tree(model)
     refuse_ignored_physics(model)
     skeleton = read_skeleton(model, tree)
@@ -103,8 +116,11 @@ def _torso_data(tree: PlanarTree, skeleton: Skeleton) -> derive.TorsoData | None
     return derive.TorsoData(link.mass, link.inertia, (link.com - skeleton.hip) / 1j)
 
 
-def _robot_text(name_or_path: str | Path) -> tuple[str, str]:
-    """The MJCF text of a built-in robot or a file, and a name for it."""
+def robot_text(name_or_path: str | Path) -> tuple[str, str]:
+    """The MJCF text of a built-in robot or a file, and a name for it.
+
+    Raises: RobotError if there is no such robot, or the file cannot be read.
+    """
     name = str(name_or_path)
     if name in registry.built_in():
         return registry.model_file(name).read_text(encoding="utf-8"), name
@@ -112,11 +128,19 @@ def _robot_text(name_or_path: str | Path) -> tuple[str, str]:
     looks_like_name = isinstance(name_or_path, str) and path.name == name and not path.suffix
     if looks_like_name and not path.exists():
         known = ", ".join(registry.built_in())
-        raise RobotError(f"unknown robot {name}: use one of {known}, or a path to an MJCF file")
+        hint = meant(name, registry.built_in())
+        hint = f"{hint} " if hint else ""
+        raise RobotError(
+            f"unknown robot {name}: {hint}use one of {known}, or a path to an MJCF file"
+        )
     return standalone_text(path), path.stem
 
 
-def _compile(text: str, name: str) -> mujoco.MjModel:
+def compile_text(text: str, name: str) -> mujoco.MjModel:
+    """Compile MJCF text.
+
+    Raises: RobotError with MuJoCo's reason, warnings included, and the remedy.
+    """
     warnings: list[str] = []
     # Unasked, MuJoCo prints its warnings, and logs them to a file in the caller's folder.
     mujoco.set_mju_user_warning(warnings.append)

@@ -63,9 +63,13 @@ def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
     data = mujoco.MjData(model)
     data.qpos[:] = 0.0
     mujoco.mj_kinematics(model, data)
-    floor = _floor(model, data)
+    floor = find_floor(model, data)
+    if floor is None:
+        raise RobotError(
+            'no level floor in the file: add <geom type="plane" size="0 0 0.1"/> to <worldbody>'
+        )
     _count_feet(model, tree, floor)
-    torso, legs, hip = _legs(tree)
+    torso, legs, hip = find_legs(tree)
     for leg in legs:
         _refuse_flat_foot(model, data, tree, leg, floor)
     first, second = (_foot(model, data, tree, leg[0], floor) for leg in legs)
@@ -86,9 +90,18 @@ def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
     return tuple(reversed(links))
 
 
-def _legs(
-    tree: PlanarTree,
+def find_legs(
+    tree: PlanarTree, max_links: int = _MAX_LEG_LINKS
 ) -> tuple[int | None, tuple[tuple[int, ...], tuple[int, ...]], complex]:
+    """Sort the links into a torso and two chains, as `Skeleton` has them.
+
+    Args:
+        tree: of the robot.
+        max_links: that a leg may have.
+
+    Returns: torso or None, links of each leg from the lowest up, hip at zero coordinates.
+    Raises: RobotError naming the body that does not fit.
+    """
     tops = tree.children(0)
     root = tree.links[0].name
     if len(tops) not in (1, 2):
@@ -99,11 +112,11 @@ def _legs(
     # A root with one child is itself a whole leg: no chain of its own hangs below it.
     own_chain = _chain(tree, tops[0]) if len(tops) == 2 else tuple[int, ...]()
     first, second = own_chain, _chain(tree, tops[-1])
-    if max(len(first), len(second)) > _MAX_LEG_LINKS:
+    if max(len(first), len(second)) > max_links:
         longest = max(first, second, key=len)
         raise RobotError(
             f"the leg of body {tree.links[longest[-1]].name} has {len(longest)} links: at most "
-            f"{_MAX_LEG_LINKS} are treated; weld some"
+            f"{max_links} are treated; weld some"
         )
     if len(first) == len(second):
         return 0, (first, second), _common_hip(tree, first[-1], second[-1])
@@ -129,8 +142,8 @@ def _common_hip(tree: PlanarTree, first: int, second: int) -> complex:
     return joints[0].anchor
 
 
-def _floor(model: mujoco.MjModel, data: mujoco.MjData) -> int:
-    """The geom number of the horizontal plane the robot walks on."""
+def find_floor(model: mujoco.MjModel, data: mujoco.MjData) -> int | None:
+    """The geom number of the horizontal plane the robot walks on; None without one."""
     for geom in range(model.ngeom):
         if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:
             continue
@@ -138,13 +151,17 @@ def _floor(model: mujoco.MjModel, data: mujoco.MjData) -> int:
             continue
         if abs(data.geom_xmat[geom].reshape(3, 3)[2, 2] - 1.0) < 1e-9:
             return geom
-    raise RobotError(
-        'no level floor in the file: add <geom type="plane" size="0 0 0.1"/> to <worldbody>'
-    )
+    return None
 
 
-def _touching(model: mujoco.MjModel, bodies: tuple[int, ...], floor: int) -> list[int]:
-    """Geoms of a link that collide with the floor."""
+def touching(model: mujoco.MjModel, bodies: tuple[int, ...], floor: int) -> list[int]:
+    """Geoms of a link that collide with the floor.
+
+    Args:
+        model: compiled robot file.
+        bodies: of the link.
+        floor: geom number.
+    """
     kind, affinity = model.geom_contype, model.geom_conaffinity
     meets = (kind & affinity[floor]) | (kind[floor] & affinity)
     return [int(g) for g in np.flatnonzero(meets) if model.geom_bodyid[g] in bodies]
@@ -157,7 +174,7 @@ def _count_feet(model: mujoco.MjModel, tree: PlanarTree, floor: int) -> None:
         if (not tree.children(i) or (i == 0 and len(tree.children(0)) == 1))
         and any(
             model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE
-            for g in _touching(model, link.bodies, floor)
+            for g in touching(model, link.bodies, floor)
         )
     ]
     if len(ends) > 2:
@@ -174,37 +191,67 @@ def _refuse_flat_foot(
     leg: tuple[int, ...],
     floor: int,
 ) -> None:
-    """Refuse a foot on an ankle: from its joint down it is longer than high, and no one sphere.
+    """Refuse a flat foot on an ankle.
 
     Raises: RobotError naming the joint to remove, and the body that a sphere goes to.
     """
+    if not is_flat_foot(model, data, tree, leg, floor):
+        return
     link = tree.links[leg[0]]
-    geoms = _touching(model, link.bodies, floor)
+    moved = link.joint.index in model.actuator_trnid[:, 0]
+    raise RobotError(
+        f"body {link.name} is a flat foot on the ankle {link.joint.name}, but only point feet "
+        f"are treated: remove {link.joint.name}{' and its motor' if moved else ''}, and end "
+        f"{tree.links[leg[1]].name} in one sphere that collides with the floor; "
+        "`neuralgaits inspect FILE --planarise OUT.xml` does that"
+    )
+
+
+def is_flat_foot(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    tree: PlanarTree,
+    leg: tuple[int, ...],
+    floor: int,
+) -> bool:
+    """Whether a leg ends in a foot on an ankle: longer than high below its joint, no one sphere.
+
+    Args:
+        model: compiled robot file.
+        data: of the model at zero coordinates.
+        tree: of the robot.
+        leg: its links, lowest first.
+        floor: geom number.
+    """
+    link = tree.links[leg[0]]
+    geoms = touching(model, link.bodies, floor)
     is_sphere = [model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE for g in geoms]
     if len(leg) < 2 or not geoms or (len(geoms) == 1 and is_sphere[0]):
-        return
-    anchor = link.joint.anchor
-    low = high = np.array([anchor.real, 0.0, anchor.imag])
+        return False
+    anchor = np.array([link.joint.anchor.real, 0.0, link.joint.anchor.imag])
+    low, high = extent(model, data, geoms)
+    length, _, height = np.maximum(high, anchor) - np.minimum(low, anchor)
+    return bool(length > height)
+
+
+def extent(
+    model: mujoco.MjModel, data: mujoco.MjData, geoms: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest world coordinates of geoms' boxes [m]. [3], [3]."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for geom in geoms:
         turn = data.geom_xmat[geom].reshape(3, 3)
         centre = data.geom_xpos[geom] + turn @ model.geom_aabb[geom, :3]
         reach = np.abs(turn) @ model.geom_aabb[geom, 3:]
         low, high = np.minimum(low, centre - reach), np.maximum(high, centre + reach)
-    length, _, height = high - low
-    if length > height:
-        moved = link.joint.index in model.actuator_trnid[:, 0]
-        raise RobotError(
-            f"body {link.name} is a flat foot on the ankle {link.joint.name}, but only point feet "
-            f"are treated: remove {link.joint.name}{' and its motor' if moved else ''}, and end "
-            f"{tree.links[leg[1]].name} in one sphere that collides with the floor"
-        )
+    return low, high
 
 
 def _foot(
     model: mujoco.MjModel, data: mujoco.MjData, tree: PlanarTree, index: int, floor: int
 ) -> Foot:
     link = tree.links[index]
-    geoms = _touching(model, link.bodies, floor)
+    geoms = touching(model, link.bodies, floor)
     spheres = [g for g in geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE]
     if not spheres:
         raise RobotError(

@@ -4,6 +4,7 @@ import numpy as np
 
 from neuralgaits.records.inspected import LinkFacts, MotorFacts, RobotFacts
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.loader import bodies_from_text, links_from_text
 
 
 def inspect(robot: PlanarBiped) -> RobotFacts:
@@ -13,34 +14,14 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
 
     Returns: a mapping of what `inspect --json` prints; SI units are in the names.
     """
-    foot, layout = np.asarray(robot.foot), robot.layout
-    torques = np.asarray(robot.torque_limit)
-    links = (
-        LinkFacts(
-            name=name,
-            length_m=None if k == robot.torso else float(abs(foot[k])),
-            inertia_kg_m2=float(robot.inertia[k]),
-        )
-        for k, name in enumerate(robot.link_names)
-    )
-    actuators = (
-        MotorFacts(
-            joint=robot.joint_names[i + 1],
-            torque_limit_nm=float(torques[i]),
-            lower_rad=float(robot.joint_lower[i]),
-            upper_rad=float(robot.joint_upper[i]),
-            armature_kg_m2=float(robot.armature[i + 1]),
-            damping_nms_rad=float(robot.damping[i + 1]),
-        )
-        for i in range(len(torques))
-    )
+    layout = robot.layout
     return RobotFacts(
         robot=robot.name,
-        links=tuple(links),
-        actuators=tuple(actuators),
+        links=_links(robot),
+        actuators=_actuators(robot),
         coordinates=tuple(robot.joint_names),
         mass_kg=float(robot.mass),
-        underactuation=robot.n - len(torques),
+        underactuation=robot.n - len(robot.torque_limit),
         torso=None if robot.torso is None else robot.link_names[robot.torso],
         stance_foot=layout.feet[0],
         swing_foot=layout.feet[1],
@@ -48,4 +29,53 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
         foot_radius_m=float(robot.foot_radius),
         friction=float(robot.friction),
         gravity_m_s2=float(robot.gravity),
+    )
+
+
+def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
+    """The links of leg 0 upwards, the torso, those of leg 1 downwards."""
+    xml = robot.layout.xml
+    leg, torso = links_from_text(xml, robot.name)
+    first, second, trunk = bodies_from_text(xml, robot.name)
+    bodies = (*first, *(() if trunk is None else (trunk,)), *reversed(second))
+    up = [
+        (float(mass), complex(com), float(length))
+        for mass, com, length in zip(leg.mass, leg.com, leg.length, strict=True)
+    ]
+    middle = [] if torso is None else [(torso.mass, complex(torso.com), None)]
+    return tuple(
+        LinkFacts(
+            name=name,
+            length_m=length,
+            inertia_kg_m2=float(inertia),
+            body=body,
+            mass_kg=mass,
+            # An upright link points along +z; what is counter-clockwise of it is behind.
+            centre_of_mass_m=(com.real, -com.imag + 0.0),
+        )
+        for name, inertia, body, (mass, com, length) in zip(
+            robot.link_names, robot.inertia, bodies, (*up, *middle, *reversed(up)), strict=True
+        )
+    )
+
+
+def _actuators(robot: PlanarBiped) -> tuple[MotorFacts, ...]:
+    """The joints in the order of q, with leg 0 in stance."""
+    layout, torques = robot.layout, np.asarray(robot.torque_limit)
+    joints = list(zip(layout.leg_joints[0], layout.actuators[0], strict=True))
+    other = list(zip(layout.leg_joints[1], layout.actuators[1], strict=True))
+    # Without a torso both legs share the one hip joint.
+    joints += reversed(other if layout.torso else other[:-1])
+    return tuple(
+        MotorFacts(
+            joint=robot.joint_names[i + 1],
+            torque_limit_nm=float(torques[i]),
+            lower_rad=float(robot.joint_lower[i]),
+            upper_rad=float(robot.joint_upper[i]),
+            armature_kg_m2=float(robot.armature[i + 1]),
+            damping_nms_rad=float(robot.damping[i + 1]),
+            file_joint=joint,
+            file_motor=motor,
+        )
+        for i, (joint, motor) in enumerate(joints)
     )

@@ -1,8 +1,14 @@
 """The robots and gait specifications that come with the package."""
 
+from dataclasses import replace
+from pathlib import Path
+
 from neuralgaits.barriers import specs
+from neuralgaits.errors import InputError
 from neuralgaits.records.installed import BuiltIn, Named
 from neuralgaits.robots import registry
+from neuralgaits.robots.loader import robot_text
+from neuralgaits.workflows.robot_file import write_robot_file
 
 
 def robots() -> BuiltIn:
@@ -11,3 +17,17 @@ def robots() -> BuiltIn:
         robots=tuple(Named(name, registry.describe(name)) for name in registry.built_in()),
         specs=tuple(Named(name, about) for name, about in specs.DESCRIPTIONS.items()),
     )
+
+
+def write_built_in(name: str, out: Path) -> BuiltIn:
+    """Write the file of a built-in robot, to start from.
+
+    Returns: that robot alone, with `written`.
+    Raises: RobotError if there is no such robot, InputError if there is a file at `out`.
+    """
+    if name not in registry.built_in() and Path(name).exists():
+        raise InputError(f"expected the name of a built-in robot, found the file {name}: copy it")
+    text, _ = robot_text(name)
+    write_robot_file(out, text)
+    one = Named(name, registry.describe(name))
+    return replace(robots(), robots=(one,), specs=(), written=str(out))

@@ -1,0 +1,113 @@
+"""An MJCF file as XML elements, each beside the number that MuJoCo gave to what it describes.
+
+MuJoCo numbers bodies in the order of the file, parents first, and joints and geoms by their bodies.
+So an element is found without a name, which files of other programs need not have.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+import mujoco
+
+from neuralgaits.errors import RobotError
+
+Element = ElementTree.Element
+_PROLOGUE = re.compile(r"\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*", re.S)
+_MAKES_BODIES = ("replicate", "composite", "flexcomp", "attach")
+"""Elements that become bodies which no element of the file describes."""
+
+
+@dataclass(frozen=True)
+class Elements:
+    """The elements of a compiled file by number.
+
+    Attributes:
+        bodies: the world's is a <worldbody>.
+        joints: of a body, <freejoint> included.
+        geoms: those of the world first.
+        actuators: of all <actuator> sections.
+    """
+
+    bodies: tuple[Element, ...]
+    joints: tuple[Element, ...]
+    geoms: tuple[Element, ...]
+    actuators: tuple[Element, ...]
+
+
+def parse(text: str) -> tuple[str, Element]:
+    """Read MJCF text, comments included.
+
+    Returns: what stands in front of the root element, and the root element.
+    """
+    prologue = _PROLOGUE.match(text)
+    parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
+    start = "" if prologue is None else prologue.group()
+    return start, ElementTree.fromstring(text[len(start) :], parser)
+
+
+def match_elements(root: Element, model: mujoco.MjModel) -> Elements:
+    """Find the element of each body, joint, geom and actuator of a compiled file.
+
+    Args:
+        root: of the file.
+        model: compiled from it.
+
+    Raises: RobotError if the file makes bodies by other elements than <body>.
+    """
+    for tag in _MAKES_BODIES:
+        if root.find(f"worldbody//{tag}") is not None:
+            raise RobotError(f"the file makes bodies by <{tag}>: write them out as <body>")
+    worlds = root.findall("worldbody")
+    bodies: list[Element] = worlds[:1]
+    joints: list[Element] = []
+    geoms = [one for world in worlds for one in _within(world) if one.tag == "geom"]
+
+    def visit(body: Element) -> None:
+        bodies.append(body)
+        own = list(_within(body))
+        joints.extend(one for one in own if one.tag in ("joint", "freejoint"))
+        geoms.extend(one for one in own if one.tag == "geom")
+        for child in own:
+            if child.tag == "body":
+                visit(child)
+
+    for world in worlds:
+        for child in _within(world):
+            if child.tag == "body":
+                visit(child)
+    actuators = [
+        one for part in root.findall("actuator") for one in part if isinstance(one.tag, str)
+    ]
+    found = Elements(tuple(bodies), tuple(joints), tuple(geoms), tuple(actuators))
+    _refuse_other_order(found, model)
+    return found
+
+
+def _within(body: Element) -> Iterator[Element]:
+    """The children of a body, those in its frames included."""
+    for child in body:
+        if child.tag == "frame":
+            yield from _within(child)
+        else:
+            yield child
+
+
+def _refuse_other_order(found: Elements, model: mujoco.MjModel) -> None:
+    """Raises: RobotError unless every element that has a name has that of its number."""
+    pairs = (
+        (found.bodies[1:], [model.body(i).name for i in range(1, model.nbody)]),
+        (found.joints, [model.joint(i).name for i in range(model.njnt)]),
+        (found.geoms, [model.geom(i).name for i in range(model.ngeom)]),
+        (found.actuators, [model.actuator(i).name for i in range(model.nu)]),
+    )
+    for elements, names in pairs:
+        if [one.get("name", "") for one in elements] != names:
+            raise RobotError(
+                "the file's bodies, joints, geoms or motors are not in the order of its elements: "
+                "write it without <frame> and plugins"
+            )

@@ -1,0 +1,154 @@
+"""`inspect`, `inspect --planarise` and `robots --out`: what is shown, and which files are made."""
+
+import json
+
+import numpy as np
+import pytest
+
+from neuralgaits.cli.main import main
+from neuralgaits.robots import load_robot, registry
+from support import walkers
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "walker2d.xml").write_text(walkers.walker2d(), encoding="utf-8")
+    return tmp_path
+
+
+def listed(place):
+    return sorted(file.name for file in place.iterdir())
+
+
+def test_a_flat_foot_is_called_one_with_the_command_that_mends_it(place, capfd):
+    assert main(["inspect", "walker2d.xml"]) == 2
+    err = capfd.readouterr().err
+    assert "body foot is a flat foot on the ankle foot_joint" in err
+    assert "`neuralgaits inspect FILE --planarise OUT.xml`" in err
+
+
+def test_planarise_writes_a_file_and_says_each_change(place, capfd):
+    assert main(["inspect", "walker2d.xml", "--planarise", "point.xml"]) == 0
+    out = capfd.readouterr().out
+    assert "changed: 12 things" in out
+    assert "- ankle foot_joint: removed, flat foot foot is welded to leg\n" in out
+    assert "neuralgaits train point.xml" in out
+    assert listed(place) == ["point.xml", "walker2d.xml"]
+    assert (place / "walker2d.xml").read_text(encoding="utf-8") == walkers.walker2d()
+    assert load_robot("point.xml").name == "walker2d"
+
+
+def test_an_include_is_put_in_place(place, capfd):
+    (place / "common").mkdir()
+    part = "<mujoco><visual><map force='0.1'/></visual></mujoco>"
+    (place / "common" / "visual.xml").write_text(part, encoding="utf-8")
+    (place / "walker.xml").write_text(walkers.dm_walker("./common/visual.xml"), encoding="utf-8")
+    (place / "new").mkdir()
+    assert main(["inspect", "walker.xml", "--planarise", "new/walker.xml", "--json"]) == 0
+    first, *others = json.loads(capfd.readouterr().out)["changes"]
+    assert first == "includes put in place, files of meshes and textures named by their full paths"
+    assert len(others) == 8
+    assert "include" not in (place / "new" / "walker.xml").read_text(encoding="utf-8")
+
+
+def test_json_has_the_changes_and_the_robot_written(place, capfd):
+    assert main(["inspect", "walker2d.xml", "--planarise", "point.xml", "--json"]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    assert facts["written"] == "point.xml"
+    assert len(facts["changes"]) == 12
+    assert facts["stance_foot"] == "foot_point"
+    assert main(["inspect", "point.xml", "--planarise", "again.xml", "--json"]) == 0
+    assert json.loads(capfd.readouterr().out)["changes"] == []
+    assert (place / "again.xml").read_bytes() == (place / "point.xml").read_bytes()
+
+
+def test_a_file_that_needs_nothing_is_said_to(place, capfd):
+    assert main(["inspect", "amber3m", "--planarise", "mine.xml"]) == 0
+    assert capfd.readouterr().out.startswith("nothing to change: the new file is a copy")
+
+
+@pytest.mark.parametrize("out", ["walker2d.xml", "./walker2d.xml", "link.xml"])
+def test_no_file_is_overwritten(place, capfd, out):
+    (place / "link.xml").symlink_to(place / "walker2d.xml")
+    before = listed(place)
+    assert main(["inspect", "walker2d.xml", "--planarise", out]) == 2
+    assert "is there: give another name" in capfd.readouterr().err
+    assert (place / "walker2d.xml").read_text(encoding="utf-8") == walkers.walker2d()
+    assert main(["robots", "rabbit", "--out", out]) == 2
+    assert listed(place) == before
+
+
+def test_what_cannot_be_planarised_leaves_no_file(place, capfd):
+    text = walkers.walker2d().replace('range="-150 0"', 'limited="false"', 1)
+    (place / "walker2d.xml").write_text(text, encoding="utf-8")
+    assert main(["inspect", "walker2d.xml", "--planarise", "point.xml"]) == 2
+    err = capfd.readouterr().err
+    assert "walker2d cannot be planarised: joint thigh_joint has no range" in err
+    assert err.count("\n") == 1
+    assert listed(place) == ["walker2d.xml"]
+
+
+def test_a_built_in_file_is_written_to_start_from(place, capfd):
+    assert main(["robots", "rabbit", "--out", "mine.xml"]) == 0
+    assert "neuralgaits inspect mine.xml" in capfd.readouterr().out
+    shipped = registry.model_file("rabbit").read_text(encoding="utf-8")
+    assert (place / "mine.xml").read_text(encoding="utf-8") == shipped
+    assert main(["robots", "rabbit", "--out", "other.xml", "--json"]) == 0
+    answer = json.loads(capfd.readouterr().out)
+    assert (answer["written"], [one["name"] for one in answer["robots"]]) == (
+        "other.xml",
+        ["rabbit"],
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["rabbit"], "write `neuralgaits robots ROBOT --out FILE.xml`"),
+        (["--out", "mine.xml"], "write `neuralgaits robots ROBOT --out FILE.xml`"),
+        (["rabit", "--out", "mine.xml"], "unknown robot rabit: did you mean rabbit?"),
+        (["walker2d.xml", "--out", "mine.xml"], "found the file walker2d.xml: copy it"),
+    ],
+)
+def test_robots_refuses_in_one_line(place, capfd, words, said):
+    assert main(["robots", *words]) == 2
+    err = capfd.readouterr().err
+    assert said in err
+    assert err.count("\n") == 1
+    assert listed(place) == ["walker2d.xml"]
+
+
+def test_inspect_shows_the_names_of_the_file_with_masses(capfd):
+    assert main(["inspect", "amber3m", "--json"]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    rows = [(link["name"], link["body"], link["mass_kg"]) for link in facts["links"]]
+    assert rows == [
+        ("stance_shin", "shin_left", 0.85216),
+        ("stance_thigh", "thigh_left", 3.4261),
+        ("torso", "torso", 13.0),
+        ("swing_thigh", "thigh_right", 3.4261),
+        ("swing_shin", "shin_right", 0.85216),
+    ]
+    centres = [link["centre_of_mass_m"] for link in facts["links"]]
+    np.testing.assert_allclose(
+        centres[:3], [[0.4667 - 0.171885, 0], [0.4064 - 0.1494, 0], [0.21483, 0]], atol=1e-12
+    )
+    joints = [(row["joint"], row["file_joint"], row["file_motor"]) for row in facts["actuators"]]
+    assert joints == [
+        ("stance_knee", "knee_left", "knee_left"),
+        ("stance_hip", "hip_left", "hip_left"),
+        ("swing_hip", "hip_right", "hip_right"),
+        ("swing_knee", "knee_right", "knee_right"),
+    ]
+    assert (facts["written"], facts["changes"]) == (None, [])
+
+
+def test_a_centre_of_mass_beside_the_link_is_said_to_be(place, capfd):
+    assert main(["inspect", "amber3m-tail", "--json"]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    np.testing.assert_allclose(facts["links"][2]["centre_of_mass_m"], [0.21483, -0.03])
+    assert main(["inspect", "amber3m-tail"]) == 0
+    assert "0.03" in (out := capfd.readouterr().out)
+    assert "behind" in out
+    assert "your joint" in out

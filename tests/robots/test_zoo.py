@@ -1,0 +1,61 @@
+"""The robot files of examples/robots: they load, need nothing, and are what their table says."""
+
+import re
+
+import jax
+import numpy as np
+import pytest
+
+from neuralgaits.robots import load_robot
+from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.planarise import planarise
+from neuralgaits.simulation.plant import build
+from support import pages, walkers
+
+FOLDER = pages.ROOT / "examples" / "robots"
+FILES = sorted(FOLDER.glob("*.xml"))
+ROW = re.compile(r"^\| \[([\w.-]+)\]\(\1\) \| ([\d.]+) \| ([\d.]+) \| (\d+) \|", re.MULTILINE)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_a_file_is_what_its_row_says(file):
+    rows = {row[0]: row[1:] for row in ROW.findall(pages.read(FOLDER / "README.md"))}
+    assert set(rows) == {one.name for one in FILES}
+    mass, leg, motors = rows[file.name]
+    robot = load_robot(file)
+    assert f"{float(robot.mass):.4g}" == mass
+    assert f"{robot.leg_length:.4g}" == leg
+    assert len(robot.torque_limit) == int(motors)
+    assert robot.name == file.stem
+    assert planarise(file.read_text(encoding="utf-8"), file.stem).changes == ()
+    assert build(robot)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("walker2d-point-feet", walkers.walker2d()),
+        ("dm-walker-point-feet", walkers.dm_walker()),
+    ],
+)
+def test_the_walkers_are_what_planarise_makes(name, text):
+    ours, made = (
+        load_robot(FOLDER / f"{name}.xml"),
+        robot_from_text(planarise(text, name).text, "x"),
+    )
+    for one, other in zip(jax.tree.leaves(ours), jax.tree.leaves(made), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12)
+    assert ours.layout.leg_joints == made.layout.leg_joints
+    assert ours.layout.feet == made.layout.feet
+
+
+def test_the_hips_of_walker2d_turn_back_only():
+    """What the table says: a positive hip angle swings the thigh back."""
+    robot = load_robot(FOLDER / "walker2d-point-feet.xml")
+    hip = robot.joint_names.index("stance_joint2") - 1
+    assert (robot.joint_lower[hip], robot.joint_upper[hip]) == (0.0, np.radians(150.0))
+
+
+def test_the_stilts_are_those_of_the_page():
+    page = pages.files(pages.ROOT / "docs" / "your_robot.md")
+    assert (FOLDER / "stilts.xml").read_text(encoding="utf-8") == page["stilts.xml"]
