@@ -63,7 +63,8 @@ def write(path, columns, names=COLUMNS, digits=None):
     lines = [",".join(names)]
     for row in zip(*(columns[name] for name in names), strict=True):
         cells = [
-            repr(value.item()) if digits is None or isinstance(value, np.integer)
+            repr(value.item())
+            if digits is None or isinstance(value, np.integer)
             else f"{value:.{digits}f}"
             for value in row
         ]

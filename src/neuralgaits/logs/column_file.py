@@ -212,11 +212,7 @@ def _source(path: Path, key: str, entry: Any, dimension: Dimension) -> Source:
         raise InputError(
             f"{where}: expected the unit of {dimension.name} ({known}), found "
             f"{'none' if unit is None else repr(unit)}: "
-            + (
-                "leave it out for 0 and 1"
-                if contact
-                else f'write unit = "{near}"'
-            )
+            + ("leave it out for 0 and 1" if contact else f'write unit = "{near}"')
         )
     if isinstance(sign, bool) or sign not in (1, -1):
         raise InputError(f"{where}: expected sign 1 or -1, found {sign!r}: leave it out for 1")

@@ -8,8 +8,8 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
 
-HALF_WINDOW_S = 0.01
-"""Rows up to this far on either side [s]: at 1 kHz, noise of an angle is divided by 28 ms. Near
+HALF_WINDOW_S = 0.02
+"""Rows up to this far on either side [s]: at 1 kHz, noise of an angle is divided by 76 ms. Near
 the ends of a piece the window is as long, and one-sided."""
 DEGREE = 2
 _SPOILT = 1e-6
