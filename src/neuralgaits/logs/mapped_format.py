@@ -24,6 +24,9 @@ from neuralgaits.logs.strides import GAP_PERIODS, GAP_S
 from neuralgaits.logs.table import Log
 from neuralgaits.robots import PlanarBiped
 
+AGREEING = 0.5
+"""Share of rows with one foot on the ground in which it is the one that stands."""
+
 
 class _Joints(NamedTuple):
     """Quantities of all joints in the signs and zeros of the theory, NaN where the file has none.
@@ -66,6 +69,14 @@ def read(
             "foot alone is on the ground, found none: name each foot's own column in "
             f"{columns.path}, and its sign"
         )
+    single = (stance != UNKNOWN) & (contact[:, 0] != contact[:, 1])
+    # Exchanged, the swing foot is ahead of its foothold for less than half of a step.
+    if np.mean(contact[single, 1] == stance[single]) < AGREEING:
+        raise InputError(
+            f"log {source}, columns {_both_contacts(robot, columns)}: expected the foot that lands "
+            "to be the one in front, found it behind in most rows: exchange the two lines of "
+            f"[contact] in {columns.path}, or mend the signs of its angles"
+        )
     piece = _pieces(t, stance)
     spoilt = _spoilt(np.column_stack([pitch, _flat(joints.angles)]), piece)
     dpitch = _filled(dpitch[:, None], t, pitch[:, None], piece, spoilt[:, :1])[:, 0]
@@ -99,6 +110,7 @@ def read(
         joint_names=robot.joint_names,
         source=source,
         computed=_computed(robot, columns),
+        torques_logged=columns.has("torques"),
     )
     return log, _labels(robot, columns)
 
@@ -131,7 +143,7 @@ def _quantities(
 def _check_header(text: Text, columns: ColumnFile, names: tuple[str, ...]) -> None:
     missing = [name for name in names if name not in text.header]
     if not text.header or missing:
-        near = get_close_matches(missing[0], text.header, n=1) if missing else []
+        near = _like(missing[0], text.header) if missing else []
         found = ", ".join(text.header)[:160] or f"{text.width} columns without names"
         if len(text.header) == 1:
             remedy = "separate columns by commas"
@@ -149,6 +161,12 @@ def _check_header(text: Text, columns: ColumnFile, names: tuple[str, ...]) -> No
             f"log {text.path}, row 1: expected every column once, found {twice[0]} twice: rename "
             "or delete one"
         )
+
+
+def _like(name: str, header: tuple[str, ...]) -> list[str]:
+    """A column that may have been meant, if there is one."""
+    same = [cell for cell in header if cell.casefold() == name.casefold()]
+    return same[:1] or get_close_matches(name, header, n=1)
 
 
 def _pitch(

@@ -8,9 +8,10 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
 
-HALF_WINDOW_S = 0.02
-"""Rows up to this far on either side [s]: at 1 kHz, noise of an angle is divided by 76 ms. Near
-the ends of a piece the window is as long, and one-sided."""
+HALF_WINDOW_S = 0.015
+"""Rows up to this far on either side [s]: at 1 kHz, noise of an angle is divided by 50 ms. Near
+the ends of a piece the window is as long, and one-sided. The windows of rows that are learned from
+begin after the contact has settled, some ms after a touchdown."""
 DEGREE = 2
 _SPOILT = 1e-6
 """Weight of a row that stands out; not zero, so that every parabola has three rows."""

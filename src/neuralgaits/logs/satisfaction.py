@@ -64,8 +64,7 @@ def satisfaction(
     chosen = [log.only(_settled(log)) for log in logs]
     parts = [np.concatenate([log.q, log.dq, log.tau], axis=1) for log in chosen]
     rows = np.concatenate([np.zeros((0, 3 * robot.n - 1)), *parts])
-    # No robot walks without torques: where they are all zero, they were not logged.
-    torques = all(log.tau.any() for log in logs)
+    torques = all(log.torques_logged for log in logs)
     conditions = _judged(robot, gait, spec, torques)
     if not len(rows):
         return Satisfaction(0, 0.0, 0.0, {})

@@ -80,6 +80,8 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
         rows=sheet.rows,
         joint_names=robot.joint_names,
         source=str(text.path),
+        # No robot walks without torques: where all are zero, a log without them was converted.
+        torques_logged=bool(tau.any()),
     )
     return log, labels
 
