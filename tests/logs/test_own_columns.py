@@ -1,5 +1,8 @@
 """A robot's own log, its columns named by a file, becomes the table that the known formats give."""
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 import jax
 import mujoco
 import numpy as np
@@ -176,6 +179,7 @@ def test_the_speed_of_the_hip_tells_that_of_the_foot(amber, zd, log, columns, tm
     )
     read = logs.read(path, amber, columns=tmp_path / "columns.toml", policy=zd.policy).log
     kept = in_both(log, read)
+    assert read.z is not None
     np.testing.assert_allclose(read.z[:, 1], np.asarray(momentum(q, dq))[kept], atol=1e-8)
 
 

@@ -30,7 +30,7 @@ def outliers(log: Log) -> Bool[np.ndarray, " k"]:
         # Rates jump where a stance phase begins, which is no fault of the encoder.
         inner = slice(NEIGHBOURS, None)
         for values, floor in ((log.q, ANGLE_RAD), (log.dq, RATE_RAD_S)):
-            bad[rows[inner]] |= stand_out(values[rows], floor).any(axis=1)[inner]
+            bad[rows[inner]] |= np.any(stand_out(values[rows], floor)[inner], axis=1)
     return bad
 
 
