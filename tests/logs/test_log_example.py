@@ -14,8 +14,8 @@ PAGE = pages.ROOT / "docs" / "logs.md"
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    return log_example.columns(tmp_path_factory.mktemp("example"))
+def made(amber, shipped_walk):
+    return log_example.columns(logs.read(shipped_walk / "si.csv", amber).log)
 
 
 def test_the_example_is_a_walk_of_the_shipped_run(made):

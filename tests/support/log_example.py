@@ -10,6 +10,10 @@ from pathlib import Path
 import jax
 import numpy as np
 
+from neuralgaits import logs
+from neuralgaits.logs import Log
+from neuralgaits.robots import load_robot
+from neuralgaits.workflows.simulate import simulate
 from support import own_columns
 from support.shipped_run import SHIPPED
 
@@ -20,28 +24,30 @@ ROWS, EVERY = 20, 5
 DIGITS = 3
 
 
-def columns(folder: Path) -> dict[str, np.ndarray]:
-    """Columns of the example: of a walk that is simulated in a folder. [20] each."""
-    from neuralgaits import logs
-    from neuralgaits.robots import load_robot
-    from neuralgaits.workflows.simulate import simulate
-
+def simulated(folder: Path) -> Log:
+    """Five steps of the shipped run, whose copy and log are left in the folder."""
     run = shutil.copytree(SHIPPED, folder / "run")
-    simulate(run, steps=3, log=folder / "walk.csv")
-    robot = load_robot("amber3m")
-    log = logs.read(folder / "walk.csv", robot).log
+    simulate(run, steps=5, log=folder / "si.csv")
+    return logs.read(folder / "si.csv", load_robot("amber3m")).log
+
+
+def columns(log: Log) -> dict[str, np.ndarray]:
+    """Columns of the example, of that walk. [20] each."""
     touchdown = int(np.flatnonzero(np.diff(log.stance))[1]) + 1
     # Half of the rows lie before the second touchdown.
     rows = touchdown + EVERY * (np.arange(ROWS) - ROWS // 2)
-    found = {name: values[rows] for name, values in own_columns.values(robot, log).items()}
-    return found | {"t_ms": np.rint(found["t_ms"]).astype(int)}
+    found = own_columns.values(load_robot("amber3m"), log)
+    return {
+        name: np.rint(values[rows]).astype(int) if name == "t_ms" else values[rows]
+        for name, values in found.items()
+    }
 
 
 def main() -> None:
     """Write the example."""
     jax.config.update("jax_enable_x64", True)
     with tempfile.TemporaryDirectory() as folder:
-        own_columns.write(LOG, columns(Path(folder)), digits=DIGITS)
+        own_columns.write(LOG, columns(simulated(Path(folder))), digits=DIGITS)
 
 
 if __name__ == "__main__":
