@@ -9,6 +9,7 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.walk import walk
+from support import log_example, own_columns
 from support.published_gaits import published
 
 STEPS = 8
@@ -46,3 +47,15 @@ def changed(log):
         return replace(log, **arrays)
 
     return change
+
+
+@pytest.fixture(scope="session")
+def shipped_walk(made_once, amber):
+    """A folder with the shipped run, a log of its walk, and that in a robot's own columns."""
+
+    def make(folder):
+        folder.mkdir()
+        walked = log_example.simulated(folder)
+        own_columns.write(folder / "own.csv", own_columns.values(amber, walked))
+
+    return made_once("shipped-walk", make)

@@ -129,6 +129,13 @@ def test_a_torque_beyond_its_share_and_a_bent_torso_are_seen(amber, gait, spec, 
     assert satisfaction([log], amber, gait, strict).all == 0.0
 
 
+def test_torques_that_were_not_logged_are_not_judged(amber, gait, spec, log_at):
+    log = replace(log_at(grid([0.5])), torques_logged=False)
+    found = satisfaction([log], amber, gait, spec).conditions
+    assert not {"torque-upper", "torque-lower"} & set(found)
+    assert {"torso-lower", "foot-clears"} <= set(found)
+
+
 def test_rows_just_after_a_touchdown_are_not_judged(amber, gait, spec, log_at):
     log = log_at(grid([0.5]))
     stance = log.stance.copy()

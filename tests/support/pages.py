@@ -56,7 +56,8 @@ def files(page: Path) -> dict[str, str]:
     for block in blocks(page, "python"):
         if match := re.match(r"# (\w+\.py),", block.text):
             found[match[1]] = block.text
-    for match in re.finditer(r"^```xml\n(.*?)^```\n+Saved as `([\w.]+)`", read(page), re.S | re.M):
+    saved = r"^```(?:xml|toml|text)\n((?:(?!^```).)*?)^```\n+Saved as `([\w.]+)`"
+    for match in re.finditer(saved, read(page), re.S | re.M):
         found[match[2]] = match[1]
     return found
 

@@ -26,6 +26,7 @@ from neuralgaits.rounds.walks import Field, nominal_momentum, walk_round
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.workflows import episodes as workflow
 from neuralgaits.workflows.episodes import episodes
+from support import own_columns
 
 pytestmark = pytest.mark.slow
 
@@ -53,6 +54,7 @@ class StandIns:
         self.walked = walked
         self.calls: list[tuple[str, str]] = []
         self.stop_at: tuple[str, str] | None = None
+        self.columns: str | None = None
 
     def _called(self, what, path):
         self.calls.append((what, Path(path).name))
@@ -65,8 +67,9 @@ class StandIns:
         shutil.copytree(Path(self.walked["logs"][0]).parent, folder)
         return replace(self.walked, logs=tuple(str(file) for file in sorted(folder.iterdir())))
 
-    def fit(self, run, files, *, seed):
+    def fit(self, run, files, *, columns, seed):
         del seed
+        self.columns = columns
         self._called("fit", run.path)
         assert files and all(Path(file).is_file() for file in files)
         run.folder.write_json("residual/summary.json", LEARNED)
@@ -225,13 +228,36 @@ def test_a_robots_own_logs_serve_in_place_of_a_plant(stand_ins, begin, amber, tm
     assert judged["tube"] == pytest.approx(told["tube"], abs=0.02)
 
 
+def test_logs_of_own_columns_serve_too(stand_ins, begin, amber, walked, tmp_path):
+    own = tmp_path / "own"
+    (own / "round-0").mkdir(parents=True)
+    log = logs.read(walked["logs"][0], amber).log
+    file = own_columns.write(own / "round-0" / "a.csv", own_columns.values(amber, log))
+    (tmp_path / "columns.toml").write_text(own_columns.SHORT)
+    begun = begin(plant=None, logs=own, columns="columns.toml", rounds=1)
+    assert begun.summary["waiting_for"] == str(own / "round-1")
+    assert stand_ins.columns == str(tmp_path / "columns.toml")
+    assert abs(begun.summary["rounds"][0]["steps_walked"][0] - count(log)) <= 1
+    (own / "round-1").mkdir()
+    shutil.copy(file, own / "round-1")
+    done = episodes(resume=begun.path, root=tmp_path)
+    assert done.summary["waiting_for"] is None
+    with pytest.raises(InputError, match="expected the columns that"):
+        episodes(resume=begun.path, columns="others.toml", root=tmp_path)
+
+
+def count(log):
+    """Touchdowns."""
+    return np.count_nonzero(np.diff(log.stance))
+
+
 def test_a_round_that_teaches_nothing_ends_the_command_unless_it_is_the_last(
     stand_ins, begin, monkeypatch
 ):
-    def too_little(run, files, *, seed):
+    def too_little(run, files, *, columns, seed):
         if run.path.name == "round-1":
             raise InputError("logs: expected at least 3 strides, found 2: walk longer")
-        return stand_ins.fit(run, files, seed=seed)
+        return stand_ins.fit(run, files, columns=columns, seed=seed)
 
     monkeypatch.setattr(workflow, "fit", too_little)
     done = begin(rounds=1)
@@ -250,6 +276,7 @@ def test_a_round_that_teaches_nothing_ends_the_command_unless_it_is_the_last(
         ({"plant": None, "logs": ".", "resume": None}, "the run whose policy walked the logs"),
         ({"plant": None, "logs": "nowhere"}, "found no such folder"),
         ({"plant": None, "logs": ".", "disturb": "friction=1"}, "--disturb with a plant"),
+        ({"columns": "columns.toml"}, "--columns with --logs, found it with a plant"),
         ({"plant": None, "logs": "."}, "walk.csv: expected a header and rows, found an empty"),
         ({"rounds": 0}, "1 to 100 rounds, found 0"),
         ({"seed": -1}, "a seed from 0 to 2147483647, found -1"),

@@ -153,7 +153,9 @@ class Fit:
     run: Run
     """Run folder, or latest."""
     logs: Annotated[Positional[tuple[Path, ...]], arg(metavar="LOG.csv...")]
-    """Logs of walks, falls included; see docs/learning.md."""
+    """Logs of walks, falls included; see docs/logs.md."""
+    columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
+    """What the columns of a robot's own logs are: names, units, signs; see docs/logs.md."""
     optimizer: Literal["adam", "adamw", "nero"] = "adam"
     """Optimiser of the fit; nero is the paper's."""
     seed: Annotated[int, arg(metavar="N")] = 0
@@ -200,6 +202,8 @@ class Episodes:
     """Joint PD (if not given), or input-output linearisation with the model."""
     logs: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of a robot's own logs in place of a plant: DIR/round-0/*.csv and so on."""
+    columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
+    """With --logs: what the columns of these logs are; see docs/logs.md."""
     rounds: Annotated[int | None, arg(metavar="N")] = None
     """Rounds of learning and refining; 2 if not given."""
     seed: Annotated[int | None, arg(metavar="N")] = None

@@ -41,6 +41,7 @@ def show_fit(result: Fitted) -> None:
         [
             ("used", f"{result.walked_s:.1f} s of walking, strides: {strides}"),
             ("rows left out", out or "none"),
+            *(("computed", what) for what in result.computed),
             ("time", f"{result.wall_s:.0f} s"),
             ("residual", result.residual),
             ("next", command("refine", named(result.run))),

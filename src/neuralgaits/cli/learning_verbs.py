@@ -20,7 +20,12 @@ def carry_out_fit(verb: Fit) -> Outcome:
 
     with TrainingProgress(quiet=verb.output.json) as progress:
         done = fit(
-            verb.run, verb.logs, optimizer=verb.optimizer, seed=verb.seed, progress=progress
+            verb.run,
+            verb.logs,
+            columns=verb.columns,
+            optimizer=verb.optimizer,
+            seed=verb.seed,
+            progress=progress,
         ).summary
     return Outcome(done, done.better, learning_screen.show_fit)
 
@@ -56,7 +61,7 @@ def carry_out_episodes(verb: Episodes) -> Outcome:
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.episodes import episodes
 
-    names = ("disturb", "controller", "logs", "seed", "out", "plant")
+    names = ("disturb", "controller", "logs", "columns", "seed", "out", "plant")
     given = {name: value for name in names if (value := getattr(verb, name)) is not None}
     robot = None if verb.robot is None else load_robot(verb.robot)
     resume = None if verb.resume is None else _found(verb.resume, verb.output.json)

@@ -66,9 +66,7 @@ def check(log: Log, robot: PlanarBiped, labels: Labels) -> Bool[np.ndarray, " k"
 
     Raises: InputError naming file, row, column and remedy.
     """
-    if len(log) < 2:
-        raise InputError(f"log {log.source}: expected a walk, found {len(log)} rows: walk longer")
-    _check_times(log, labels)
+    check_times(log.t, log.rows, log.source, labels["t"][0])
     good = np.ones(len(log), dtype=bool)
     refused = []
     for part in _ranges(log, robot):
@@ -91,33 +89,48 @@ def _where(log: Log, labels: Labels, row: int, name: str) -> str:
     return f"log {log.source}, row {log.rows[row]}, column {column}"
 
 
-def _check_times(log: Log, labels: Labels) -> None:
-    steps = np.diff(log.t)
+def check_times(
+    t: Float[np.ndarray, " k"], rows: Int[np.ndarray, " k"], source: str, column: str
+) -> None:
+    """Refuse times that are not those of one recording of a walk.
+
+    Args:
+        t: times (s). [k]
+        rows: where they stand in the file. [k]
+        source: the file.
+        column: of the times.
+
+    Raises: InputError naming file, row, column and remedy.
+    """
+    if len(t) < 2:
+        raise InputError(f"log {source}: expected a walk, found {len(t)} rows: walk longer")
+
+    def where(row: int) -> str:
+        return f"log {source}, row {rows[row]}, column {column}"
+
+    steps = np.diff(t)
     back = np.flatnonzero(steps <= 0.0)
     if back.size:
         row = int(back[0]) + 1
         what = "the same time again" if steps[back[0]] == 0.0 else "a step back"
         raise InputError(
-            f"{_where(log, labels, row, 't')}: expected a time after {log.t[row - 1]:.6g} s, found "
-            f"{log.t[row]:.6g} s, {what}: delete repeated rows, and split the file where a new "
-            "recording begins"
+            f"{where(row)}: expected a time after {t[row - 1]:.6g} s, found {t[row]:.6g} s, "
+            f"{what}: delete repeated rows, and split the file where a new recording begins"
         )
     shortest, longest = PERIODS_S
-    period = log.period_s
+    period = float(np.median(steps))
     if not shortest <= period <= longest:
         off = "seconds where milliseconds belong" if period < shortest else "milliseconds"
         raise InputError(
-            f"{_where(log, labels, 1, 't')}: expected rows {1e3 * shortest:g} to "
-            f"{1e3 * longest:g} ms apart, found {1e3 * period:g} ms: convert the times if they "
-            f"are {off}, or log faster"
+            f"{where(1)}: expected rows {1e3 * shortest:g} to {1e3 * longest:g} ms apart, found "
+            f"{1e3 * period:g} ms: convert the times if they are {off}, or log faster"
         )
     pauses = np.flatnonzero(steps > LONGEST_PAUSE_S)
     if pauses.size:
         row = int(pauses[0]) + 1
         raise InputError(
-            f"{_where(log, labels, row, 't')}: expected a time at most {LONGEST_PAUSE_S:g} s after "
-            f"{log.t[row - 1]:.6g} s, found {log.t[row]:.6g} s: split the file where a new "
-            "recording begins"
+            f"{where(row)}: expected a time at most {LONGEST_PAUSE_S:g} s after "
+            f"{t[row - 1]:.6g} s, found {t[row]:.6g} s: split the file where a new recording begins"
         )
 
 

@@ -30,14 +30,15 @@ def outliers(log: Log) -> Bool[np.ndarray, " k"]:
         # Rates jump where a stance phase begins, which is no fault of the encoder.
         inner = slice(NEIGHBOURS, None)
         for values, floor in ((log.q, ANGLE_RAD), (log.dq, RATE_RAD_S)):
-            bad[rows[inner]] |= _stand_out(values[rows], floor)[inner]
+            bad[rows[inner]] |= np.any(stand_out(values[rows], floor)[inner], axis=1)
     return bad
 
 
-def _stand_out(values: Float[np.ndarray, "k n"], floor: float) -> Bool[np.ndarray, " k"]:
+def stand_out(values: Float[np.ndarray, "k n"], floor: float) -> Bool[np.ndarray, "k n"]:
+    """Which values of one stance phase are far from the median of the rows around them. [k, n]."""
     ends = [(NEIGHBOURS, NEIGHBOURS), (0, 0)]
     padded = np.pad(values, ends, mode="edge")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=0)
     distance = np.abs(values - np.median(around, axis=-1))
     noise = _NORMAL * np.median(distance, axis=0)
-    return np.any(distance > np.maximum(floor, NOISES * noise), axis=1)
+    return distance > np.maximum(floor, NOISES * noise)

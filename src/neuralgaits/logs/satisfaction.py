@@ -64,7 +64,8 @@ def satisfaction(
     chosen = [log.only(_settled(log)) for log in logs]
     parts = [np.concatenate([log.q, log.dq, log.tau], axis=1) for log in chosen]
     rows = np.concatenate([np.zeros((0, 3 * robot.n - 1)), *parts])
-    conditions = _judged(robot, gait, spec)
+    torques = all(log.torques_logged for log in logs)
+    conditions = _judged(robot, gait, spec, torques)
     if not len(rows):
         return Satisfaction(0, 0.0, 0.0, {})
     judge = _judge_of(tuple(conditions))
@@ -94,24 +95,30 @@ def _due(spec: GaitSpec, condition: AbstractCondition, phase: Float[np.ndarray, 
     return np.any([(phase >= box.low[0]) & (phase <= box.high[0]) for box in boxes], axis=0)
 
 
-def _judged(robot: PlanarBiped, gait: Gait, spec: GaitSpec) -> list[Pointwise | Barrier]:
+def _judged(
+    robot: PlanarBiped, gait: Gait, spec: GaitSpec, torques: bool
+) -> list[Pointwise | Barrier]:
     """Conditions on a region with area whose quantity a log knows."""
     chosen = []
     for condition in spec.conditions:
         boxes = spec.regions[condition.region]
         curve = any(low == high for box in boxes for low, high in zip(*box, strict=True))
         if not curve and isinstance(condition, Pointwise | Barrier):
-            if _is_logged(condition, robot, gait):
+            if _is_logged(condition, robot, gait, torques):
                 chosen.append(condition)
     return chosen
 
 
-def _is_logged(condition: Pointwise | Barrier, robot: PlanarBiped, gait: Gait) -> bool:
+def _is_logged(
+    condition: Pointwise | Barrier, robot: PlanarBiped, gait: Gait, torques: bool
+) -> bool:
     """Whether a condition reads nothing but what a log knows: a point keeps what it computes."""
     unknown: set[str] = set()
 
     def read(q: Coordinates, dq: Coordinates, torque: Actuated) -> Array:
         point = _measured(robot, gait, q, dq, torque)
+        if not torques:
+            del vars(point)["torque"]
         known = {*vars(point), *FOLLOWS}
         value = condition.function(point)
         unknown.update(set(vars(point)) - known)

@@ -11,12 +11,15 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits.errors import InputError
+from neuralgaits.logs.column_file import PAGE
 from neuralgaits.logs.labels import Labels, same_for_both_legs
 from neuralgaits.logs.sheet import Text, sheet_of
 from neuralgaits.logs.table import Column, Log, columns
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import write_text
 
+SHOWN = 6
+"""Missing columns that a message names."""
 _HEADER = re.compile(r"^(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]$")
 
 
@@ -77,8 +80,23 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
         rows=sheet.rows,
         joint_names=robot.joint_names,
         source=str(text.path),
+        # No robot walks without torques: where all are zero, a log without them was converted.
+        torques_logged=bool(tau.any()),
     )
     return log, labels
+
+
+def missing(text: Text, robot: PlanarBiped) -> str:
+    """Columns of the format that a file does not have, in words."""
+    heads = [_head(head) for head in columns(robot.joint_names, plant=False)]
+    return _some([head for head in heads if head not in text.header])
+
+
+def _some(heads: list[str]) -> str:
+    """The first few of many."""
+    return ", ".join(heads[:SHOWN]) + (
+        f" and {len(heads) - SHOWN} more" if len(heads) > SHOWN else ""
+    )
 
 
 def _check_header(text: Text, robot: PlanarBiped, heads: tuple[Column, ...]) -> None:
@@ -92,14 +110,17 @@ def _check_header(text: Text, robot: PlanarBiped, heads: tuple[Column, ...]) -> 
                 f"{head['name']} twice: rename or delete one"
             )
         found[head["name"]] = head["unit"]
+    missing = [_head(head) for head in heads if head[0] not in found]
+    if missing:
+        joints = [cell for cell in text.header if cell.startswith("q_")]
+        many = "s" if len(missing) > 1 else ""
+        raise InputError(
+            f"log {text.path}, row 1: expected column{many} {_some(missing)} of robot "
+            f"{robot.name}, found none (angles found: {', '.join(joints) or 'none'}): give a log "
+            f"of this robot, add the column{many}, or say with --columns FILE what the columns "
+            f"are: {PAGE}"
+        )
     for name, unit in heads:
-        if name not in found:
-            joints = [cell for cell in text.header if cell.startswith("q_")]
-            raise InputError(
-                f"log {text.path}, row 1: expected column {name}[{unit}] of robot {robot.name}, "
-                f"found none (angles found: {', '.join(joints) or 'none'}): give a log of this "
-                "robot, or add the column"
-            )
         if found[name] != unit:
             raise InputError(
                 f"log {text.path}, row 1, column {name}[{found[name]}]: expected unit {unit}, "

@@ -31,6 +31,8 @@ class Log:
         rows: where each row stands in the source, counted from 1. [k]
         joint_names: of the n coordinates.
         source: file, or the episode of a simulation: for messages.
+        computed: what was not in the file but follows from what was, in words.
+        torques_logged: whether `tau` was measured; it is zero if not.
     """
 
     t: Float[np.ndarray, " k"]
@@ -47,6 +49,8 @@ class Log:
     rows: Int[np.ndarray, " k"]
     joint_names: tuple[str, ...]
     source: str
+    computed: tuple[str, ...] = ()
+    torques_logged: bool = True
 
     def __len__(self) -> int:
         """Number of rows."""

@@ -23,19 +23,19 @@ def zero_states(
     robot: PlanarBiped, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
 ) -> Float[np.ndarray, "k 2"]:
     """Zero states, the stance foot taken to be at rest. Returns: [k, 2] (m, kg m^2/s)."""
-    return _in_blocks(_zero_states, robot, np.concatenate([q, dq], axis=1))
+    return in_blocks(_zero_states, robot, np.concatenate([q, dq], axis=1))
 
 
 def foot_heights(robot: PlanarBiped, q: Float[np.ndarray, "k n"]) -> Float[np.ndarray, " k"]:
     """Heights of the swing foot above the stance foot (m). Returns: [k]."""
-    return _in_blocks(_foot_heights, robot, q)
+    return in_blocks(_foot_heights, robot, q)
 
 
 def output_states(
     zd: ZeroDynamics, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
 ) -> Float[np.ndarray, "k two_m"]:
     """Outputs eta = (y, dy) under a policy. Returns: [k, 2m] (rad, rad/s)."""
-    return _in_blocks(_output_states, zd, np.concatenate([q, dq], axis=1))
+    return in_blocks(_output_states, zd, np.concatenate([q, dq], axis=1))
 
 
 @quick_filter_jit
@@ -58,9 +58,10 @@ def _halves(x: FullState) -> tuple[Array, Array]:
     return x[:n], x[n:]
 
 
-def _in_blocks(
+def in_blocks(
     function: Callable[..., Array], model: eqx.Module, x: Float[np.ndarray, "k c"]
 ) -> np.ndarray:
+    """What a compiled function of a model says of many rows, BLOCK at a time. Returns: [k, ...]."""
     count = len(x)
     # The last state fills the last block up: padding must not leave the model's domain.
     last = x[-1:] if count else np.zeros((1, x.shape[1]))

@@ -49,6 +49,8 @@ class Fitted(Record):
         run: whose policy walked.
         residual, residual_sha256: the file of it.
         logs: files it was learned from.
+        columns: file that says what their columns are.
+        computed: what the logs do not hold but follows from what they do.
         optimizer, seed, steps: of the fit.
         windows: that were learned from.
         strides: of each kind.
@@ -68,6 +70,8 @@ class Fitted(Record):
     residual: str = ""
     residual_sha256: str | None = None
     logs: Texts
+    columns: str | None = None
+    computed: Texts = ()
     optimizer: str = ""
     seed: int = 0
     steps: int = 0

@@ -32,6 +32,7 @@ class EpisodesAsked(Record):
         robot, plant: names of the model, and of the robot that walks in simulation.
         disturb, controller: of the plant.
         logs: folder of a robot's own logs in place of a plant.
+        columns: file that says what the columns of these are.
         rounds: of learning and refining.
         seed: of everything random.
         steps: gradient steps of each training; the recipe's if None.
@@ -48,6 +49,7 @@ class EpisodesAsked(Record):
     seed: Seed
     steps: Steps | None
     start: str | None
+    columns: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -148,10 +148,13 @@ def _walk(
     return summary(walked), [log_of(run.robot, record, "walk") for record in records]
 
 
-def logged_round(run: Run, files: Sequence[Path]) -> WalkedRound:
-    """The same of a robot's own logs: a walk is as long as its file, and nobody knows of falls."""
+def logged_round(run: Run, files: Sequence[Path], columns: str | Path | None = None) -> WalkedRound:
+    """The same of a robot's own logs: a walk is as long as its file, and nobody knows of falls.
+
+    `columns` is a file that says what their columns are, see `logs.read`.
+    """
     began = time.perf_counter()
-    read, _ = logs.read_all(files, run.robot)
+    read, _ = logs.read_all(files, run.robot, columns=columns, policy=run.gait.policy)
     strides = [np.flatnonzero(np.diff(log.stance)) for log in read]
     return WalkedRound(
         steps_walked=tuple(len(touchdowns) for touchdowns in strides),

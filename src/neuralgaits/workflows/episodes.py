@@ -77,6 +77,7 @@ def episodes(
     disturb: str | Mapping[str, float] | Disturbance | None = None,
     controller: str | None = None,
     logs: str | Path | None = None,
+    columns: str | Path | None = None,
     rounds: int | None = None,
     seed: int | None = None,
     resume: str | Path | None = None,
@@ -95,6 +96,7 @@ def episodes(
         controller: `pd` (if None) or `fblin`, with the nominal model.
         logs: folder of a real robot's logs in place of a plant: `round-0/*.csv`, and so on. The
             rounds stop where the next logs are missing, and go on once they are there.
+        columns: with `logs`: file that says what their columns are, see docs/logs.md.
         rounds: of learning and refining; 2 if None.
         seed: of everything random; 0 if None.
         resume: episodes to go on with (their folder, or `latest`) under their own settings, or a
@@ -115,6 +117,7 @@ def episodes(
         "disturb": None if disturb is None else plain(vars(parse(disturb))),
         "controller": controller,
         "logs": None if logs is None else str(Path(logs).absolute()),
+        "columns": None if columns is None else str(Path(columns).absolute()),
         "rounds": rounds,
         "seed": seed,
         "steps": steps,
@@ -166,6 +169,8 @@ def _begin(
             f"expected either a plant or a folder of logs, found {found}: give --plant ROBOT to "
             "walk in simulation, or --logs DIR with a robot's own logs"
         )
+    if asked["columns"] is not None and logs is None:
+        raise InputError("expected --columns with --logs, found it with a plant: drop it")
     if logs is not None:
         if resume is None:
             raise InputError(
@@ -182,9 +187,14 @@ def _begin(
                 "expected ROBOT, found none: name the model, or what to go on with by --resume RUN"
             )
         config["robot"] = start.robot
-    if logs is not None:
+    if logs is not None and start is not None:
         # Logs that cannot be read leave no episodes behind.
-        read_all(logs_of(Path(logs), 0), config["robot"])
+        read_all(
+            logs_of(Path(logs), 0),
+            config["robot"],
+            columns=asked["columns"],
+            policy=start.gait.policy,
+        )
     return EpisodeFolder.create(config, start, out=out, root=root)
 
 
@@ -276,7 +286,7 @@ class _Session:
         self.tell(number, "walking" if plant is not None else "reading logs")
         if plant is None or momentum is None:
             assert config.logs is not None  # There is a plant, or there are logs.
-            found = logged_round(run, logs_of(Path(config.logs), number))
+            found = logged_round(run, logs_of(Path(config.logs), number), config.columns)
         else:
             field = Field(plant, Disturbance(**(config.disturb or {})), config.controller)
             found = walk_round(
@@ -299,7 +309,8 @@ class _Session:
             # The folder may have been moved, or the command be given from elsewhere.
             files = [self.folder.logs(number) / file.name for file in files]
         try:
-            return fit(run, files, seed=self.folder.config.seed).summary
+            config = self.folder.config
+            return fit(run, files, columns=config.columns, seed=config.seed).summary
         except InputError as error:
             # Nothing is refined after the last round: its errors are a report.
             if not last:

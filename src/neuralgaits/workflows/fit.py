@@ -51,6 +51,7 @@ def fit(
     run: Run | str | Path,
     logs: Sequence[str | Path],
     *,
+    columns: str | Path | None = None,
     optimizer: Optimizer = "adam",
     seed: int = 0,
     config: FitConfig | None = None,
@@ -64,6 +65,8 @@ def fit(
     Args:
         run: whose policy walked: a run, its folder, or `latest`.
         logs: CSV files.
+        columns: file that says what the columns of a robot's own logs are, see docs/logs.md; None
+            for logs of the project's own format or that of AMBER-3M.
         optimizer: adam, adamw or nero.
         seed: of the deal, the weights and the batches.
         config: further settings of the fit; they win over `optimizer`.
@@ -76,10 +79,11 @@ def fit(
     config = FitConfig(optimizer=optimizer) if config is None else config
     check_seed(seed)
     trained = open_run(run)
-    read, left_out = walks.read_all(logs, trained.robot)
+    policy = trained.gait.policy
+    read, left_out = walks.read_all(logs, trained.robot, columns=columns, policy=policy)
     cut = walks.cut(read, trained.robot)
     long, short = _long_enough(cut.strides)
-    zd = ZeroDynamics(trained.robot, trained.gait.policy)
+    zd = ZeroDynamics(trained.robot, policy)
     parts = _dealt(long, seed)
     scale = _scale(trained, long)
     train, validation = _windows(parts.train), _windows(parts.validation)
@@ -97,6 +101,8 @@ def fit(
         residual=str(path),
         residual_sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
         logs=tuple(str(log) for log in logs),
+        columns=None if columns is None else str(columns),
+        computed=tuple(dict.fromkeys(what for log in read for what in log.computed)),
         optimizer=config.optimizer,
         seed=seed,
         steps=int(state.step),

@@ -1,0 +1,105 @@
+"""Rates of angles that a log holds without them: local parabolas, which shift nothing in time.
+
+Source: Savitzky and Golay (1964), here at the true times of the rows. A parabola never reaches
+across a touchdown, where rates jump, nor across a gap; and not from rows that are learned from
+into those in which the contact settles.
+"""
+
+import math
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float, Int
+
+QUIET_RAD_S = 0.0015
+"""Noise that windows leave in rates, if that takes no longer ones than the longest [rad/s]."""
+HALF_WINDOWS_S = (0.01, 0.04)
+"""Shortest and longest reach of a window to either side [s]. Near the ends of a piece a window is
+as long, one-sided, and its noise about four times as large."""
+DEGREE = 2
+_SPOILT = 1e-6
+"""Weight of a value that stands out; not zero, so that every parabola has three rows."""
+_BLOCK = 4096
+"""Rows at a time: a log may be long."""
+# Standard deviation of normal noise over the median of its absolute value; that of the third
+# difference of white noise over its own.
+_NORMAL, _THIRD = 1.4826, math.sqrt(20.0)
+
+
+def noise(values: Float[np.ndarray, "k c"]) -> float:
+    """Standard deviation of the noise of angles, of the noisiest column (rad).
+
+    Of third differences: those of a motion are far smaller than those of an encoder's noise.
+    """
+    if len(values) < 4:
+        return 0.0
+    spread = np.median(np.abs(np.diff(values, n=3, axis=0)), axis=0)
+    return float(_NORMAL / _THIRD * spread.max())
+
+
+def half_window(period_s: float, noise_rad: float) -> float:
+    """How far windows reach to either side (s): as far as the noise asks for."""
+    shortest, longest = HALF_WINDOWS_S
+    # The slope of a parabola over 2h has the noise sigma sqrt(1.5 dt) / h^1.5.
+    needed = (noise_rad * math.sqrt(1.5 * period_s) / QUIET_RAD_S) ** (2.0 / 3.0)
+    return min(max(needed, shortest), longest)
+
+
+def rates(
+    t: Float[np.ndarray, " k"],
+    values: Float[np.ndarray, "k c"],
+    piece: Int[np.ndarray, " k"],
+    settled: Bool[np.ndarray, " k"],
+    spoilt: Bool[np.ndarray, "k c"],
+    reach_s: float,
+) -> Float[np.ndarray, "k c"]:
+    """Rates at which columns change.
+
+    Args:
+        t: times, increasing (s). [k]
+        values: of the columns. [k, c]
+        piece: number that changes where no window may reach across. [k]
+        settled: rows whose windows hold settled rows only; the last ones of a piece. [k]
+        spoilt: values that count for nothing. [k, c]
+        reach_s: of a window to either side (s).
+
+    Returns: [k, c] per second; NaN in pieces of fewer than three rows.
+    """
+    found = np.full(values.shape, np.nan)
+    if len(t) < 2:
+        return found
+    half = max(1, round(reach_s / float(np.median(np.diff(t)))))
+    for rows in np.split(np.arange(len(t)), np.flatnonzero(np.diff(piece)) + 1):
+        if rows.size <= DEGREE:
+            continue
+        first = int(np.count_nonzero(~settled[rows]))
+        first = first if rows.size - first > DEGREE else 0
+        for some, holding in ((rows[:first], rows), (rows[first:], rows[first:])):
+            width = min(2 * half + 1, holding.size)
+            place = some - holding[0]
+            starts = np.clip(place - half, 0, holding.size - width)
+            for begin in range(0, some.size, _BLOCK):
+                part = slice(begin, begin + _BLOCK)
+                window = holding[starts[part, None] + np.arange(width)]
+                found[some[part]] = _slopes(t, values, spoilt, some[part], window, reach_s)
+    return found
+
+
+def _slopes(
+    t: Float[np.ndarray, " k"],
+    values: Float[np.ndarray, "k c"],
+    spoilt: Bool[np.ndarray, "k c"],
+    rows: Int[np.ndarray, " r"],
+    window: Int[np.ndarray, "r w"],
+    scale_s: float,
+) -> Float[np.ndarray, "r c"]:
+    """Slopes at some rows of the parabolas through their windows."""
+    powers = ((t[window] - t[rows, None]) / scale_s)[..., None] ** np.arange(DEGREE + 1)
+    slopes = np.empty((len(rows), values.shape[1]))
+    for column in range(values.shape[1]):
+        weights = np.where(spoilt[window, column], _SPOILT, 1.0)
+        weighted = np.swapaxes(powers * weights[..., None], 1, 2)
+        change = values[window, column] - values[rows, column][:, None]
+        solved = np.linalg.solve(weighted @ powers, weighted @ change[..., None])
+        slopes[:, column] = solved[:, 1, 0] / scale_s
+    return slopes
