@@ -1,5 +1,7 @@
 """Walks that are told commands: both engines alike, orders from everywhere, bad ones refused."""
 
+import math
+
 import jax
 import numpy as np
 import pytest
@@ -136,6 +138,15 @@ def test_bad_orders_are_one_line_and_leave_nothing(run, asked, message):
         simulate(run, **asked)
     assert "\n" not in str(error.value)
     assert sorted(run.path.rglob("*")) == before
+
+
+def test_flags_speak_of_degrees_and_mappings_of_radians():
+    slope = Command("slope", -math.radians(5.0), math.radians(5.0))
+    flag, mapping = orders_of((slope,), "slope=3"), orders_of((slope,), {"slope": math.radians(3)})
+    np.testing.assert_array_equal(flag.first, mapping.first)
+    told = r"-0\.08\d* and 0\.08\d* rad, found 0\.122\d*; in degrees -5 to 5, and 7"
+    with pytest.raises(InputError, match=told):
+        orders_of((slope,), "slope=7")
 
 
 def test_a_gait_without_commands_refuses_them():

@@ -98,8 +98,8 @@ class Simulate:
     disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
     command: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
-    """What a gait that takes commands is told at every touchdown, as in speed=0.7; the middle of
-    its ranges if not given."""
+    """What a gait that takes commands is told at every touchdown, as in speed=0.7 or slope=3
+    [degrees]; the middle of its ranges if not given."""
     commands: Annotated[str | None, arg(metavar="FILE.csv|random")] = None
     """What it is told step by step: a row a step, step,speed[m/s],..., or new commands at each
     touchdown."""

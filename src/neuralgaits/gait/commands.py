@@ -213,9 +213,12 @@ def values(commands: Commands, given: Mapping[str, float]) -> Float[np.ndarray, 
     for c in commands:
         value = given[c.name]
         if not c.low <= value <= c.high:
-            raise InputError(
-                f"expected {c.name} between {c.low:g} and {c.high:g} {c.unit}, found {value:g}"
-            )
+            found = f"between {c.low:g} and {c.high:g} {c.unit}, found {value:g}"
+            if c.unit == "rad":
+                # Flags speak of degrees, all else of radians.
+                low, high, same = (f"{math.degrees(x):.4g}" for x in (c.low, c.high, value))
+                found += f"; in degrees {low} to {high}, and {same}"
+            raise InputError(f"expected {c.name} {found}")
     return np.array([float(given[name]) for name in names])
 
 

@@ -93,10 +93,14 @@ def _told(asked: Asked) -> list[str]:
         return [f"--speed={asked.speed!r}"]
     words = []
     for name, told in asked.commands.items():
-        # Degrees on the command line.
-        ends = (math.degrees(x) if name == "slope" else x for x in (told.low, told.high))
+        ends = (_typed(name, x) for x in (told.low, told.high))
         words.append(f"--{name.replace('_', '-')}={':'.join(repr(float(x)) for x in ends)}")
     return words
+
+
+def _typed(name: str, value: float) -> float:
+    """A command as the command line takes it: slopes in degrees."""
+    return math.degrees(value) if name == "slope" else value
 
 
 def _parent(folder: RunFolder, told: str) -> Path | None:
@@ -132,7 +136,7 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     if done.push:
         line += ["--push", done.push]
     if done.command:
-        told = (f"{name}={value!r}" for name, value in done.command.items())
+        told = (f"{name}={_typed(name, value)!r}" for name, value in done.command.items())
         line += ["--command", ",".join(told)]
     if done.commands is not None:
         line += ["--commands", done.commands]

@@ -69,8 +69,8 @@ def orders_of(
 
     Args:
         commands: of the gait.
-        command: `NAME=VALUE,...` or a mapping, told for ever; those that are not named stay in the
-            middle of their ranges.
+        command: `NAME=VALUE,...` with slopes in degrees, or a mapping in SI units, told for ever;
+            those that are not named stay in the middle of their ranges.
         file: CSV with a row a step, or `random`.
         seed: of random commands.
 
@@ -124,7 +124,7 @@ def _constant(commands: Commands, given: str | Mapping[str, float]) -> Float[np.
 
 
 def _parsed(text: str) -> dict[str, float]:
-    """Read `NAME=VALUE,...`."""
+    """Read `NAME=VALUE,...`, slopes in degrees as in every flag."""
     found: dict[str, float] = {}
     for part in text.split(","):
         name, equals, value = (word.strip() for word in part.partition("="))
@@ -134,7 +134,7 @@ def _parsed(text: str) -> dict[str, float]:
                 f"expected --command as NAME=VALUE,... with each name once, found {text!r}: write "
                 "speed=0.7"
             )
-        found[name] = number
+        found[name] = math.radians(number) if name == "slope" else number
     return found
 
 

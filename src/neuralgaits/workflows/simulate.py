@@ -89,8 +89,8 @@ def simulate(
         engine: `native` to insist on compiled code, `jax` for the reference loop, None for native
             where it works; `engine` of the summary says which it was.
         link: to the controller `c`: `NAME=VALUE,...` or a mapping; see `simulation.link_config`.
-        command: told for ever, `NAME=VALUE,...` or a mapping; the middle of the ranges where none
-            is named. Walks start at the first command.
+        command: told for ever, `NAME=VALUE,...` with slopes in degrees, or a mapping in SI units;
+            the middle of the ranges where none is named. Walks start at the first command.
         commands: CSV file with a row a step, `step,speed[m/s],...`, or `random`: a new command
             that may follow the last one at each touchdown.
 
