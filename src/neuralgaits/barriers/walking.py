@@ -27,6 +27,7 @@ from neuralgaits.barriers.regions import Box, Gait, Tube
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, walking_posture
+from neuralgaits.gait.joint_inertia import joint_inertia
 from neuralgaits.gait.posture import REFERENCE_LEG_M
 
 if TYPE_CHECKING:
@@ -174,19 +175,25 @@ def _new_mlp(
     return Gait(policy, start_tube(robot, (-guard, guard), (-guard, guard)))
 
 
+HEAVY_ROTORS = 0.2
+"""Share of rotors in the inertia that motors feel; AMBER-3M and RABBIT have a half and more."""
+
+
 def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractCondition]:
     """Torso, contact forces, torques, joint rates and knees on the whole tube."""
     unit = units(robot)
-    rate = 4.0 / unit.time
+    # Without rotors to speak of, joints are faster after an impact, and hips slower in mid-step.
+    heavy = float(np.mean(robot.armature[1:] / joint_inertia(robot))) > HEAVY_ROTORS
+    rate = (4.0 if heavy else 6.0) / unit.time
     if forward is None:
-        # A slower tube is pushed over more easily. Without rotor inertia this is out of reach.
-        forward = (0.35 if np.any(robot.armature > 0) else 0.2) * unit.speed
+        # A slower tube is pushed over more easily.
+        forward = (0.35 if heavy else 0.2) * unit.speed
     conditions: list[AbstractCondition] = []
     if robot.torso is not None:
-        alpha, scale = 10.0 / unit.time, 3.3 / unit.time
+        alpha, scale, lean = 10.0 / unit.time, 3.3 / unit.time, walking_posture(robot).lean
         conditions += [
-            Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, -0.25), alpha),
-            Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, 0.08), alpha),
+            Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, lean - 0.25), alpha),
+            Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, lean + 0.08), alpha),
         ]
     weight = unit.weight_n
     conditions += [

@@ -10,8 +10,8 @@ import numpy as np
 
 from neuralgaits._types import Actuated, ZeroState
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
-from neuralgaits.control.joint_inertia import joint_inertia
 from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
+from neuralgaits.gait.joint_inertia import joint_inertia
 from neuralgaits.robots import PlanarBiped
 
 BANDWIDTH = 45.0

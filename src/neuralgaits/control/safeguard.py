@@ -15,9 +15,9 @@ import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Int, Scalar
 from neuralgaits.control.controller import Command, Controller
-from neuralgaits.control.joint_inertia import joint_inertia
 from neuralgaits.control.measurement import Measurement, leg_joints
 from neuralgaits.control.pd import BANDWIDTH
+from neuralgaits.gait.joint_inertia import joint_inertia
 from neuralgaits.robots import PlanarBiped
 
 CLOCK_S = 1e-6

@@ -41,6 +41,8 @@ Z1_SCALE = 0.2 / REFERENCE_LEG_M
 """Scale of the network's first input, in leg lengths."""
 KNEE_SLACK = 0.02
 """Distance of the output bounds from the stop of a straight knee [rad]."""
+HIP_SLACK = 0.1
+"""Distance of the hips at the guard from their stops [rad]."""
 KNEE_RANGE, HIP_RANGE = 1.5, (-1.2, 0.6)
 """Widest bounds of knees (away from straight) and hips [rad]."""
 
@@ -64,6 +66,8 @@ class Posture(NamedTuple):
     """Scale of network inputs, (m, kg m^2/s). [2]"""
     input_shift: Float[np.ndarray, "2"]
     """Shift of scaled network inputs. [2]"""
+    lean: float
+    """How much further back than usual the torso leans, for hips that turn one way only [rad]."""
 
 
 def momentum_unit(robot: "PlanarBiped") -> float:
@@ -88,28 +92,44 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
     # Legs of three links share one knee's bend between their two.
     knees = max(hips[0], 1)
     guard, slopes, bend = guard / knees, slopes * side / knees, bend * side / knees
-    hip_range = (-max(HIP_RANGE), -min(HIP_RANGE)) if robot.torso is None else HIP_RANGE
-    for hip in hips:
-        lower[hip] = max(robot.joint_lower[hip], hip_range[0])
-        upper[hip] = min(robot.joint_upper[hip], hip_range[1])
     z_guard = GUARD * length
     legs = float(np.sum(guard[: hips[0]]))
     first = (z_guard - robot.hip_gradient[1 : 1 + hips[0]] @ guard[: hips[0]]) / float(
         robot.hip_gradient[0]
     )
     stance_thigh = float(first) + legs
+    lean = _lean(robot, hips, stance_thigh)
+    hip_range = (-max(HIP_RANGE), -min(HIP_RANGE)) if robot.torso is None else HIP_RANGE
+    for hip in hips:
+        lower[hip] = max(robot.joint_lower[hip], hip_range[0] + lean)
+        upper[hip] = min(robot.joint_upper[hip], hip_range[1] + lean)
     if robot.torso is None:
         # The one hip angle is swing thigh minus stance thigh: it does the work of both.
         guard[hips[0]] = SWING_THIGH - stance_thigh
         slopes[hips[0]], bend[hips[0]] = 2.0 * HIP_SLOPE, -HIP_LIFT
     else:
-        guard[list(hips)] = GUARD_LEAN - stance_thigh, GUARD_LEAN - SWING_THIGH
+        torso = GUARD_LEAN + lean
+        guard[list(hips)] = torso - stance_thigh, torso - SWING_THIGH
         slopes[list(hips)] = HIP_SLOPE, -HIP_SLOPE
         bend[list(hips)] = 0.0, HIP_LIFT
     slopes *= REFERENCE_LEG_M / length
     guard = np.clip(guard, lower, upper)
     scale = np.array([Z1_SCALE * length, MOMENTUM * momentum_unit(robot) / 3.0])
-    return Posture(lower, upper, guard, slopes, bend, z_guard, scale, np.array([0.0, 2.7]))
+    return Posture(lower, upper, guard, slopes, bend, z_guard, scale, np.array([0.0, 2.7]), lean)
+
+
+def _lean(robot: "PlanarBiped", hips: tuple[int, ...], stance_thigh: float) -> float:
+    """Lean of the torso that both hips of a step can have, beyond the usual (rad).
+
+    A hip that cannot swing its thigh ahead of the torso (those of Walker2d turn back alone) takes
+    a step all the same if the torso leans back.
+    """
+    if robot.torso is None:
+        return 0.0
+    usual = GUARD_LEAN - np.array([stance_thigh, SWING_THIGH])
+    lacking = robot.joint_lower[list(hips)] + HIP_SLACK - usual
+    over = usual - (robot.joint_upper[list(hips)] - HIP_SLACK)
+    return max(0.0, float(np.max(lacking))) - max(0.0, float(np.max(over)))
 
 
 def _knee_bounds(robot: "PlanarBiped") -> tuple[Actuated, Actuated, Actuated]:
