@@ -118,7 +118,7 @@ def _apply(algebra: Algebra[V], operation: Operation, values: Mapping[int, V]) -
     operands = [values[operand] for operand in operation.operands]
     match operation.kind:
         case "move":
-            return algebra.move(operands, np.asarray(operation.index))
+            return algebra.move(operands, operation.positions)
         case "affine":
             offset = operands[2] if len(operands) == 3 else None
             return algebra.affine(operands[0], operands[1], offset, operation.columns)

@@ -59,6 +59,11 @@ class Operation:
     index: tuple[int, ...] = ()
     columns: int = 1
 
+    @cached_property
+    def positions(self) -> np.ndarray:
+        """`index` as an array. [size]."""
+        return np.asarray(self.index)
+
 
 @dataclass(frozen=True)
 class Output:
