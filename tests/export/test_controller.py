@@ -8,6 +8,8 @@ import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.control import Fblin
+from neuralgaits.control.joint_inertia import joint_inertia
+from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
@@ -150,7 +152,7 @@ def test_deepest_chain_of_calls():
 @pytest.mark.parametrize("flags", [(), ("-DNG_FLOAT",)], ids=["double", "float"])
 def test_hostile_inputs_under_sanitizers(files, tmp_path, flags):
     """No torque beyond its limit, none after a fault, no undefined step, whatever comes in."""
-    sanitize = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1")
+    sanitize = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1", "-O0")
     program = compiled(tmp_path, files, (*sanitize, *flags))
     words = build.run(program, "fuzz", "20000", "7").decode().split()
     counts = dict(zip(words[::2], map(int, words[1::2]), strict=True))
@@ -163,7 +165,9 @@ def test_facts_are_in_the_header(design, files):
     text = files["gait.h"]
     for name in (*design.robot.joint_names, "knee_left", "hip_right", "0" * 64, "1" * 64):
         assert name in text
-    for fact in ("1500 N m/rad", "30 rad/s", "41 N m", "0.001 s", "-1.6 to 1.6 rad"):
+    stiffness = BANDWIDTH**2 * joint_inertia(design.robot)
+    gains = "/".join(f"{gain:.4g}" for gain in stiffness) + " N m/rad"
+    for fact in (gains, "578 N m/rad", "30 rad/s", "41 N m", "0.001 s", "-1.6 to 1.6 rad"):
         assert fact in text
     assert re.search(r"#define NG_PROOF_SHA256 \"\"", text)
 

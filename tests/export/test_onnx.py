@@ -11,6 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.control.joint_inertia import joint_inertia
+from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.errors import InputError, MismatchError, SpecError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
@@ -137,7 +139,10 @@ def test_facts_are_those_of_the_header(exported, trained):
         weights = hashlib.sha256((trained.path / "policy.safetensors").read_bytes()).hexdigest()
         assert facts["policy_sha256"] == weights
         assert json.loads(facts["coordinate_names"]) == list(trained.robot.joint_names)
-        assert json.loads(facts["laws"])["pd"].startswith("1500 N m/rad")
+        laws = json.loads(facts["laws"])
+        stiffness = BANDWIDTH**2 * joint_inertia(trained.robot)
+        assert "/".join(f"{gain:.4g}" for gain in stiffness) + " N m/rad" in laws["pd"]
+        assert laws["paper"].startswith("578 N m/rad")
         assert set(json.loads(facts["units"])) <= set(facts)
 
 

@@ -1,12 +1,11 @@
 """Level 4 by the C++ checker: premises as their Python functions compute them, and what follows."""
 
 import base64
-import copy
 import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,8 @@ from support.checker_case import SetCase, bounds
 from support.full_order_shape import FENCE, SHAPE, TORSO
 
 CASES = ("amber3m", "torso-2", "legs-2")
+NARROW, WIDE = 1e-7, 3e-3
+"""Radii of the ball of outputs [rad]."""
 POINTS, BOXES, SAMPLES = 6, 6, 40
 
 
@@ -38,7 +39,7 @@ class FullCase(SetCase):
         radius: of the outputs, in the step and at the guard [rad].
     """
 
-    radius: float = 1e-7
+    radius: float = NARROW
 
     @cached_property
     def full_model(self) -> FullOrderModel:
@@ -97,10 +98,16 @@ def in_the_ball(draw, count: int, size: int) -> np.ndarray:
     return found * np.where(np.arange(count) % 2, draw.uniform(size=count), 1.0)[:, None]
 
 
+@cache
+def of(name: str, radius: float = NARROW) -> FullCase:
+    """Traced once for all tests, none of which changes it."""
+    return FullCase(name, radius=radius)
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_values_where_outputs_are_nearly_zero(proofcheck, tmp_path, name):
     """A ball of 1e-7 rad: what is left of its enclosure is slopes that the premises bound."""
-    case = FullCase(name)
+    case = of(name)
     file = case.write(tmp_path / "proof.json")
     u = np.random.default_rng(1).uniform((0.0, 0.2), (1.0, 0.8), size=(POINTS, 2))
     found, expected = bounds(proofcheck, file, u, u), case.values(u)
@@ -117,7 +124,7 @@ def test_values_where_outputs_are_nearly_zero(proofcheck, tmp_path, name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_boxes_contain_their_points_for_all_of_the_ball(proofcheck, tmp_path, name):
-    case, draw = FullCase(name, radius=3e-3), np.random.default_rng(2)
+    case, draw = of(name, WIDE), np.random.default_rng(2)
     file = case.write(tmp_path / "proof.json")
     size = 0.5 ** draw.uniform(5.0, 9.0, size=(BOXES, 1)) * np.ones(2)
     low = draw.uniform(size=(BOXES, 2)) * (1.0 - size)
@@ -139,7 +146,7 @@ def test_boxes_contain_their_points_for_all_of_the_ball(proofcheck, tmp_path, na
 
 def test_both_ways_enclose_the_same(proofcheck, tmp_path):
     """By its own formulas and by the Program in the file, on one box."""
-    file = FullCase("amber3m", radius=1e-3).write(tmp_path / "proof.json")
+    file = of("amber3m", WIDE).write(tmp_path / "proof.json")
     low = np.array([[0.4, 0.45]])
     (own,), (programs,) = (
         bounds(proofcheck, file, low, low + 0.01, *options) for options in ((), ("--program",))
@@ -151,7 +158,7 @@ def test_both_ways_enclose_the_same(proofcheck, tmp_path):
 
 
 def test_a_residual_and_another_size_of_xi_are_rejected(proofcheck, tmp_path):
-    case = FullCase("amber3m")
+    case = of("amber3m")
     table = json.loads(json.dumps(case.table))
     zero = {"shape": [2], "values": ["0x0p+0"] * 2}
     layer = {"shape": [2, 2], "values": ["0x0p+0"] * 4}
@@ -173,9 +180,10 @@ FACTORS = (-1.0, 0.0, 0.8, 1.4)
 def stated(case: FullCase, shape: FullOrder) -> dict:
     """A file that claims level 4 with these constants, and premises with bounds that are absurd."""
     table = dict(case.table)
-    program = copy.deepcopy(table["program"])
+    rows = [list(row) for row in table["program"]["constants"]]
+    program = table["program"] | {"constants": rows}
     for name, numbers in series(shape).items():
-        (row,) = [row for row in program["constants"] if row[0] == f"full.{name}"]
+        (row,) = [row for row in rows if row[0] == f"full.{name}"]
         row[2] = base64.b64encode(np.array(numbers).tobytes()).decode()
     (theorem,) = Theorems.of(shape, claimed=(4,)).tables()
     statements = [
@@ -195,7 +203,7 @@ def stated(case: FullCase, shape: FullOrder) -> dict:
 
 @pytest.fixture(scope="module")
 def case():
-    return FullCase("amber3m")
+    return of("amber3m")
 
 
 @pytest.fixture(scope="module")

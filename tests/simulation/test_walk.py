@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.errors import InputError
+from neuralgaits.simulation import lockstep
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.metrics import summary
@@ -54,15 +55,16 @@ def test_an_episode_does_not_depend_on_its_neighbours(amber, batch, brisk):
     np.testing.assert_allclose(alone.energy[0], together.energy[1], rtol=1e-6)
 
 
-def test_a_walk_can_be_repeated_and_threads_change_nothing(amber, brisk):
+def test_a_walk_can_be_repeated_and_threads_change_nothing(amber, brisk, monkeypatch):
     policy, x = brisk
     noisy = Disturbance(encoder_noise=1e-4, floor_height=0.002)
-    starts = np.tile(x, (32, 1))
+    # Two episodes, a thread for each.
+    monkeypatch.setattr(lockstep, "_MIN_EPISODES_PER_THREAD", 1)
     runs = [
         walk(
             amber,
-            policy,
-            starts,
+            [policy, policy],
+            np.tile(x, (2, 1)),
             controller="fblin",
             steps=1,
             disturbance=noisy,
@@ -82,7 +84,8 @@ def test_a_robot_that_falls_says_why(amber, brisk):
     backwards[5:] *= -1.0
     leaning = x.copy()
     leaning[2] += 1.3
-    walked = walk(amber, policy, np.array([backwards, leaning]), controller="fblin", steps=20)
+    starts = np.array([backwards, leaning])
+    walked = walk(amber, [policy, policy], starts, controller="fblin", steps=20)
     figures = summary(walked)
     assert figures["fell"] == [True, True]
     assert all(figures["fall_reasons"])
@@ -95,7 +98,7 @@ def test_pushes_move_the_robot_their_way(amber, brisk):
     hips = []
     for impulse in (-4.0, 0.0, 4.0):
         walked = walk(
-            amber, policy, x[None], controller="fblin", steps=9, push=impulse, record=True
+            amber, policy, x[None], controller="fblin", steps=5, push=impulse, record=True
         )
         assert walked.episodes.endings == [Ending.WALKED]
         hips.append(walked.episodes.gauge.last.time[0])

@@ -19,8 +19,13 @@ from neuralgaits.viewer.sureness import how_sure
 
 
 @pytest.fixture(scope="module")
-def plane(shipped):
-    look = Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+def look(shipped):
+    """Compiled once for all pictures."""
+    return Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+
+
+@pytest.fixture(scope="module")
+def plane(shipped, look):
     return portrait(shipped, look, certified=True)
 
 
@@ -82,20 +87,34 @@ def test_answers_of_boxes_are_those_of_the_certificates_map():
         assert getattr(board, name) == getattr(certificate_map, name)
 
 
-def test_without_a_certificate_margins_are_sampled_and_called_so(shipped):
-    look = Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+@pytest.fixture
+def known_orbit(plane, monkeypatch):
+    """For pictures of the same gait: its orbit, looked for once, is in `plane`."""
+
+    class Known:
+        orbit = None
+
+    class Path:
+        z = plane.orbit[:, None]
+
+    monkeypatch.setattr(phase_plane, "sampled_map", lambda *_: Known)
+    monkeypatch.setattr(phase_plane, "cycle", lambda *_: Path)
+
+
+def test_without_a_certificate_margins_are_sampled_and_called_so(shipped, look, known_orbit):
     plane = portrait(shipped, look, certified=False)
     assert "no proof" in plane.title
     assert set(np.unique(plane.answer)) == {PROVED}
     assert np.all(plane.margin > 0.0)
 
 
-def test_a_map_that_is_open_somewhere_is_not_called_proved(shipped, plane, monkeypatch):
+def test_a_map_that_is_open_somewhere_is_not_called_proved(
+    shipped, look, plane, known_orbit, monkeypatch
+):
     assert "proved margins" in plane.title
     answer = np.where(np.arange(len(plane.answer)) == 3, board.UNDECIDED, plane.answer)
     arrays = {"corners": plane.corners, "answer": answer, "margin": plane.margin}
     monkeypatch.setattr(phase_plane, "read_arrays", lambda _: (arrays, {}))
-    look = Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
     assert "only green is proved" in portrait(shipped, look, certified=True).title
 
 

@@ -59,6 +59,11 @@ class Operation:
     index: tuple[int, ...] = ()
     columns: int = 1
 
+    @cached_property
+    def positions(self) -> np.ndarray:
+        """`index` as an array. [size]."""
+        return np.asarray(self.index)
+
 
 @dataclass(frozen=True)
 class Output:
@@ -102,6 +107,17 @@ class Program:
             *(constant.array.size for constant in self.constants),
             *(operation.size for operation in self.operations),
         )
+
+    @cached_property
+    def spent(self) -> tuple[tuple[int, ...], ...]:
+        """For each operation, the operands that nothing reads later; outputs are never let go."""
+        read = {output.value for output in self.outputs}
+        found = []
+        for operation in reversed(self.operations):
+            operands = set(operation.operands)
+            found.append(tuple(sorted(operands - read)))
+            read |= operands
+        return tuple(reversed(found))
 
     @cached_property
     def varies(self) -> tuple[bool, ...]:

@@ -2,12 +2,16 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.levels.full_order.looks import set_of
 from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
-from neuralgaits.certificate.levels.full_order.theorem import labelled_premises
+from neuralgaits.certificate.levels.full_order.theorem import (
+    FENCES,
+    BarrierConstants,
+    labelled_premises,
+)
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.runs import plain
@@ -15,6 +19,7 @@ from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.demo import FOLDER
 from support.forgeries.base import About, Base, Table
 from support.forgeries.edits import claim, root, sha256, spec_file
+from support.full_order_shape import FENCE, SHAPE, TORSO
 
 PROOF = "certificate/proof.json"
 SUMMARY = "certificate/summary.json"
@@ -83,15 +88,15 @@ def describe(folder: Path, text: str, function: str) -> str:
 
 
 def full_order_table(run: Run) -> Table:
-    """Levels 1 to 4: those below as they are shipped, and level 4 with the finder's constants.
+    """Levels 1 to 4: those below as they are shipped, and level 4 with constants that fit together.
 
     Its premises are taken as proved: trees are one leaf. A checker that bounds boxes does not come
     to an end with them; `benchmarks/forgeries.py` has the true trees. Without the model, for the
     same reason: the C++ checker starts from it.
     """
     table = _read(run.path / PROOF)
-    shape = set_of(FullOrderModel(run.robot, run.gait, run.spec))
-    assert not isinstance(shape, str), shape
+    barriers = FullOrderModel(run.robot, run.gait, run.spec).names
+    shape = replace(SHAPE, barriers=tuple(_constants(name) for name in barriers))
     below = Theorems.read(table["theorems"])
     theorems = Theorems({**below.parameters, 4: shape}, (*below.claimed, 4))
     program = trace_certificate(run.spec, run.robot, run.gait, Sets(theorems.parameters))
@@ -105,6 +110,11 @@ def full_order_table(run: Run) -> Table:
         "theorems": [dict(row) for row in theorems.tables()],
         "model": None,
     }
+
+
+def _constants(barrier: str) -> BarrierConstants:
+    """Of a fence or of an angle of the torso."""
+    return replace(FENCE if barrier in FENCES else TORSO, name=barrier)
 
 
 def _read(path: Path) -> Table:

@@ -10,6 +10,8 @@ from typing import Any
 
 Corner = tuple[float, ...]
 """One corner of a box."""
+_BETWEEN = {ord(space): None for space in "\n\r\t"}
+"""Space that JSON allows between its words and nowhere in a text."""
 
 
 def parse(text: str, *, fractions: bool = True) -> Any:
@@ -25,7 +27,9 @@ def parse(text: str, *, fractions: bool = True) -> Any:
         parse_constant=no_number,
         parse_float=None if fractions else no_number,
     )
-    _refuse_unprintable(table)
+    # What is not escaped stands in the text itself, and nothing but space may lie between texts.
+    if "\\" in text or not text.translate(_BETWEEN).isprintable():
+        _refuse_unprintable(table)
     return table
 
 

@@ -64,7 +64,10 @@ class PointAlgebra:
         if len(operands) == 1:
             return operands[0][index]
         batch = max(operand.shape[1] for operand in operands)
-        rows = [np.broadcast_to(operand, (operand.shape[0], batch)) for operand in operands]
+        rows = [
+            part if part.shape[1] == batch else np.broadcast_to(part, (part.shape[0], batch))
+            for part in operands
+        ]
         return np.concatenate(rows)[index]
 
     def affine(
