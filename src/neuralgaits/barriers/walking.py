@@ -184,7 +184,7 @@ def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractConditi
     unit = units(robot)
     # Without rotors to speak of, joints are faster after an impact, and hips slower in mid-step.
     heavy = float(np.mean(robot.armature[1:] / joint_inertia(robot))) > HEAVY_ROTORS
-    rate = (4.0 if heavy else 6.0) / unit.time
+    rate = (4.0 if heavy else 7.0) / unit.time
     if forward is None:
         # A slower tube is pushed over more easily.
         forward = (0.35 if heavy else 0.2) * unit.speed
