@@ -8,7 +8,6 @@ import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.control import Fblin
-from neuralgaits.control.joint_inertia import joint_inertia
 from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.errors import MismatchError
@@ -19,6 +18,7 @@ from neuralgaits.export.programs import policy_rate
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
+from neuralgaits.gait.joint_inertia import joint_inertia
 from support.compiled import folder_with
 from support.designs import design_for
 from support.random_biped import random_biped

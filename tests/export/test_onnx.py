@@ -11,9 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.control.joint_inertia import joint_inertia
 from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.errors import InputError, MismatchError, SpecError
+from neuralgaits.gait.joint_inertia import joint_inertia
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.runs import to_json
