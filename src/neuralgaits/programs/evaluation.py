@@ -102,15 +102,14 @@ def evaluate(
     values: dict[int, V] = dict(constants)
     entered = algebra.enter(program, inputs)
     values |= {number: entered[item.name] for number, item in enumerate(program.inputs)}
-    last = _last_uses(program)
-    for number, operation in enumerate(program.operations, start=program.first_operation):
-        if not program.varies[number]:
+    varies, plan = program.varies, zip(program.operations, program.spent, strict=True)
+    for number, (operation, spent) in enumerate(plan, start=program.first_operation):
+        if not varies[number]:
             continue
         values[number] = _apply(algebra, operation, values)
-        for operand in set(operation.operands):
-            if last[operand] == number:
-                # A large batch should hold only the values still needed.
-                values.pop(operand, None)
+        for operand in spent:
+            # A large batch should hold only the values still needed.
+            values.pop(operand, None)
     outputs = {output.name: values[output.value] for output in program.outputs}
     return algebra.leave(program, outputs, inputs)
 
@@ -119,7 +118,7 @@ def _apply(algebra: Algebra[V], operation: Operation, values: Mapping[int, V]) -
     operands = [values[operand] for operand in operation.operands]
     match operation.kind:
         case "move":
-            return algebra.move(operands, np.asarray(operation.index))
+            return algebra.move(operands, operation.positions)
         case "affine":
             offset = operands[2] if len(operands) == 3 else None
             return algebra.affine(operands[0], operands[1], offset, operation.columns)
@@ -129,12 +128,3 @@ def _apply(algebra: Algebra[V], operation: Operation, values: Mapping[int, V]) -
             return algebra.inner(operands[0], operands[1], operation.size)
         case kind:
             return algebra.elementwise(kind, *operands)
-
-
-def _last_uses(program: Program) -> dict[int, int]:
-    """Number of the last operation that reads each value; outputs are never let go."""
-    last: dict[int, int] = {}
-    for number, operation in enumerate(program.operations, start=program.first_operation):
-        last.update(dict.fromkeys(operation.operands, number))
-    last.update(dict.fromkeys((output.value for output in program.outputs), len(program.sizes)))
-    return last

@@ -64,7 +64,13 @@ class PointAlgebra:
         if len(operands) == 1:
             return operands[0][index]
         batch = max(operand.shape[1] for operand in operands)
-        rows = [np.broadcast_to(operand, (operand.shape[0], batch)) for operand in operands]
+        rows = [
+            # Most have the batch's size already, and the call takes longer than small gathers.
+            operand
+            if operand.shape[1] == batch
+            else np.broadcast_to(operand, (operand.shape[0], batch))
+            for operand in operands
+        ]
         return np.concatenate(rows)[index]
 
     def affine(
