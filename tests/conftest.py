@@ -99,6 +99,31 @@ def certified(trained, made_once):
     return open_run(made_once("certified", make))
 
 
+@pytest.fixture(scope="session")
+def small_run(made_once):
+    """Two steps of tests/support/small_spec.py, shared by all workers: nobody changes it."""
+    return _two_steps(made_once, "small")
+
+
+@pytest.fixture(scope="session")
+def relu_run(made_once):
+    """The same with the paper's activation, which cannot be proved."""
+    return _two_steps(made_once, "relu")
+
+
+def _two_steps(made_once: Callable[[str, Maker], Path], name: str):
+    from neuralgaits.analysis.run import open_run
+    from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.train import train
+    from support import small_spec
+
+    def make(run: Path) -> None:
+        spec = f"{small_spec.__file__}:{name}"
+        train(load_robot("amber3m"), spec, hidden=(4,), steps=2, out=run, root=run.parent)
+
+    return open_run(made_once(f"{name}-run", make))
+
+
 @pytest.fixture(scope="module")
 def browser():
     """The machine's Chromium; one without a graphics card draws in software."""

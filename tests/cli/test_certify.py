@@ -1,10 +1,10 @@
 """The verb certify: exit codes, one JSON object, a table."""
 
 import json
+import shutil
 
 import pytest
 
-import neuralgaits as ng
 from neuralgaits.cli import proof_screen
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
@@ -15,21 +15,15 @@ from neuralgaits.records.certified import (
     Counterexample,
 )
 from neuralgaits.workflows.certify import HIGHEST
-from neuralgaits.workflows.train import train
-from support import small_spec
-
-SMALL = small_spec.__file__
 
 Captured = pytest.CaptureFixture[str]
 
 
 @pytest.fixture(scope="module", params=["small", "relu"])
 def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
-    """A run of one step: it breaks conditions, or cannot be proved at all."""
-    root = tmp_path_factory.mktemp("run")
-    spec = f"{SMALL}:{request.param}"
-    made = train(ng.load_robot("amber3m"), spec, steps=1, out=root / "run", root=root)
-    return request.param, made.path
+    """A run of two steps: it breaks conditions, or cannot be proved at all."""
+    made = request.getfixturevalue(f"{request.param}_run")
+    return request.param, shutil.copytree(made.path, tmp_path_factory.mktemp("run") / "run")
 
 
 def test_the_exit_code_is_the_verdict(run, capfd: Captured) -> None:

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from neuralgaits.barriers import GaitSpec
 from neuralgaits.viewer.player import Player
 from neuralgaits.workflows import export as exporting
 from neuralgaits.workflows import train as training
+from support import brief_spec
 
 STEPS = 3
 """Gradient steps of a training on a page."""
@@ -23,13 +25,20 @@ def place(trained, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copytree(trained.path, runs / "amber3m" / "before")
     (runs / "latest").write_text("amber3m/before\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(training, "train", partial(training.train, steps=STEPS))
+    monkeypatch.setattr(training, "train", partial(_train_briefly, train=training.train))
     monkeypatch.setattr(
         exporting, "export_controller", partial(exporting.export_controller, states=STATES)
     )
     # A page that closes its viewer at once has its wishes all the same, and hears what failed.
     monkeypatch.setattr(Player, "stop", _stop_when_all_is_granted)
     return tmp_path
+
+
+def _train_briefly(robot, spec="walking", *, train, **settings):
+    """Few steps; and few conditions, which compile faster."""
+    if isinstance(spec, GaitSpec):
+        spec = brief_spec.briefly(spec)
+    return train(robot, spec, steps=STEPS, **settings)
 
 
 def _stop_when_all_is_granted(player: Player, stop=Player.stop) -> None:

@@ -14,6 +14,10 @@ KEPT = (
 
 
 def brief(robot):
-    spec = specs.walking(robot)
+    return briefly(specs.walking(robot))
+
+
+def briefly(spec):
+    """Few of the conditions of `walking`."""
     conditions = tuple(c for c in spec.conditions if c.name in KEPT)
     return replace(spec, name="brief", conditions=conditions)

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import neuralgaits as ng
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.search.schedule import SearchInterrupted
@@ -16,18 +15,9 @@ from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
 from neuralgaits.workflows import certify as certify_module
 from neuralgaits.workflows.certify import certify
-from neuralgaits.workflows.train import train
-from support import small_spec
-
-SMALL = small_spec.__file__
 
 FIELDS = {"verdict", "level", "conditions", "wall_s", "proof"}
 ENTRY = {"verdict", "proved_fraction", "boxes", "margin", "counterexample"}
-
-
-@pytest.fixture(scope="module")
-def amber():
-    return ng.load_robot("amber3m")
 
 
 @pytest.fixture(scope="module")
@@ -43,10 +33,9 @@ def certificate(gait):
 
 
 @pytest.fixture(scope="module")
-def poor(amber, tmp_path_factory):
-    """A run of one gradient step: some conditions cannot hold."""
-    root = tmp_path_factory.mktemp("poor")
-    return train(amber, f"{SMALL}:small", hidden=(4,), steps=1, out=root / "run", root=root)
+def poor(small_run, tmp_path_factory):
+    """A run of two gradient steps: some conditions cannot hold."""
+    return open_run(shutil.copytree(small_run.path, tmp_path_factory.mktemp("poor") / "run"))
 
 
 def test_the_default_gait_is_proved(gait, certificate):
@@ -191,9 +180,8 @@ def test_a_proof_of_what_cannot_be_traced_any_more_is_removed(gait, tmp_path, mo
     assert not proof.exists()
 
 
-def test_relu_is_undecided_and_says_why(amber, tmp_path):
-    run = train(amber, f"{SMALL}:relu", steps=1, out=tmp_path / "run", root=tmp_path)
-    done = certify(run)
+def test_relu_is_undecided_and_says_why(relu_run, tmp_path):
+    done = certify(shutil.copytree(relu_run.path, tmp_path / "run"))
     assert done.verdict == "undecided"
     assert done.summary["proof"] is None
     assert "max" in done.summary["reason"]
@@ -216,7 +204,7 @@ def test_bad_settings(gait, options, found):
         certify(gait, **options)
 
 
-def test_resume_without_boxes(amber, tmp_path):
-    run = train(amber, f"{SMALL}:small", hidden=(3,), steps=1, out=tmp_path / "run", root=tmp_path)
+def test_resume_without_boxes(small_run, tmp_path):
+    run = shutil.copytree(small_run.path, tmp_path / "run")
     with pytest.raises(RunError, match="boxes"):
         certify(run, level=1, resume=True)

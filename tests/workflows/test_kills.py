@@ -40,14 +40,14 @@ def kill_at(monkeypatch):
 
 
 def test_a_training_killed_while_it_writes_ends_as_if_never_killed(
-    brief_run, kill_at, monkeypatch, tmp_path
+    small_run, kill_at, monkeypatch, tmp_path
 ):
-    robot, spec = load_robot("amber3m"), brief_run.folder.config["spec"]
+    robot, spec = load_robot("amber3m"), small_run.folder.config["spec"]
     out = tmp_path / "run"
 
     def go_on():
         if not (out / "config.json").is_file():
-            return train(robot, spec, steps=2, out=out, root=tmp_path)
+            return train(robot, spec, hidden=(4,), steps=2, out=out, root=tmp_path)
         return train(robot, resume=out, root=tmp_path)
 
     for moment in MOMENTS:
@@ -60,11 +60,11 @@ def test_a_training_killed_while_it_writes_ends_as_if_never_killed(
     assert list(out.glob(".*.tmp"))
     done = go_on()
     for name in RESULTS:
-        assert (done.path / name).read_bytes() == (brief_run.path / name).read_bytes(), name
+        assert (done.path / name).read_bytes() == (small_run.path / name).read_bytes(), name
     differ = {"run", "compile_s", "train_s", "wall_s"}
     one, other = (
         {name: value for name, value in run.summary.items() if name not in differ}
-        for run in (done, brief_run)
+        for run in (done, small_run)
     )
     assert one == other
     with pytest.raises(RunError, match="nothing to resume"):

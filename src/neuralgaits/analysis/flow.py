@@ -16,10 +16,8 @@ from neuralgaits._types import Bool, Float
 from neuralgaits.gait.runge_kutta import DOPRI5
 from neuralgaits.robots import PlanarBiped
 
-Motion = Callable[[np.ndarray], dict[str, np.ndarray]]
-"""z [N, 2] to "dz" [N, 2] (m/s, N m), "foot" [N, 2] (m) and "z_after" [N, 2]."""
-MOTION = "dz", "foot", "z_after"
-
+Quantity = Callable[[np.ndarray], np.ndarray]
+"""Of states [N, 2] (m, kg m^2/s)."""
 STEPS = 60
 """Fifth-order steps over the usual length of a step: errors near 1e-11 of z2."""
 BEHIND = 0.3
@@ -32,6 +30,17 @@ SECANT_STEPS = 12
 """That find where the foot meets the ground within one step, at most: bracketed."""
 ON_GROUND_M = 1e-15
 """A foot that is nearer to the ground than this is on it, to rounding [m]."""
+
+
+class Motion(NamedTuple):
+    """What the flow is made of, each by itself: most of its steps need the rate alone."""
+
+    dz: Quantity
+    """Rate of z. [N, 2] (m/s, N m)."""
+    foot: Quantity
+    """The swing foot ahead of the stance foot and above the ground. [N, 2] (m)."""
+    z_after: Quantity
+    """State after an impact here. [N, 2] (m, kg m^2/s)."""
 
 
 class Mesh(NamedTuple):
@@ -116,9 +125,9 @@ def returns(motion: Motion, z2: np.ndarray, mesh: Mesh) -> Returns:
     """One application of the Poincare map to many z2. [N]."""
     swung = swing(motion, np.stack([np.zeros(len(z2)), z2], axis=1), mesh)
     before = swung.z[-1]
-    known = motion(before)
-    after = to_section(motion, known["z_after"], mesh)
-    return Returns(after[:, 1], swung.t[-1] + after[:, 2], before, known["foot"][:, 0])
+    after = to_section(motion, motion.z_after(before), mesh)
+    length = motion.foot(before)[:, 0]
+    return Returns(after[:, 1], swung.t[-1] + after[:, 2], before, length)
 
 
 def _timed(z: np.ndarray) -> np.ndarray:
@@ -128,7 +137,7 @@ def _timed(z: np.ndarray) -> np.ndarray:
 
 def _rate(motion: Motion, y: np.ndarray) -> np.ndarray:
     """Slopes of (z1, z2, t) in z1. [N, 3]."""
-    dz = motion(y[:, :2])["dz"]
+    dz = motion.dz(y[:, :2])
     pace = np.where(dz[:, 0] > SLOWEST_M_S, dz[:, 0], np.nan)
     return np.stack([np.ones(len(y)), dz[:, 1] / pace, 1.0 / pace], axis=1)
 
@@ -148,7 +157,7 @@ def _step(motion: Motion, y: np.ndarray, h: np.ndarray) -> np.ndarray:
 
 def _foot(motion: Motion, y: np.ndarray) -> np.ndarray:
     """Height of the swing foot [m]. [N]."""
-    return motion(y[:, :2])["foot"][:, 1]
+    return motion.foot(y[:, :2])[:, 1]
 
 
 def _landing(motion: Motion, y: np.ndarray, step: float) -> np.ndarray:

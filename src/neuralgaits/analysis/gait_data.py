@@ -6,7 +6,7 @@ import json
 import numpy as np
 
 from neuralgaits.analysis.data import GaitData
-from neuralgaits.analysis.flow import MOTION, Mesh, swing
+from neuralgaits.analysis.flow import Mesh, Motion, swing
 from neuralgaits.analysis.orbit import cycle, sampled_map
 from neuralgaits.analysis.phase_plane import plane
 from neuralgaits.analysis.quantities import Chart, Look, quantities
@@ -69,7 +69,8 @@ def _with_names(run: Run, arrays: dict[str, np.ndarray]) -> GaitData:
 def compute(run: Run) -> dict[str, np.ndarray]:
     """All arrays of `analysis.data`. Raises: SpecError if the gait cannot be evaluated."""
     look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
-    motion, tube = look.only(*MOTION), Chart(run.gait, run.spec)
+    motion = Motion(*look.each(*Motion._fields))
+    tube = Chart(run.gait, run.spec)
     with np.errstate(all="ignore"):
         found = _chart(look, tube) | _plane(look, tube) | _orbit(run, look, motion, tube)
         found |= _walks(motion, tube)
@@ -115,7 +116,7 @@ def _plane(look: Look, tube: Chart) -> dict[str, np.ndarray]:
     }
 
 
-def _orbit(run: Run, look: Look, motion: Look, tube: Chart) -> dict[str, np.ndarray]:
+def _orbit(run: Run, look: Look, motion: Motion, tube: Chart) -> dict[str, np.ndarray]:
     """The sampled map, and one step from landing to landing; without an orbit, of no nodes."""
     mapped, robot = sampled_map(motion, tube), run.robot
     orbit = mapped.orbit
@@ -140,7 +141,7 @@ def _orbit(run: Run, look: Look, motion: Look, tube: Chart) -> dict[str, np.ndar
     }
 
 
-def _walks(motion: Look, tube: Chart) -> dict[str, np.ndarray]:
+def _walks(motion: Motion, tube: Chart) -> dict[str, np.ndarray]:
     """Walks that start after an impact near either fence."""
     phase, mesh = np.zeros(2), Mesh.of_gait(tube.start, tube.guard, WALK_NODES)
     state, pieces = tube.z(phase, np.array([0.05, 0.95])), []
@@ -149,7 +150,7 @@ def _walks(motion: Look, tube: Chart) -> dict[str, np.ndarray]:
         if not path.landed.all():
             break
         pieces.append(path.z)
-        state = np.array(motion(path.z[-1])["z_after"])
+        state = np.array(motion.z_after(path.z[-1]))
         # One line for both needs one z1; resets differ by what a free policy leaves.
         state[:, 0] = state[:, 0].mean()
     gap = np.full((1, 2), np.nan)

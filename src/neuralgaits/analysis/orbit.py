@@ -42,7 +42,7 @@ def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
     with np.errstate(all="ignore"):
         start = z0[None]
         if z0[0] > 0.0:
-            start = motion(swing(motion, start, mesh).z[-1])["z_after"]
+            start = motion.z_after(swing(motion, start, mesh).z[-1])
         return orbit_near(motion, float(to_section(motion, start, mesh)[0, 1]), mesh)
 
 
@@ -54,7 +54,7 @@ def motion_of(zd: ZeroDynamics) -> Motion:
         foot = jnp.stack([point.foot[0], point.foot_above_ground])
         return {"dz": point.dz, "foot": foot, "z_after": point.z_after}
 
-    return Look(named)
+    return Motion(*Look(named).each(*Motion._fields))
 
 
 def orbit_near(motion: Motion, z2: float, mesh: Mesh) -> Orbit:
@@ -115,7 +115,7 @@ def cycle(motion: Motion, orbit: Orbit, mesh: Mesh) -> Swing:
     """One step of an orbit from landing to landing, N = 1; no nodes if there is no orbit."""
     if orbit.result != "found":
         return Swing(np.zeros((0, 1, 2)), np.zeros((0, 1)), np.zeros(1, dtype=bool))
-    return swing(motion, motion(orbit.guard_state[None])["z_after"], mesh)
+    return swing(motion, motion.z_after(orbit.guard_state[None]), mesh)
 
 
 def _failed(reason: str) -> Orbit:

@@ -54,6 +54,16 @@ class Look:
 
         return Look(chosen, None if self._program is None else prune(self._program, list(names)))
 
+    def each(self, *names: str) -> list[Callable[[np.ndarray], np.ndarray]]:
+        """Functions of states for some of them, computed apart from the others where it can be."""
+
+        def alone(name: str) -> Callable[[np.ndarray], np.ndarray]:
+            # What has no Program would be compiled once more for each.
+            look = self if self._program is None else self.only(name)
+            return lambda z: look(z)[name]
+
+        return [alone(name) for name in names]
+
 
 def quantities(zd: ZeroDynamics, gait: Gait, spec: GaitSpec) -> Callable[[Any], dict[str, Any]]:
     """Everything that is drawn of a state, by name, as a function of z."""

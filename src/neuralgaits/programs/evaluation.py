@@ -102,9 +102,9 @@ def evaluate(
     values: dict[int, V] = dict(constants)
     entered = algebra.enter(program, inputs)
     values |= {number: entered[item.name] for number, item in enumerate(program.inputs)}
-    steps = zip(program.operations, program.spent, strict=True)
-    for number, (operation, spent) in enumerate(steps, start=program.first_operation):
-        if not program.varies[number]:
+    varies, plan = program.varies, zip(program.operations, program.spent, strict=True)
+    for number, (operation, spent) in enumerate(plan, start=program.first_operation):
+        if not varies[number]:
             continue
         values[number] = _apply(algebra, operation, values)
         for operand in spent:

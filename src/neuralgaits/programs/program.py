@@ -62,7 +62,9 @@ class Operation:
     @cached_property
     def positions(self) -> np.ndarray:
         """`index` as an array. [size]."""
-        return np.asarray(self.index)
+        found = np.asarray(self.index)
+        found.setflags(write=False)
+        return found
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,17 @@ class Program:
         for operation in self.operations:
             flags.append(any(flags[operand] for operand in operation.operands))
         return tuple(flags)
+
+    @cached_property
+    def spent(self) -> tuple[tuple[int, ...], ...]:
+        """For each operation, the values that neither a later one reads nor an output is."""
+        later = {output.value for output in self.outputs}
+        found = []
+        for operation in reversed(self.operations):
+            read = set(operation.operands)
+            found.append(tuple(sorted(read - later)))
+            later |= read
+        return tuple(reversed(found))
 
     @property
     def first_operation(self) -> int:

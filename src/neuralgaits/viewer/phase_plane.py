@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from neuralgaits.analysis.flow import MOTION, Mesh
+from neuralgaits.analysis.flow import Mesh, Motion
 from neuralgaits.analysis.orbit import cycle, sampled_map
 from neuralgaits.analysis.phase_plane import plane
 from neuralgaits.analysis.quantities import Chart, Look
@@ -27,10 +27,11 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
         look: everything about states.
         certified: whether the map of the run's certificate is about this very gait.
     """
-    chart, motion = Chart(run.gait, run.spec), look.only(*MOTION)
+    chart = Chart(run.gait, run.spec)
+    motion = Motion(*look.each(*Motion._fields))
     with np.errstate(all="ignore"):
         around = plane(chart, phases=FENCE_POINTS, lines=(COLUMNS, ROWS), beyond=(ASIDE, ABOVE))
-        dz = around.laid_out(motion(around.states)["dz"])
+        dz = around.laid_out(motion.dz(around.states))
         boxes = _proved(run) if certified else None
         if boxes is None:
             boxes, known = _sampled(chart, look), "sampled margins (no proof)"

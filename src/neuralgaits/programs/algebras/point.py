@@ -65,8 +65,11 @@ class PointAlgebra:
             return operands[0][index]
         batch = max(operand.shape[1] for operand in operands)
         rows = [
-            part if part.shape[1] == batch else np.broadcast_to(part, (part.shape[0], batch))
-            for part in operands
+            # Most have the batch's size already, and the call takes longer than small gathers.
+            operand
+            if operand.shape[1] == batch
+            else np.broadcast_to(operand, (operand.shape[0], batch))
+            for operand in operands
         ]
         return np.concatenate(rows)[index]
 
