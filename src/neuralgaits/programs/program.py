@@ -111,17 +111,6 @@ class Program:
         )
 
     @cached_property
-    def spent(self) -> tuple[tuple[int, ...], ...]:
-        """For each operation, the operands that nothing reads later; outputs are never let go."""
-        read = {output.value for output in self.outputs}
-        found = []
-        for operation in reversed(self.operations):
-            operands = set(operation.operands)
-            found.append(tuple(sorted(operands - read)))
-            read |= operands
-        return tuple(reversed(found))
-
-    @cached_property
     def varies(self) -> tuple[bool, ...]:
         """For each value, whether it depends on an input."""
         flags = [True] * len(self.inputs) + [False] * len(self.constants)
