@@ -217,11 +217,16 @@ def log_files(first: Path, episodes: int) -> list[Path]:
 
 
 def _fields(law: AbstractLaw) -> dict[str, Any]:
-    """A law's numbers by name; what is no number is shown as text."""
+    """A law's numbers by name, by joint in a list; what is no number is shown as text."""
     values = {field.name: getattr(law, field.name) for field in fields(law)}
     numbers = (bool, int, float, np.generic, np.ndarray, jax.Array)
     return {
-        name: value if isinstance(value, numbers) else repr(value) for name, value in values.items()
+        name: list(value)
+        if isinstance(value, tuple)
+        else value
+        if isinstance(value, numbers)
+        else repr(value)
+        for name, value in values.items()
     }
 
 
