@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.flow import Mesh, returns, swing, to_section
+from neuralgaits.analysis.flow import Mesh, Motion, returns, swing, to_section
 from neuralgaits.analysis.orbit import orbit_between
 
 # dz1 = 1, dz2 = z1: z2 = z2(0) + (z1^2 - z1(0)^2) / 2, and time is z1. The foot is down where
@@ -13,10 +13,19 @@ MESH = Mesh.of_gait(START, GUARD)
 HEIGHT, TILT, OFFSET = 0.15, 0.01, 2.0
 
 
-def motion(z):
-    foot = np.stack([np.ones(len(z)), HEIGHT + TILT * z[:, 1] - z[:, 0]], axis=1)
-    after = np.stack([np.full(len(z), START), 0.5 * z[:, 1] + OFFSET], axis=1)
-    return {"dz": np.stack([np.ones(len(z)), z[:, 0]], axis=1), "foot": foot, "z_after": after}
+def rate(z):
+    return np.stack([np.ones(len(z)), z[:, 0]], axis=1)
+
+
+def foot(z):
+    return np.stack([np.ones(len(z)), HEIGHT + TILT * z[:, 1] - z[:, 0]], axis=1)
+
+
+def after(z):
+    return np.stack([np.full(len(z), START), 0.5 * z[:, 1] + OFFSET], axis=1)
+
+
+motion = Motion(rate, foot, after)
 
 
 def landing(z1, z2):
@@ -61,13 +70,13 @@ def test_no_fixed_point_is_nan_and_not_a_number_of_its_own():
 
 def test_a_hip_that_stops_does_not_land():
     def stopping(z):
-        found = motion(z)
-        found["dz"][:, 0] = np.where(z[:, 0] > 0.0, 0.0, 1.0) * (z[:, 1] < 4.0) + (z[:, 1] >= 4.0)
+        found = rate(z)
+        found[:, 0] = np.where(z[:, 0] > 0.0, 0.0, 1.0) * (z[:, 1] < 4.0) + (z[:, 1] >= 4.0)
         return found
 
     start = np.array([[START, 3.0], [START, 5.0]])
     with np.errstate(invalid="ignore"):
-        path = swing(stopping, start, MESH)
+        path = swing(motion._replace(dz=stopping), start, MESH)
     assert path.landed.tolist() == [False, True]
     assert np.isnan(path.z[-1, 0]).all()
 
@@ -75,11 +84,11 @@ def test_a_hip_that_stops_does_not_land():
 def test_the_error_falls_with_the_fifth_power_of_the_step():
     def pendulum(z):
         # dz2 / dz1 = z2: the solution is an exponential.
-        return motion(z) | {"dz": np.stack([np.ones(len(z)), z[:, 1]], axis=1)}
+        return np.stack([np.ones(len(z)), z[:, 1]], axis=1)
 
     start = np.array([[START, 3.0]])
     errors = []
     for steps in (2, 4):
-        end = to_section(pendulum, start, Mesh(-START / steps, GUARD))
+        end = to_section(motion._replace(dz=pendulum), start, Mesh(-START / steps, GUARD))
         errors.append(abs(end[0, 1] - 3.0 * np.exp(-START)))
     assert errors[0] / errors[1] == pytest.approx(32.0, rel=0.15)
