@@ -31,8 +31,9 @@ _STEP_LIMITS = {"double": 1e-11, "float": 1e-3}
 method lie between them and the commands."""
 _BOUND_STEPS = 4
 """Steps of a family whose errors in single precision are bounded."""
-_STEP_TORQUE = 2e-4
-"""How far torques in single precision may be off where the numbers of the step are, too."""
+_STEP_TORQUE = 5e-4
+"""How far torques in single precision may be off where the numbers of the step are, too: joint
+damping makes 0.01 N m of 41 of what desired rates are off by."""
 _SMALLEST_RANGE = 1e-3
 """Of a number of a step, below which its distance is no share of it."""
 _CUTS = {"z": (64, 32), "dz": (2, 2)}
