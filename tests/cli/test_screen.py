@@ -27,6 +27,16 @@ def test_a_fall_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
     assert "multiplier" not in out  # None: nothing to show.
 
 
+@pytest.mark.parametrize(("share", "told"), [(0.723, "72% of ticks"), (0.003, None)])
+def test_torque_that_is_short_is_said(capsys: pytest.CaptureFixture[str], share, told) -> None:
+    result = ASKED | {"steps_walked": [50], "fell": [False], "fall_reasons": [None]}
+    result |= {"saturated_fraction": share, "poincare": None}
+    screen.show_walks(Simulated.of(result))
+    out = capsys.readouterr().out
+    assert (told or "") in out
+    assert ("no torque in" in out) is (told is not None)
+
+
 def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) -> None:
     disturb = {"friction": 0.2, "mass_scale": 1.0, "delay_ms": 0.0}
     result = ASKED | {

@@ -27,7 +27,6 @@ from neuralgaits.barriers.regions import Box, Gait, Tube
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, walking_posture
-from neuralgaits.gait.joint_inertia import joint_inertia
 from neuralgaits.gait.posture import REFERENCE_LEG_M
 
 if TYPE_CHECKING:
@@ -175,15 +174,17 @@ def _new_mlp(
     return Gait(policy, start_tube(robot, (-guard, guard), (-guard, guard)))
 
 
-HEAVY_ROTORS = 0.2
-"""Share of rotors in the inertia that motors feel; AMBER-3M and RABBIT have a half and more."""
+HEAVY_ROTORS = 0.002
+"""Inertia of a rotor in units of mass times leg length squared. AMBER-3M has 0.026 and RABBIT 0.04,
+more than half of what their motors feel; the walkers of reinforcement learning have 0.0004."""
 
 
 def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractCondition]:
     """Torso, contact forces, torques, joint rates and knees on the whole tube."""
     unit = units(robot)
     # Without rotors to speak of, joints are faster after an impact, and hips slower in mid-step.
-    heavy = float(np.mean(robot.armature[1:] / joint_inertia(robot))) > HEAVY_ROTORS
+    rotor = float(np.mean(robot.armature[1:])) / (unit.mass_kg * robot.leg_length**2)
+    heavy = rotor > HEAVY_ROTORS
     rate = (4.0 if heavy else 7.0) / unit.time
     if forward is None:
         # A slower tube is pushed over more easily.
