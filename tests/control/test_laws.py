@@ -1,3 +1,4 @@
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,7 +8,9 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits.control import PAPER, Fblin, Pd
 from neuralgaits.control.law import Reading
 from neuralgaits.control.momentum import zero_state
+from neuralgaits.control.pd import BANDWIDTH, MOST, SLOWEST
 from neuralgaits.gait import BezierPolicy, ZeroDynamics
+from neuralgaits.gait.joint_inertia import joint_inertia
 from neuralgaits.gait.posture import momentum_unit, walking_posture
 
 
@@ -101,20 +104,37 @@ def test_the_feed_forward_keeps_outputs_that_are_met(robot, rng):
     np.testing.assert_allclose(change, 0.0, atol=1e-9 * (1.0 + float(jnp.max(jnp.abs(ddq)))))
 
 
-def test_gains_fit_the_inertia_that_a_motor_feels(robot):
-    """A step in one torque alone, by the full dynamics; given gains are left as they are."""
+def responses(robot):
+    """Accelerations of the joints for unit torques in the nominal posture, by the full dynamics."""
     posture = walking_posture(robot)
     ahead = posture.z_guard - robot.hip_gradient[1:] @ posture.guard_outputs
     q = jnp.concatenate([jnp.array([ahead / robot.hip_gradient[0]]), posture.guard_outputs])
     rest = jnp.zeros(robot.n)
-    law, given = Pd(bandwidth=30.0).fitted(robot), Pd(stiffness=(7.0,)).fitted(robot)
     accelerations = jax.vmap(lambda torque: robot.acceleration(q, rest, torque))
     pushes = jnp.concatenate([jnp.eye(robot.n - 1), jnp.zeros((1, robot.n - 1))])
     answers = accelerations(pushes)
-    inertia = 1.0 / jnp.diag((answers[:-1] - answers[-1:])[:, 1:])
+    return (answers[:-1] - answers[-1:])[:, 1:]
+
+
+def test_gains_fit_the_inertia_that_a_motor_feels(robot):
+    """A step in one torque alone, by the full dynamics; given gains are left as they are."""
+    law, given = Pd(bandwidth=30.0).fitted(robot), Pd(stiffness=(7.0,)).fitted(robot)
+    inertia = 1.0 / jnp.diag(responses(robot))
     np.testing.assert_allclose(law.stiffness, 900.0 * inertia, rtol=1e-9)
     np.testing.assert_allclose(law.damping, 60.0 * inertia, rtol=1e-9)
     assert given.stiffness == (7.0,) * (robot.n - 1)
+
+
+def test_joints_do_not_give_way_together_slowly(robot):
+    """Natural frequencies of errors under the fitted stiffness, by the full dynamics."""
+    light = eqx.tree_at(lambda r: r.armature, robot, jnp.zeros(robot.n))
+    for model in (robot, light):
+        stiffness = np.array(Pd().fitted(model).stiffness)
+        squares = np.linalg.eigvals(np.asarray(responses(model)).T * stiffness).real
+        w = float(np.sqrt(stiffness[0] / joint_inertia(model)[0]))
+        assert BANDWIDTH <= w * (1 + 1e-9) and w <= MOST * (1 + 1e-9)
+        if w < MOST * (1 - 1e-9):
+            assert np.sqrt(np.min(squares)) >= SLOWEST * (1 - 1e-9)
 
 
 def test_the_papers_controller_tells_the_policy_no_momentum(amber, rng):

@@ -32,4 +32,5 @@ def test_the_summary_says_so_too(trained):
     scales = {c.name: c.scale for c in trained.spec.conditions}
     for name, found in trained.summary["conditions"].items():
         assert found["max_violation"] == found["mean_violation"] == 0.0
-        assert found["min_margin"] >= LEAST_MARGIN * scales[name]
+        assert found["min_margin"] >= LEAST_MARGIN
+        assert found["scale"] == scales[name]

@@ -98,7 +98,8 @@ def swing(motion: Motion, start: np.ndarray, mesh: Mesh) -> Swing:
     nodes, ended, end = [y], np.zeros(len(y), bool), np.full((len(y), 3), np.nan)
     while not ended.all() and y[0, 0] < mesh.last:
         ahead = _step(motion, y, h)
-        now = ~ended & (_foot(motion, ahead) < 0.0) & (ahead[:, 0] > 0.0)
+        # A node on the ground is the landing, on whichever side of it rounding puts the foot.
+        now = ~ended & (_foot(motion, ahead) < ON_GROUND_M) & (ahead[:, 0] > 0.0)
         if now.any():
             end[now] = _landing(motion, y[now], mesh.step)
             ended |= now

@@ -10,6 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
+from neuralgaits import _notebook
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
@@ -24,6 +25,9 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+
+_TIGHTEST = 5
+"""Conditions that a notebook shows."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,34 @@ class Run:
     spec: GaitSpec
     trained: AnyGait
     command: Mapping[str, float] | None = None
+
+    def __repr__(self) -> str:
+        """One line: where it is, of what, and how its conditions do on samples."""
+        told = "" if self.command is None else f" at {dict(self.command)}"
+        try:
+            asked, held = self.asked, self._on_samples
+        except RunError:
+            # Whoever looks at it may be looking for what is wrong with it.
+            return f"<Run {self.path}{told}: {self.robot.name}, files damaged>"
+        about = f"{self.robot.name}, spec {asked.spec}, seed {asked.seed}"
+        return f"<Run {self.path}{told}: {about}, {held}>"
+
+    def _repr_html_(self) -> str:
+        """The same for a notebook, with the tightest conditions."""
+        try:
+            found = self.summary.conditions
+        except RunError as error:
+            return _notebook.table(repr(self)[1:-1], [(error,)])
+        measured = sorted(found.items(), key=lambda row: row[1].min_margin)
+        rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[:_TIGHTEST]]
+        head = (f"tightest of {len(measured)} conditions", "least margin on samples, in scales")
+        return _notebook.table(repr(self)[1:-1], rows, head)
+
+    @property
+    def _on_samples(self) -> str:
+        count, broken = len(self.summary.conditions), len(self.summary.broken)
+        held = f"all {count}" if not broken else f"{count - broken} of {count}"
+        return f"{held} conditions hold on fresh samples"
 
     @cached_property
     def gait(self) -> Gait:
@@ -193,7 +225,7 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     told = tuple(
         Command(name, c.low, c.high, c.largest_change) for name, c in asked.commands.items()
     )
-    spec = specs.load(name, robot, told, asked.speed)
+    spec = specs.load(name, robot, told, asked.speed, asked.parameters)
     found = plain(spec.describe())
     if found != asked.described:
         differ = (key for key, value in found.items() if value != asked.described.get(key))

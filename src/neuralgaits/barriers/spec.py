@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from jaxtyping import PRNGKeyArray
 
@@ -15,6 +15,7 @@ from neuralgaits.barriers.regions import AnyGait, Box, Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Commands
+from neuralgaits.robots.parameters import Axis
 
 Init = Literal["posture", "random"]
 _FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient")
@@ -70,6 +71,17 @@ class Recipe:
     largest_gradient: float | None = None
 
 
+class ChartPoint(NamedTuple):
+    """What a point of the chart says."""
+
+    plane: Float[Array, "2"]
+    """Phase and level."""
+    told: Float[Array, " c"]
+    """Point of the commands' axes."""
+    errors: Float[Array, " k"]
+    """Of the robot's parameters."""
+
+
 @dataclass(frozen=True)
 class GaitSpec:
     """Conditions that make a policy walk, with everything needed to train for them.
@@ -83,6 +95,8 @@ class GaitSpec:
         weights: factor of each condition's loss; 1 where absent.
         commands: what the gait is told at each touchdown.
         aims: what the gait is trained towards beside its conditions; no certificate speaks of them.
+        parameters: of the robot, by which it may differ from its file, of `parameters.axes_of`: the
+            conditions are meant for every robot of that box.
     """
 
     name: str
@@ -93,6 +107,7 @@ class GaitSpec:
     weights: Mapping[str, float] = field(default_factory=dict)
     commands: Commands = ()
     aims: tuple[AbstractAim, ...] = ()
+    parameters: tuple[Axis, ...] = ()
 
     def __post_init__(self):
         """Refuse names that are none or not unique, unknown regions, regions without samples."""
@@ -106,7 +121,10 @@ class GaitSpec:
                     )
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
-            raise SpecError(f"spec {self.name!r}: condition names must differ, found {repeated}")
+            raise SpecError(
+                f"spec {self.name!r}: condition names must differ, found {repeated}: take the old "
+                f'one out first, `.without("{repeated[0]}")`, or name the new one otherwise'
+            )
         for condition in self.trained_for:
             if condition.region not in self.regions:
                 known = ", ".join(self.regions)
@@ -139,8 +157,13 @@ class GaitSpec:
 
     @property
     def chart_size(self) -> int:
-        """Axes of the chart: phase, level, and two a command."""
-        return 2 + 2 * len(self.commands)
+        """Axes of the chart: phase, level, two a command, and one a parameter of the robot."""
+        return 2 + 2 * len(self.commands) + len(self.parameters)
+
+    def parted(self, u: Float[Array, " n"]) -> "ChartPoint":
+        """A chart point's plane, commands and parameters of the robot."""
+        end = 2 + 2 * len(self.commands)
+        return ChartPoint(u[:2], u[2:end], u[end:])
 
     def with_conditions(self, *more: AbstractCondition) -> "GaitSpec":
         """The same spec with further conditions."""
@@ -179,6 +202,8 @@ class GaitSpec:
             described["aims"] = [describe_condition(aim) for aim in self.aims]
         if self.commands:
             described["commands"] = [asdict(command) for command in self.commands]
+        if self.parameters:
+            described["parameters"] = [axis._asdict() for axis in self.parameters]
         return described
 
     def margins(

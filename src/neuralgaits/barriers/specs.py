@@ -12,12 +12,14 @@ from neuralgaits.barriers import paper as _paper
 from neuralgaits.barriers import user_code
 from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.commanded import at_speed, commanded
-from neuralgaits.barriers.paper import authors, paper
+from neuralgaits.barriers.paper import authors, paper, paper_walks
+from neuralgaits.barriers.robust import robust
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.user_code import PREFIX
 from neuralgaits.barriers.walking import walking
 from neuralgaits.errors import NeuralGaitsError, SpecError
 from neuralgaits.gait.commands import Commands
+from neuralgaits.robots.parameters import Box
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -29,6 +31,8 @@ __all__ = [
     "commanded",
     "load",
     "paper",
+    "paper_walks",
+    "robust",
     "source_path",
     "walking",
 ]
@@ -37,28 +41,43 @@ _BUILT_IN = {
     "walking": walking,
     "walking-mlp": partial(walking, policy="mlp"),
     "paper": paper,
+    "paper-walks": paper_walks,
     "authors": authors,
 }
 DESCRIPTIONS = {
     "walking": "default: walks physically, provable; hybrid invariance by construction",
     "walking-mlp": "the same for a free network, which learns to match through the impact",
     "paper": "Table 1 of the paper, the paper's optimiser settings (ReLU, not provable)",
+    "paper-walks": "Table 1, and the least that makes it walk (ReLU, not provable)",
     "authors": "conditions and schedule of the authors' code (ReLU, not provable)",
 }
 
 
 def load(
-    name: str, robot: "PlanarBiped", commands: Commands = (), speed: float | None = None
+    name: str,
+    robot: "PlanarBiped",
+    commands: Commands = (),
+    speed: float | None = None,
+    parameters: Box | None = None,
 ) -> GaitSpec:
     """The spec of that name for a robot.
 
     Args:
-        name: "walking", "paper", "authors", or FILE.py:NAME where NAME is a `GaitSpec` or a
+        name: one of `DESCRIPTIONS`, or FILE.py:NAME where NAME is a `GaitSpec` or a
             function robot -> GaitSpec.
         robot: the robot the spec is for.
         commands: that the gait is told at each touchdown; of "walking" only.
         speed: mean speed to aim at (m/s); likewise, and without commands.
+        parameters: box of robots that it is meant for; likewise, without commands or speed.
     """
+    if parameters:
+        if name != "walking" or commands or speed is not None:
+            raise SpecError(
+                "expected spec walking, without a speed or commands, for a gait with --parameters, "
+                f"found {name!r}{', with one' if commands or speed is not None else ''}: a "
+                "proof for a box of robots is of the plain walk; leave the others out"
+            )
+        return robust(robot, parameters)
     if commands or speed is not None:
         if name != "walking":
             raise SpecError(
@@ -102,9 +121,9 @@ def _applied(name: str, function: Callable, robot: "PlanarBiped"):
 
 def source_path(name: str) -> Path:
     """The Python file that defines a spec, to be copied into a run."""
-    modules = {"walking": _walking, "walking-mlp": _walking, "paper": _paper, "authors": _paper}
-    if name in modules:
-        return Path(str(modules[name].__file__))
+    if name in _BUILT_IN:
+        module = _walking if name.startswith("walking") else _paper
+        return Path(str(module.__file__))
     return Path(name.rpartition(":")[0])
 
 

@@ -128,7 +128,7 @@ def walking(
         effort_torque=0.206 * units(robot).weight_n * robot.leg_length,
         posture_steps=500 if free else 0,
     )
-    new_gait = partial(_new_mlp if free else _new_hybrid_invariant, robot)
+    new_gait = partial(_new_mlp if free else new_hybrid_invariant, robot)
     name = "walking-mlp" if free else "walking"
     return GaitSpec(name, tuple(conditions), regions, new_gait, recipe)
 
@@ -151,11 +151,26 @@ def start_tube(robot: "PlanarBiped", span, start) -> Tube:
     )
 
 
-def _new_hybrid_invariant(
-    robot: "PlanarBiped", key: PRNGKeyArray, init: Init, hidden: tuple[int, ...] | None
+def new_hybrid_invariant(
+    robot: "PlanarBiped",
+    key: PRNGKeyArray,
+    init: Init,
+    hidden: tuple[int, ...] | None,
+    *,
+    z2_dependence: bool = True,
 ) -> Gait:
-    """Untrained gait; "random" starts the network at full size instead of a tenth."""
-    policy = HybridInvariantPolicy.init(robot, key=key, hidden=hidden or (32, 32))
+    """Untrained gait; "random" starts the network at full size instead of a tenth.
+
+    Args:
+        robot: that it is for.
+        key: random key of the network.
+        init: see above.
+        hidden: widths of the hidden layers; None for the usual ones.
+        z2_dependence: of `HybridInvariantPolicy`.
+    """
+    policy = HybridInvariantPolicy.init(
+        robot, key=key, hidden=hidden or (32, 32), z2_dependence=z2_dependence
+    )
     if init == "random":
         full = 10.0 * policy.network.weights[-1]
         policy = eqx.tree_at(
@@ -185,7 +200,7 @@ def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractConditi
     # Without rotors to speak of, joints are faster after an impact, and hips slower in mid-step.
     rotor = float(np.mean(robot.armature[1:])) / (unit.mass_kg * robot.leg_length**2)
     heavy = rotor > HEAVY_ROTORS
-    rate = (4.0 if heavy else 7.0) / unit.time
+    rate = (4.0 if heavy else 10.0) / unit.time
     if forward is None:
         # A slower tube is pushed over more easily.
         forward = (0.35 if heavy else 0.2) * unit.speed

@@ -11,11 +11,18 @@ import numpy as np
 from neuralgaits._types import Actuated, ZeroState
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
 from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
-from neuralgaits.gait.joint_inertia import joint_inertia
+from neuralgaits.gait.joint_inertia import joint_inertia, slowest_mode
 from neuralgaits.robots import PlanarBiped
 
 BANDWIDTH = 45.0
-"""w of the default gains [rad/s]."""
+"""w of the default gains where the joints share little [rad/s]."""
+
+SLOWEST = 15.0
+"""Frequency that the slowest mode of all joints together shall have [rad/s]. Ten random robots
+walked for it; below 7 those fell whose legs have no rotors to speak of and three links."""
+
+MOST = 150.0
+"""w that a control period of 1 ms allows: the fastest mode is up to 1.7 times as fast [rad/s]."""
 
 
 class Pd(AbstractLaw):
@@ -23,10 +30,10 @@ class Pd(AbstractLaw):
 
     The feed-forward is what the model needs for the policy's own accelerations. Gains are fitted
     to a robot, stiffness = I w^2 and damping = 2 I w with I of `joint_inertia`, unless they are
-    given.
+    given; w is raised where all joints together would give way too slowly.
 
     Attributes:
-        bandwidth: w of fitted gains [rad/s].
+        bandwidth: w of fitted gains [rad/s]; `fitted_bandwidth` if none is given.
         stiffness: by joint, or one for all [N m/rad]; nothing until it is fitted.
         damping: likewise [N m s/rad].
         feed_forward: whether the model's torques are added.
@@ -34,7 +41,7 @@ class Pd(AbstractLaw):
         measure_z2: False tells the policy z2 = 0, as the paper's experiments did.
     """
 
-    bandwidth: float = eqx.field(default=BANDWIDTH, static=True)
+    bandwidth: float | None = eqx.field(default=None, static=True)
     stiffness: tuple[float, ...] = eqx.field(default=(), static=True)
     damping: tuple[float, ...] = eqx.field(default=(), static=True)
     feed_forward: bool = eqx.field(default=True, static=True)
@@ -43,10 +50,13 @@ class Pd(AbstractLaw):
 
     def fitted(self, robot: PlanarBiped) -> "Pd":
         """The same with gains for each joint of a robot."""
-        w = self.bandwidth
-        stiffness = self.stiffness or w * w * joint_inertia(robot)
-        damping = self.damping or 2.0 * w * joint_inertia(robot)
-        return replace(self, stiffness=_each(stiffness, robot), damping=_each(damping, robot))
+        if self.stiffness and self.damping:
+            stiffness, damping = _each(self.stiffness, robot), _each(self.damping, robot)
+            return replace(self, stiffness=stiffness, damping=damping)
+        w, inertia = self.bandwidth or fitted_bandwidth(robot), joint_inertia(robot)
+        stiffness = _each(self.stiffness or w * w * inertia, robot)
+        damping = _each(self.damping or 2.0 * w * inertia, robot)
+        return replace(self, bandwidth=w, stiffness=stiffness, damping=damping)
 
     def told(self, z: ZeroState) -> ZeroState:
         """All of z, or z1 with z2 = 0. Returns: [2]."""
@@ -67,6 +77,11 @@ class Pd(AbstractLaw):
         if not self.feed_forward:
             return torque
         return torque + inverse_dynamics(robot, reading, desired.slope, desired.drift)
+
+
+def fitted_bandwidth(robot: PlanarBiped) -> float:
+    """W of the gains that suit a robot. Returns: `BANDWIDTH` to `MOST` [rad/s]."""
+    return float(np.clip(SLOWEST / slowest_mode(robot), BANDWIDTH, MOST))
 
 
 def _each(gains: Sequence[float] | Actuated, robot: PlanarBiped) -> tuple[float, ...]:

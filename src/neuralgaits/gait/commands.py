@@ -193,6 +193,12 @@ def place_of(commands: Commands, name: str) -> int | None:
     return names.index(name) if name in names else None
 
 
+def command_named(commands: Commands, name: str) -> Command | None:
+    """The command of a name; None if there is none."""
+    at = place_of(commands, name)
+    return None if at is None else commands[at]
+
+
 def coordinates_of(commands: Commands, pair: Pair) -> Float[Array, " k"]:
     """The point of the commands' axes that has this pair. Returns: [2 p]."""
     found = [c.coordinates(pair.before[i], pair.after[i]) for i, c in enumerate(commands)]

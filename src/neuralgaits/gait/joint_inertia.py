@@ -18,14 +18,32 @@ def joint_inertia(robot: PlanarBiped) -> Actuated:
 
     Returns: [m] (kg m^2).
     """
+    return 1.0 / np.diag(_response(robot))
+
+
+def slowest_mode(robot: PlanarBiped) -> float:
+    """How much slower than a joint alone all joints together give way under such gains.
+
+    With the stiffness I w^2, I of `joint_inertia`, the linearised errors of a nominal posture have
+    the natural frequencies w sqrt(eigenvalues of (D^-1)_aa diag(I)), the least of which is the
+    legs' buckling under the whole body. Rotors keep it near w.
+
+    Returns: its frequency over w, at most 1.
+    """
+    response, inertia = _response(robot), joint_inertia(robot)
+    root = np.sqrt(inertia)
+    return float(np.sqrt(np.linalg.eigvalsh(root[:, None] * response * root)[0]))
+
+
+def _response(robot: PlanarBiped) -> Float[np.ndarray, "m m"]:
+    """Accelerations of the actuated joints for unit torques in a nominal posture."""
     posture = walking_posture(robot)
     outputs = posture.guard_outputs
     ahead = posture.z_guard - robot.hip_gradient[1:] @ outputs
     q = np.concatenate([[ahead / robot.hip_gradient[0]], outputs])
     with jax.ensure_compile_time_eval():  # Gains are numbers, whoever asks for them.
         mass = np.asarray(_mass(robot, q))
-    inverse = np.linalg.inv(mass)
-    return 1.0 / np.diag(inverse)[1:]
+    return np.linalg.inv(mass)[1:, 1:]
 
 
 @quick_filter_jit

@@ -174,8 +174,7 @@ class Point:
         if self.residual is not None:
             nominal_dq = self.along_z1 * self.nominal_dz[0] + self.along_z2 * self.nominal_dz[1]
             _, residual_rate = jax.jvp(self.residual, (self.z,), (self.dz,))
-        table = dynamics.relative_angles(robot, self.theta)
-        spin = robot.coupling * jnp.sin(table)
+        spin = dynamics.coupling_sines(robot, self.theta)
         moving = dtheta[:, None] - dtheta[None, :]
         row_rate = -jnp.sum(spin * moving, axis=0) @ turn
         known = lift(robot, jnp.zeros_like(self.z[0]), curvature) + self.along_z2 * ddz2

@@ -10,7 +10,7 @@ import optax
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.gait import Residuals
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import Model, nominal
 from neuralgaits.training.loss import Layout, Loss, barrier_loss, margin_matrix
 from neuralgaits.training.pushes import Disturbance, pushes_of
 from neuralgaits.training.repair import with_extra
@@ -33,8 +33,8 @@ def make_steps(
         optimizer: of optax.
         steps_in_all: which the recipe's curriculum is a share of; 0 for none.
 
-    Returns: (parameters, optimiser state, key, first step, count, extra) to parameters, state and
-        the `Loss` of the last step before it was taken.
+    Returns: (parameters, optimiser state, key, first step, count, share of the step size, extra)
+        to parameters, state and the `Loss` of the last step before it was taken.
     """
     robot, layout, sampler, fixed, residuals = light
     growth = spec.recipe.curriculum * steps_in_all
@@ -43,12 +43,12 @@ def make_steps(
         return jnp.minimum(1.0, (index + 1.0) / growth) if growth else 1.0
 
     def loss(parameters, u, counts, pushes):
-        gait = eqx.combine(unflatten(parameters), fixed).matched(robot, residuals.reset)
+        gait = eqx.combine(unflatten(parameters), fixed).matched(nominal(robot), residuals.reset)
         margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes, layout.aimed)
         result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
         return result.total, result
 
-    def step(parameters, state, key, index, extra):
+    def step(parameters, state, key, index, rate, extra):
         key = jax.random.fold_in(key, index)
         drawn = sampler.draw(key, grown(index))
         u, counts = with_extra(extra, 1, drawn, layout.counts, key)
@@ -56,7 +56,7 @@ def make_steps(
         u, pushes = u.astype(jnp.float32), pushes_of(disturbance, key, len(u), jnp.float32)
         (_, result), gradient = gradient_of(parameters, u, counts, pushes)
         update, after = optimizer.update(gradient, state, parameters)
-        moved = optax.apply_updates(parameters, update)
+        moved = optax.apply_updates(parameters, rate * update)
         if not spec.commands:
             return moved, after, result
         # A fence that crosses another at some rare pair of commands must not end it all.
@@ -66,13 +66,13 @@ def make_steps(
         )
         return *kept, result
 
-    def steps(parameters, state, key, first, count, extra):
+    def steps(parameters, state, key, first, count, rate, extra):
         # A step runs for a millisecond or two: calling it from Python took a third of the time.
         single = parameters.dtype
 
         def body(done, before):
             parameters, state, _ = before
-            parameters, state, found = step(parameters, state, key, first + done, extra)
+            parameters, state, found = step(parameters, state, key, first + done, rate, extra)
             # A float64 constant in a condition of one's own makes the loss float64.
             same = jax.tree.map(lambda value: value.astype(single), found)
             return parameters, state, same
@@ -86,7 +86,7 @@ def make_steps(
 
 def make_evaluate(
     spec: GaitSpec,
-    robot: PlanarBiped,
+    robot: Model,
     sampler: Sampler,
     layout: Layout,
     residuals: Residuals,

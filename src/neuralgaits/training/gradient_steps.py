@@ -59,6 +59,9 @@ class GradientSteps:
     ) -> TrainState:
         """Train to the end of the trainer's steps, or to the deadline.
 
+        Where the loss or the weights turn to NaN, it goes on from the best weights before that,
+        with smaller steps.
+
         Args:
             trainer: sets the number of steps.
             state: to go on from.
@@ -66,7 +69,7 @@ class GradientSteps:
             before: steps of the run that came before those of this trainer.
             deadline: on the clock of `time.monotonic` [s].
 
-        Raises: NonFiniteError.
+        Raises: NonFiniteError where smaller steps do not help either.
         """
         saved, kept, count = time.perf_counter(), state, 1
         while not trainer.done(state) and time.monotonic() < deadline:
@@ -81,7 +84,11 @@ class GradientSteps:
             if step % VALIDATE_EVERY and not trainer.done(state):
                 continue
             if not (np.isfinite(float(loss.total)) and np.isfinite(state.parameters).all()):
-                self._refuse_nan(trainer, kept, save)
+                smaller = trainer.careful(kept)
+                if smaller is None:
+                    self._refuse_nan(trainer, kept, save)
+                state = kept = smaller
+                continue
             state = trainer.validate(state)
             kept = state
             self.rows.append(self._row(before + step, loss, state))
@@ -119,9 +126,10 @@ class GradientSteps:
         self.folder.write_json(NAN, found)
         self.folder.write_tree(NAN_STATE, kept)
         raise NonFiniteError(
-            f"expected a finite loss and weights, found NaN or infinity at step {step} "
-            f"(conditions: {', '.join(bad) or 'none: the sum or its gradient'}): mend one "
-            "whose formula, or its slope, is not finite, if there is one, or train with another "
+            f"expected a finite loss and weights, found NaN or infinity at step {step}, with "
+            f"smaller steps too (conditions: "
+            f"{', '.join(bad) or 'none: the sum or its gradient'}): mend one whose formula, or its "
+            "slope, is not finite, if there is one, or train with another "
             f"--seed; state of step {kept_step} kept, reproduce with "
             f"`{resuming(self.folder.path)}`"
         )

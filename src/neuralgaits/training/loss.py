@@ -16,7 +16,7 @@ from neuralgaits.barriers import Barrier, GaitSpec
 from neuralgaits.barriers.aims import middle_of
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import Model, member, nominal
 from neuralgaits.training.pushes import Pushed
 from neuralgaits.training.sampling import Sampler, contains
 
@@ -55,14 +55,15 @@ class Loss(NamedTuple):
     """Mean squared torque in the recipe's unit, weight included."""
 
 
-def lay_out(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, sampler: Sampler) -> Layout:
+def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Layout:
     """Measure the conditions once and tabulate them."""
     asked = spec.trained_for
 
     def margins(u):
-        step = gait.at(robot, u[2:])
-        zd = ZeroDynamics(robot, step.policy)
-        point = zd.point(step.z(u[:2]))
+        at = spec.parted(u)
+        step = gait.at(nominal(robot), at.told)
+        zd = ZeroDynamics(member(robot, at.errors), step.policy)
+        point = zd.point(step.z(at.plane))
         return {c.name: c.margins(step, zd, point) for c in asked}
 
     shapes = jax.eval_shape(margins, jax.ShapeDtypeStruct((spec.chart_size,), jnp.zeros(0).dtype))
@@ -98,7 +99,7 @@ def _aims_rows(spec: GaitSpec, sampler: Sampler) -> slice:
 
 def margin_matrix(
     spec: GaitSpec,
-    robot: PlanarBiped,
+    robot: Model,
     gait: AnyGait,
     u: Float[Array, "N n"],
     residuals: Residuals = NO_RESIDUALS,
@@ -109,7 +110,7 @@ def margin_matrix(
 
     Args:
         spec: conditions.
-        robot: the biped.
+        robot: the biped, or the family that the spec's parameters are of.
         gait: policy and tube.
         u: samples.
         residuals: what was learned of the robot beyond its model.
@@ -122,9 +123,10 @@ def margin_matrix(
     def at(sample, push):
         flow, reset = residuals
         moved = flow if push is None else Pushed(flow, push)
-        step = gait.at(robot, sample[2:], reset)
-        zd = ZeroDynamics(robot, step.policy, moved, reset)
-        return step, zd, zd.point(step.z(sample[:2]))
+        at = spec.parted(sample)
+        step = gait.at(nominal(robot), at.told, reset)
+        zd = ZeroDynamics(member(robot, at.errors), step.policy, moved, reset)
+        return step, zd, zd.point(step.z(at.plane))
 
     def one(sample, push):
         step, zd, point = at(sample, push)

@@ -12,6 +12,9 @@ from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Box
 from neuralgaits.gait.commands import Commands
 
+AT_ENDS = 4.0
+"""Errors of parameters are drawn from so many times their range and clipped: 3/4 lie on an end."""
+
 
 class Sampler(NamedTuple):
     """A plan of one batch: each row is a stratum of a box of a region.
@@ -21,6 +24,7 @@ class Sampler(NamedTuple):
         rows: region name to its rows.
         ends: of the axes of commands, the same for all rows. [2, k]
         corners: share of the samples of such an axis that lie on its ends.
+        parameters: half widths of the robot's parameters. [p]
     """
 
     low: Float[np.ndarray, "N 2"]
@@ -28,6 +32,7 @@ class Sampler(NamedTuple):
     rows: dict[str, slice]
     ends: Float[np.ndarray, "2 k"]
     corners: float
+    parameters: Float[np.ndarray, " p"]
 
     @classmethod
     def plan(
@@ -40,6 +45,7 @@ class Sampler(NamedTuple):
         corners: float = 0.0,
         widened: float = 0.0,
         faster_changes: float = 0.0,
+        parameters: Sequence[float] = (),
     ) -> "Sampler":
         """Lay out the strata.
 
@@ -51,6 +57,7 @@ class Sampler(NamedTuple):
             corners: of `Recipe`.
             widened: likewise.
             faster_changes: likewise.
+            parameters: half widths of the robot's, one axis each.
         """
         lows, highs, rows, position = [], [], {}, 0
         for name, count in counts.items():
@@ -70,7 +77,8 @@ class Sampler(NamedTuple):
                 ends[:, 2 * i + 1] += [-more, more]
             else:
                 ends[:, 2 * i + 1] *= 1.0 + faster_changes
-        return cls(np.concatenate(lows), np.concatenate(highs), rows, ends, corners)
+        halves = np.array(parameters, dtype=np.float64)
+        return cls(np.concatenate(lows), np.concatenate(highs), rows, ends, corners, halves)
 
     def draw(self, key: PRNGKeyArray, grown: Scalar | float = 1.0) -> Float[Array, "N n"]:
         """One uniform point a stratum.
@@ -79,8 +87,19 @@ class Sampler(NamedTuple):
             key: random key.
             grown: share of the axes of commands that is drawn from, about their middles.
 
-        Returns: [N, n] (phase, level, then the axes of commands).
+        Returns: [N, n] (phase, level, then the axes of commands, then parameters of the robot).
         """
+        u = self._told(key, grown)
+        if not len(self.parameters):
+            return u
+        # The worst robots are corners of the box: most errors of a sample are at an end.
+        shape = (len(self.low), len(self.parameters))
+        key = jax.random.fold_in(key, 3)
+        share = jax.random.uniform(key, shape, dtype=u.dtype, minval=-1.0, maxval=1.0)
+        return jnp.concatenate([u, self.parameters * jnp.clip(AT_ENDS * share, -1.0, 1.0)], axis=1)
+
+    def _told(self, key: PRNGKeyArray, grown: Scalar | float) -> Float[Array, "N c"]:
+        """The same without parameters."""
         share = jax.random.uniform(key, self.low.shape, dtype=jnp.zeros(0).dtype)
         u = self.low + (self.high - self.low) * share
         if self.ends.shape[1] == 0:

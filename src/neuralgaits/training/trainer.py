@@ -23,6 +23,7 @@ from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import Residuals
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import model_of
 from neuralgaits.training.compiled import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import (
@@ -40,6 +41,8 @@ VALIDATE_EVERY = 100
 """Steps between two looks at the fixed validation samples."""
 REPAIR_RATE = 0.5
 """Share of the recipe's learning rate in further training: the gait is nearly there."""
+SMALLER, CAREFUL = 0.3, 3
+"""Share of the size of steps that goes on after NaN, and how often that is tried."""
 
 
 class TrainState(NamedTuple):
@@ -55,6 +58,8 @@ class TrainState(NamedTuple):
     """Parameters with the lowest validation loss so far."""
     best_loss: Array
     """That loss. float64 scalar."""
+    rate: Array
+    """Share of the recipe's step size; less than 1 after steps that turned to NaN. float32."""
 
 
 class Report(NamedTuple):
@@ -129,7 +134,9 @@ class Trainer:
             rate: factor on the recipe's learning rate.
         """
         recipe = spec.recipe
-        plan = partial(Sampler.plan, spec.regions, commands=spec.commands)
+        model = model_of(robot, spec.parameters)
+        halves = tuple(axis.half for axis in spec.parameters)
+        plan = partial(Sampler.plan, spec.regions, commands=spec.commands, parameters=halves)
         sampler = plan(
             recipe.samples,
             recipe.overshoot,
@@ -139,20 +146,20 @@ class Trainer:
         )
         more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
         validation = plan(more)
-        layout = lay_out(spec, robot, template, sampler)
+        layout = lay_out(spec, model, template, sampler)
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
         optimizer = _optimizer(recipe, steps, rate * width_factor(spec, template))
         light = (
-            cast(robot, np.float32),
+            cast(model, np.float32),
             cast_named(layout, np.float32),
             cast_named(sampler, np.float32),
             cast(fixed, np.float32),
             cast(residuals, np.float32),
         )
         step = make_steps(spec, light, disturbance, unflatten, optimizer, steps)
-        checked = lay_out(spec, robot, template, validation)
-        evaluate = make_evaluate(spec, robot, validation, checked, residuals, disturbance)
+        checked = lay_out(spec, model, template, validation)
+        evaluate = make_evaluate(spec, model, validation, checked, residuals, disturbance)
         return cls(
             robot=robot,
             spec=spec,
@@ -198,7 +205,17 @@ class Trainer:
         flat, _ = ravel_pytree(cast(trained, jnp.float32))
         start = jnp.zeros((), jnp.int32)
         worst = jnp.full((), jnp.inf, jnp.float64)
-        return TrainState(start, flat, self._optimizer.init(flat), flat, worst)
+        rate = jnp.ones((), jnp.float32)
+        return TrainState(start, flat, self._optimizer.init(flat), flat, worst, rate)
+
+    def careful(self, kept: TrainState) -> TrainState | None:
+        """Where to go on if the steps after a state turned to NaN: its best weights, smaller steps.
+
+        Returns: None if its steps are as small as makes sense.
+        """
+        if float(kept.rate) < 1.5 * SMALLER**CAREFUL:
+            return None
+        return kept._replace(parameters=kept.best, rate=SMALLER * kept.rate)
 
     def step(self, state: TrainState, count: int = 1) -> tuple[TrainState, Loss]:
         """Gradient steps, each on fresh samples. Not synchronised: results arrive when read.
@@ -214,7 +231,13 @@ class Trainer:
             # Step numbers stay below 2^31: no step of an ordinary training has this key.
             key = jax.random.fold_in(key, 2**31 + self.round)
         parameters, optimizer, loss = self._step(
-            state.parameters, state.optimizer, key, state.step, jnp.int32(count), self.extra
+            state.parameters,
+            state.optimizer,
+            key,
+            state.step,
+            jnp.int32(count),
+            state.rate,
+            self.extra,
         )
         state = state._replace(step=state.step + count, parameters=parameters, optimizer=optimizer)
         return state, loss
