@@ -115,7 +115,7 @@ UNREADABLE = {
     "theorems": lambda t: t.__setitem__("theorems", {}),
     "theorem without a level": lambda t: t.__setitem__("theorems", [{"start": "0x0p+0"}]),
     "model": lambda t: t.__setitem__("model", []),
-    "tree": lambda t: t["statements"][0].__setitem__("tree", "1008"),
+    "tree": lambda t: t["statements"][0].__setitem__("tree", "100g"),
     "empty tree": lambda t: t["statements"][0].__setitem__("tree", ""),
     "operand": lambda t: t["program"]["operations"][0].__setitem__(1, [0, 9]),
     "fraction": lambda t: t["program"]["operations"][0].__setitem__(2, 2.0),

@@ -3,6 +3,8 @@
 import json
 from collections import ChainMap
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -28,8 +30,13 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
     walking_premises,
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.reading import _part, _Unfit
+from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
+from neuralgaits.robots import load_robot
+from neuralgaits.workflows.certify import _chart
 from support.commanded_run import SPEED, family_of
 from support.shipped_run import SHIPPED
 
@@ -146,6 +153,50 @@ def test_parameters_are_written_and_read():
     assert "told" not in Theorems.of(replace(SHAPE, told=())).tables()[0]["parameters"]
 
 
+def test_a_range_narrower_than_the_largest_change_has_one_of_its_own(tmp_path):
+    run: Any = SimpleNamespace(path=tmp_path, spec=specs.commanded(load_robot("amber3m"), (SPEED,)))
+    chart, spec = _chart(run, {"speed": (0.612, 0.616)})
+    assert chart.sequences(["speed"]) == (
+        "speed from 0.612 to 0.616, by at most 0.0038 more or less than in the step before",
+    )
+    assert CHART.holds(chart) and chart != CHART
+    assert spec.commands[0].largest_change == 0.0038
+    for bad in ({"speed": (0.5, 0.61)}, {"speed": (0.61, 0.61)}, {"slope": (0.0, 1.0)}):
+        with pytest.raises(InputError, match="expected a"):
+            _chart(run, bad)
+
+
+def row(verdict):
+    return ConditionVerdict(verdict, 1.0, 1, None, None, 0)
+
+
+def summary_of(conditions, levels=()):
+    rows = {name: row(said) for name, said in conditions.items()}
+    return Certified(
+        verdict="undecided", level=3, conditions=rows, levels=levels, boxes=1, wall_s=1.0
+    )
+
+
+def test_a_proof_of_some_commands_is_read_as_that_and_no_more():
+    """A statement on each box of a condition proves it for these commands; all prove levels."""
+    low, high = (0.0, 0.0, 0.60, -0.004), (1.0, 1.0, 0.61, 0.004)
+    chart = Chart((Axis("speed", 0.60, 0.61), Axis("change of speed", -0.004, 0.004)))
+    asked: Any = SimpleNamespace(conditions={"torso": {}, "ahead": {}}, boxes=lambda: BOXES)
+    stated: Any = SimpleNamespace(scales={"torso": 1.0}, low=low, high=high)
+    proof: Any = SimpleNamespace(chart=chart, statements=(stated,))
+    open_ = {"torso": "undecided", "ahead": "undecided"}
+    part = _part(summary_of(open_), asked, proof, CHART, ["speed"])
+    assert part is not None
+    assert part.conditions == ("torso",) and part.levels == ()
+    assert part.told[0].startswith("speed from 0.6 to 0.61, by at most 0.004")
+    whole: Any = SimpleNamespace(chart=CHART, statements=())
+    assert _part(summary_of(open_), asked, whole, CHART, ["speed"]) is None
+    claimed = Conclusion(2, "proved", None, (), {})
+    for more in (summary_of(open_ | {"torso": "proved"}), summary_of(open_, (claimed,))):
+        with pytest.raises(_Unfit, match="about some commands only"):
+            _part(more, asked, proof, CHART, ["speed"])
+
+
 @pytest.fixture(scope="module")
 def family():
     run = open_run(SHIPPED)
@@ -167,7 +218,7 @@ def test_the_program_is_the_family_s_margins(family, traced):
     u = np.array([[0.3, 0.4, 0.605, 0.004], [1.0, 0.9, 0.618, -0.01]])
     values = evaluate(program, {"u": u}, POINT)
     for k, point in enumerate(u):
-        step, zd = one_step(gait, run.zero_dynamics, jnp.asarray(point))
+        step, zd = one_step(gait, run.zero_dynamics)(jnp.asarray(point))
         u_k = jnp.asarray(point)
         found = ChainMap(spec.margins(step, zd, u_k[:2]), set_margins(spec, step, zd, sets, u_k))
         for name, value in values.items():
@@ -198,7 +249,7 @@ def test_a_reset_lands_inside_whatever_step_comes_next(family, traced):
     for _ in range(5):
         before, after, then = 0.61 + random.uniform(-0.005, 0.005, 3)
         u = [1.0, random.uniform(), *SPEED.coordinates(before, after)]
-        step, zd = one_step(gait, run.zero_dynamics, jnp.asarray(u))
+        step, zd = one_step(gait, run.zero_dynamics)(jnp.asarray(u))
         landed = zd.point(step.z(jnp.asarray(u[:2]))).z_after
         later = gait.at(run.robot, jnp.array(SPEED.coordinates(after, then)), exact=True)
         assert abs(later.phase(landed[0])) < shape.start_strip

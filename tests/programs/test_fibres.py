@@ -194,13 +194,13 @@ def test_other_inputs_are_refused(algebra):
     several = trace(lambda u, a, b: {"g": u * a * b}, {"u": (2,), "a": (2,), "b": (2,)})
     two = trace(lambda u, xi: {"g": u * xi}, {"u": (2,), "xi": (2,)})
     table = trace(lambda u: {"g": u}, {"u": (2, 1)})
-    long = trace(lambda u: {"g": u}, {"u": (9,)})
+    long = trace(lambda u: {"g": u}, {"u": (17,)})
     for program, boxes in (
         (several, {"u": box}),
         (two, {"u": box, "xi": box}),
         (two, {"x": box}),
         (table, {"u": box}),
-        (long, {"u": (np.zeros((1, 9)), np.zeros((1, 9)))}),
+        (long, {"u": (np.zeros((1, 17)), np.zeros((1, 17)))}),
     ):
         with pytest.raises(InputError, match=r"boxes of one input of shape .* one more input"):
             evaluate(program, boxes, algebra)

@@ -218,7 +218,7 @@ FORGED = {
     "leaf more": (1, lambda t: t["statements"][0].__setitem__("tree", halved(2, 3) + "-")),
     "axis that is none": (1, lambda t: t["statements"][0].__setitem__("tree", "7--")),
     "too deep": (1, lambda t: t["statements"][0].__setitem__("tree", "0" * 49 + "-" * 50)),
-    "sign": (2, lambda t: t["statements"][0].__setitem__("tree", "8--")),
+    "sign": (2, lambda t: t["statements"][0].__setitem__("tree", "g--")),
     "bound": (1, lambda t: t["statements"][0]["bounds"].__setitem__("margin", 0.2)),
     "scale": (1, lambda t: t["statements"][0]["scales"].__setitem__("margin", 9.0)),
     "no scale": (2, lambda t: t["statements"][0]["scales"].__setitem__("margin", 0.0)),

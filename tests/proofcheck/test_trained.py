@@ -224,7 +224,7 @@ UNREADABLE = {
     "axis twice": lambda t: t | {"chart": [*t["chart"], t["chart"][1]]},
     "wider phase": lambda t: t | {"chart": [t["chart"][0] | {"high": "0x1.8p0"}, t["chart"][1]]},
     "tree of bits": lambda t: (
-        t | {"statements": [t["statements"][0] | {"tree": "8--"}, *t["statements"][1:]]}
+        t | {"statements": [t["statements"][0] | {"tree": "g--"}, *t["statements"][1:]]}
     ),
     "field": lambda t: t | {"note": "trust me"},
     "no spec": lambda t: {name: value for name, value in t.items() if name != "spec"},

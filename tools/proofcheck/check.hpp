@@ -16,13 +16,28 @@ string interval_words(double low, double high) {
   return low == high ? brief(low) : "[" + brief(low) + ", " + brief(high) + "]";
 }
 
+// More axes beside phase and level than this are named once, with the chart.
+constexpr size_t kNamedEach = 6;
+
+bool is_all(const Box& box, const Chart& chart, size_t axis) {
+  return box.low[axis] == chart[axis].low && box.high[axis] == chart[axis].high;
+}
+
 // " for phase in ... and level in ..."
 string words_for(const Box& box, const Chart& chart) {
+  size_t named = box.low.size();
+  if (named > 2 + kNamedEach) {
+    named = 2;
+    for (size_t axis = 2; axis < box.low.size(); ++axis)
+      if (!is_all(box, chart, axis)) named = box.low.size();
+  }
   string words = " for ";
-  for (size_t axis = 0; axis < box.low.size(); ++axis) {
+  for (size_t axis = 0; axis < named; ++axis) {
     if (axis) words += axis + 1 < box.low.size() ? ", " : " and ";
     words += chart[axis].name + " in " + interval_words(box.low[axis], box.high[axis]);
   }
+  if (named < box.low.size())
+    words += " and all of the chart's other " + std::to_string(box.low.size() - named) + " axes";
   return words;
 }
 
@@ -59,6 +74,10 @@ std::pair<Box, Box> halves(const Box& box, size_t axis) {
   return parts;
 }
 
+// What an axis is written as in a tree.
+constexpr char kAxisSigns[] = "0123456789abcdef";
+static_assert(sizeof kAxisSigns == kMostAxes + 1);
+
 // The boxes at which a statement's tree ends: a digit is a split along that axis, the lower half
 // first; - is a leaf.
 vector<Box> leaves(const Statement& statement) {
@@ -80,7 +99,7 @@ vector<Box> leaves(const Statement& statement) {
       found.push_back(std::move(node.box));
       continue;
     }
-    const auto axis = static_cast<size_t>(sign - '0');
+    const size_t axis = string(kAxisSigns).find(sign);
     if (axis >= node.box.low.size()) throw Inconsistent{name + " splits an axis that is none"};
     if (!(node.box.low[axis] < node.box.high[axis]) || node.halvings[axis]++ == kMostHalvings)
       throw Inconsistent{name + " splits what has no width"};

@@ -126,8 +126,8 @@ Statement statement_of(const Json& table, const Chart& chart,
   Statement s;
   s.region = text_of(field(table, "a statement", "region"), "a region's name");
   s.tree = text_of(field(table, "a statement", "tree"), "a tree");
-  if (s.tree.empty() || s.tree.find_first_not_of("01234567-") != string::npos)
-    refuse("a tree that is no string of axes from 0 to 7 and -");
+  if (s.tree.empty() || s.tree.find_first_not_of(string(kAxisSigns) + "-") != string::npos)
+    refuse("a tree that is no string of axes from 0 to f and -");
   s.root_box = box_of(field(table, "a statement", "root"), "a root box", chart, chart.size());
   const int degree = integer_of(field(table, "a statement", "degree"), "a degree");
   if (degree != 1 && degree != 2) refuse("a degree other than 1 and 2");

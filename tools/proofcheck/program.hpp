@@ -137,7 +137,7 @@ Program program_of(const Json& table, const vector<vector<double>>& constants) {
   return program;
 }
 
-// Evaluates a Program over boxes of N axes.
+// Evaluates a Program over boxes of up to N axes.
 template <int N>
 class Evaluator {
  public:
@@ -159,10 +159,8 @@ class Evaluator {
         for (const size_t operand : program_.operations[k].operands) needed[operand] = true;
     Values values = folded_;
     Value u, xi;
-    for (int axis = 0; axis < N; ++axis) {
-      const auto at = static_cast<size_t>(axis);
-      u.push_back(coordinate<T>(box.low[at], box.high[at], axis));
-    }
+    for (size_t axis = 0; axis < program_.axes; ++axis)
+      u.push_back(coordinate<T>(box.low[axis], box.high[axis], static_cast<int>(axis)));
     for (size_t k = 0; k < program_.fibres; ++k)
       xi.push_back(ball_coordinate<T>(k, program_.fibres));
     values[0] = std::make_shared<Value>(std::move(u));
@@ -282,17 +280,13 @@ Bounding bounding_in(const Program& program) {
   };
 }
 
-// Bounds of a Program's outputs.
+// Bounds of a Program's outputs. Each number of axes is compiled for itself: only some are.
 Bounding by_the_program(const Program& program) {
-  switch (program.axes) {
-    case 2: return bounding_in<2>(program);
-    case 3: return bounding_in<3>(program);
-    case 4: return bounding_in<4>(program);
-    case 5: return bounding_in<5>(program);
-    case 6: return bounding_in<6>(program);
-    case 7: return bounding_in<7>(program);
-    default: return bounding_in<8>(program);
-  }
+  if (program.axes <= 2) return bounding_in<2>(program);
+  if (program.axes <= 4) return bounding_in<4>(program);
+  if (program.axes <= 8) return bounding_in<8>(program);
+  if (program.axes <= 12) return bounding_in<12>(program);
+  return bounding_in<kMostAxes>(program);
 }
 
 }  // namespace

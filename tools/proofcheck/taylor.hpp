@@ -209,7 +209,7 @@ I range(const Taylor<N, B>& a) {
 
 // What a search wants to know of a margin: its range, how much of it is due to each coordinate of
 // the box, and where in [-1, 1] of each it seems to be least.
-constexpr int kMostAxes = 8;
+constexpr int kMostAxes = 16;
 struct Estimate {
   I range;
   std::array<double, kMostAxes> influence{};

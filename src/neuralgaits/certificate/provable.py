@@ -4,7 +4,7 @@ import contextlib
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -21,13 +21,17 @@ from neuralgaits.barriers.functions import (
     rate_mismatch,
 )
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.certificate.levels.chart import PLANE
-from neuralgaits.errors import NeuralGaitsError, SpecError
+from neuralgaits.certificate.levels.chart import MOST_AXES, PLANE
+from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import Model, member, model_of, nominal
 from neuralgaits.runs import plain
+
+if TYPE_CHECKING:
+    from neuralgaits.analysis.run import Run
 
 LEVELS = 33
 """Levels of the guard at which the impact is looked at."""
@@ -43,29 +47,32 @@ def trace_spec(
 
     Raises: SpecError naming the operation and line that cannot be traced.
     """
+    model = model_of(robot, spec.parameters)
 
     def margins(u):
-        step, zd = step_at(robot, gait, u, residuals)
+        step, zd = step_at(model, gait, u, residuals)
         return spec.margins(step, zd, u[:PLANE])
 
     return trace(margins, {"u": (spec.chart_size,)}, parameters=gait)
 
 
 def step_at(
-    robot: PlanarBiped, gait: AnyGait, u: Float[Array, " n"], residuals: Residuals = NO_RESIDUALS
+    model: Model, gait: AnyGait, u: Float[Array, " n"], residuals: Residuals = NO_RESIDUALS
 ) -> tuple[Gait, ZeroDynamics]:
     """Gait and zero dynamics of the step that a chart point belongs to, as one smooth formula.
 
-    Where commands move both ends of a step, phases are told from that of the chart point.
+    Where commands move both ends of a step, phases are told from that of the chart point. Axes
+    behind those of commands are parameters of the robot, which the policy does not know.
     """
-    step = gait.at(robot, u[PLANE:], residuals.reset, exact=True)
+    end = PLANE + 2 * len(gait.commands)
+    step = gait.at(nominal(model), u[PLANE:end], residuals.reset, exact=True)
     if step is not gait:
         start, guard = step.span
         anchor = jnp.stack([u[0], start + u[0] * (guard - start)])
         step = eqx.tree_at(
             lambda g: g.policy.anchor, step, anchor, is_leaf=lambda leaf: leaf is None
         )
-    return step, ZeroDynamics(robot, step.policy, *residuals)
+    return step, ZeroDynamics(member(model, u[end:]), step.policy, *residuals)
 
 
 def why_not_provable(gait: AnyGait) -> str | None:
@@ -74,6 +81,27 @@ def why_not_provable(gait: AnyGait) -> str | None:
     if network is None or network.activation != "relu":
         return None
     return "the policy's activation is ReLU, whose derivative jumps: use tanh or softplus"
+
+
+def why_not_robust(run: "Run") -> str | None:
+    """None if a run can be proved for a box of robots, else what stands against it."""
+    if run.spec.commands:
+        return "one that is told commands: a box of robots is treated for one gait"
+    if run.learned is not None:
+        return "one whose dynamics carry a learned residual, which is of one robot"
+    if getattr(run.trained.policy, "z2_dependence", True):
+        # On the robot z2 would be computed from masses that nobody knows.
+        return "a policy of z1 and z2, and z2 depends on masses that the robot does not know"
+    return None
+
+
+def refuse_many_axes(spec: GaitSpec) -> None:
+    """Raises: InputError if a spec has more axes than a proof can have."""
+    if spec.chart_size > MOST_AXES:
+        raise InputError(
+            f"expected at most {MOST_AXES - PLANE} parameters and axes of commands in all, found "
+            f"{spec.chart_size - PLANE}: this robot has that many; leave one of --parameters out"
+        )
 
 
 def refuse_untraceable(

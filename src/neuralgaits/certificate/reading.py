@@ -17,7 +17,7 @@ from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.coverage import Asked, contradictions, stated_roots
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.records.asked import asked_of
 from neuralgaits.records.certified import (
     PROOF,
@@ -38,6 +38,20 @@ FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
 DAMAGED = f"{SUMMARY} is damaged or of another version"
 
 
+class ProvedPart(NamedTuple):
+    """What is proved of some of the commands that a gait is told, and of no others.
+
+    Attributes:
+        told: these commands, a phrase each.
+        conditions: those that are proved on all of their region.
+        levels: above 1, those that follow.
+    """
+
+    told: tuple[str, ...]
+    conditions: tuple[str, ...]
+    levels: tuple[Conclusion, ...]
+
+
 class CertificateReading(NamedTuple):
     """What is known to be claimed of a run, or why that is nothing.
 
@@ -47,12 +61,14 @@ class CertificateReading(NamedTuple):
         reason: why there is none; None if there is, or if `certify` was never called.
         proof: the proof file.
         map_fits: whether the map of boxes is the one that was made with them.
+        part: where the proof is about some commands only; nothing of `summary` is proved then.
     """
 
     summary: Certified | None = None
     reason: str | None = None
     proof: Claims | None = None
     map_fits: bool = False
+    part: ProvedPart | None = None
 
 
 class _Unfit(Exception):
@@ -96,9 +112,13 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
             )
     config = asked_of(folder)
     asked = Asked.read(config.regions, {one.name: one.data for one in config.conditions})
-    proof = _claims(run, asked, _chart(config.described.get("commands", ())))
+    commands = config.described.get("commands", ())
+    chart = _chart(commands)
+    proof = _claims(run, asked, chart)
     if set(summary.conditions) != set(asked.conditions):
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
+    if proof is not None and _box(run, proof, chart) != dict(summary.parameters):
+        raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
     summary = replace(
         summary,
         conditions=dict(_conditions(summary, asked, proof)),
@@ -106,7 +126,31 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     )
     summary = replace(summary, verdict=_verdict(summary))
     map_fits = found[MAP] is not None and summary.sha256.get(MAP) == found[MAP]
-    return CertificateReading(summary, None, proof, map_fits)
+    names = [row["name"] for row in commands]
+    part = None if proof is None or not names else _part(summary, asked, proof, chart, names)
+    return CertificateReading(summary, None, proof, map_fits, part)
+
+
+def _part(
+    summary: Certified, asked: Asked, proof: Claims, chart: Chart, names: Sequence[str]
+) -> ProvedPart | None:
+    """What a proof says of some of the commands; None if it is about all of them.
+
+    Raises: _Unfit if the summary calls anything proved of all of them.
+    """
+    if proof.chart == chart:
+        return None
+    called = [name for name, row in summary.conditions.items() if row.verdict == "proved"]
+    called += [f"level {entry.level}" for entry in summary.levels if entry.proved]
+    if called:
+        raise _Unfit(f"{SUMMARY} calls {called[0]} proved, and {PROOF} is about some commands only")
+    bounds = {root for root, _ in stated_roots(proof.statements)}
+    stated = {name: True for name in asked.conditions}
+    for box in asked.boxes():
+        stated[box[0]] = stated[box[0]] and box in bounds
+    conditions = tuple(name for name, every in stated.items() if every)
+    levels = tuple(_concluded(proof, asked)) if len(conditions) == len(stated) else ()
+    return ProvedPart(proof.chart.sequences(names) or (), conditions, levels)
 
 
 def _chart(commands: Sequence[Mapping[str, Any]]) -> Chart:
@@ -116,6 +160,23 @@ def _chart(commands: Sequence[Mapping[str, Any]]) -> Chart:
     from neuralgaits.gait.commands import Command  # Brings JAX.
 
     return Chart.of(Command(**row) for row in commands)
+
+
+def _box(run: Path, proof: Claims, chart: Chart) -> dict[str, float]:
+    """The box of robots that a proof is about, by the names and widths of its axes.
+
+    Raises: _Unfit where they are no box of robots like the run's.
+    """
+    errors = proof.chart.parameters[len(chart.parameters) :]
+    if not errors:
+        return {}
+    from neuralgaits.robots import load_robot  # Brings JAX.
+    from neuralgaits.robots.parameters import Axis, box_of
+
+    try:
+        return box_of(load_robot(run / ROBOT), tuple(Axis(one.name, one.high) for one in errors))
+    except (ValueError, NeuralGaitsError) as error:
+        raise _Unfit(f"{PROOF} is about no box of robots like the run's: {error}") from None
 
 
 def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
@@ -134,8 +195,12 @@ def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
     if (run / RESIDUAL).is_file() and (full or rigid):
         wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
     wrong += contradictions(claims.statements, claims.theorems, asked)
-    if claims.chart != chart:
-        wrong.append("it is about other commands, or some of them only")
+    told = len(chart.parameters)
+    errors = claims.chart.parameters[told:]
+    if not chart.holds(Chart(claims.chart.parameters[:told])) or (told and errors):
+        wrong.append("it is about other commands")
+    if any(axis.low != -axis.high for axis in errors):
+        wrong.append("it is about robots of a box that the run's own is not the middle of")
     if wrong:
         raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     return claims

@@ -5,14 +5,17 @@ A run's spec may be code of its own, and code can reach into the program that im
 can patch no checker.
 """
 
+import contextlib
 import json
 import subprocess
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from neuralgaits._own_process import command_of, environment_of
+from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.runs import plain, write_text
@@ -21,7 +24,7 @@ LAST_LINES = 3
 """Of what a process that failed left on its standard error."""
 
 
-def ask(run: Path, theorems: Theorems) -> dict[str, Any]:
+def ask(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
     """`answer` of a process of its own.
 
     Raises: RunError if the run cannot be opened or its spec ends the process; InputError likewise.
@@ -30,7 +33,7 @@ def ask(run: Path, theorems: Theorems) -> dict[str, Any]:
         file = Path(folder) / "answer.json"
         done = subprocess.run(
             command_of("neuralgaits.certificate.retrace", str(run), str(file)),
-            input=json.dumps(theorems.tables()),
+            input=json.dumps({"theorems": theorems.tables(), "chart": chart.table()}),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
@@ -58,8 +61,13 @@ def _read(file: Path) -> dict[str, Any] | None:
     return found if isinstance(found, dict) else None
 
 
-def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
+def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
     """What a proof with these theorems must be about, in this process.
+
+    Args:
+        run: its folder.
+        theorems: of the proof.
+        chart: of the proof: which parameters of the robot are inputs of its Program.
 
     Returns: "program_hash" and "model" (or None), "regions" and "conditions" as a model has them,
         "barriers" and "carried", names of conditions, "told", of commands, "chart" of all that may
@@ -69,11 +77,11 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
     """
     # These import JAX, and the run's spec.
     from neuralgaits.analysis.run import open_run
-    from neuralgaits.certificate.levels.chart import Chart
     from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
     from neuralgaits.certificate.levels.sets import Sets, trace_certificate
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
+    from neuralgaits.certificate.provable import why_not_robust
 
     opened = open_run(run)
     spec, robot, gait, residuals = opened.spec, opened.robot, opened.trained, opened.residuals
@@ -83,6 +91,9 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
             "expected a run of the rigid model for a proof of level 4, found one whose "
             f"dynamics carry a learned residual, {run}: level 4 is not about it"
         )
+    spec = replace(spec, parameters=_errors(robot, chart, 2 * len(spec.commands)))
+    if spec.parameters and (why := why_not_robust(opened)):
+        raise InputError(f"expected a run that can be proved for a box of robots, found {why}")
     described = plain(spec.describe())
     barriers, carried = names_of(spec)
     found: dict[str, Any] = {
@@ -93,7 +104,7 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
         "barriers": list(barriers),
         "carried": list(carried),
         "told": [command.name for command in spec.commands],
-        "chart": Chart.of(spec.commands).table(),
+        "chart": Chart.of(spec.commands, spec.parameters).table(),
         "full_order": FullOrderModel(robot, opened.gait, spec).names if full is not None else [],
     }
     if full is None or [barrier.name for barrier in full.barriers] == found["full_order"]:
@@ -103,9 +114,27 @@ def answer(run: Path, theorems: Theorems) -> dict[str, Any]:
     return found
 
 
+def _errors(robot: Any, chart: Chart, told: int) -> Any:
+    """Parameters of a robot that a chart has axes of, behind those of commands; () for none.
+
+    Nor for a box that the file's robot is not the middle of, or that holds what are no robots.
+    """
+    from neuralgaits.robots.parameters import Axis, box_of
+
+    errors = chart.parameters[told:]
+    axes = tuple(Axis(axis.name, axis.high) for axis in errors)
+    if not axes or any(axis.low != -axis.high for axis in errors):
+        return ()
+    with contextlib.suppress(ValueError, NeuralGaitsError):
+        box_of(robot, axes)
+        return axes
+    return ()
+
+
 def _main(run: str, file: str) -> None:
     try:
-        found = answer(Path(run), Theorems.read(json.load(sys.stdin)))
+        given = json.load(sys.stdin)
+        found = answer(Path(run), Theorems.read(given["theorems"]), Chart.read(given["chart"]))
     except (NeuralGaitsError, OSError) as error:
         found = {"error": str(error)}
     write_text(Path(file), json.dumps(found))

@@ -21,7 +21,7 @@ from neuralgaits.programs.ops import complaint
 
 FORMAT = "neuralgaits-program"
 VERSION = 1
-MOST_AXES = 8
+MOST_AXES = 16
 """Elements of an input that boxes may be given for: a model has a coefficient for each pair."""
 
 

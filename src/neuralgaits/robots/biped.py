@@ -2,6 +2,9 @@
 
 from collections.abc import Iterator
 
+from jax.core import Tracer
+
+from neuralgaits import _notebook
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
 from neuralgaits.robots import checks, dynamics, impact
 from neuralgaits.robots.constants import BipedConstants
@@ -13,6 +16,31 @@ class PlanarBiped(BipedConstants):
     Methods take single states and raise InputError for other shapes, and for concrete numbers
     that are not finite; use `jax.vmap` for batches. Attributes: see `BipedConstants`.
     """
+
+    def __repr__(self) -> str:
+        """One line: name, mass, legs and motors."""
+        motors = len(self.joint_names) - 1
+        if isinstance(self.mass, Tracer):
+            # While it is being traced its numbers are not known.
+            return f"<PlanarBiped {self.name}: {motors} motors>"
+        size = f"{float(self.mass):.3g} kg, legs of {self.leg_length:.3g} m"
+        return f"<PlanarBiped {self.name}: {size}, {motors} motors>"
+
+    def _repr_html_(self) -> str:
+        """The same for a notebook, with a row a motor."""
+        rows = [
+            (joint, f"{limit:.3g}", f"{low:.3g} to {high:.3g}", f"{rotor:.3g}")
+            for joint, limit, low, high, rotor in zip(
+                self.joint_names[1:],
+                self.torque_limit,
+                self.joint_lower,
+                self.joint_upper,
+                self.armature[1:],
+                strict=True,
+            )
+        ]
+        head = ("motor at", "torque [N m]", "range [rad]", "rotor inertia [kg m²]")
+        return _notebook.table(repr(self)[1:-1], rows, head)
 
     def mass_matrix(self, q: Coordinates) -> Float[Array, "n n"]:
         """Mass matrix D(q) of the robot pinned at the stance foot.

@@ -17,7 +17,7 @@ from typing import Any
 import equinox as eqx
 import numpy as np
 
-from neuralgaits._types import Float
+from neuralgaits._types import Array, Float
 
 
 @dataclass(frozen=True)
@@ -103,21 +103,24 @@ class BipedConstants(eqx.Module):
         name: of the robot; link_names; joint_names of the n coordinates.
         torso: index of the torso link, or None.
         layout: where the coordinates live in the robot file.
+        coupling_across: Im C, where `coupling` is Re C and `coupling_phase` None: of a robot whose
+            masses are traced values, see `parameters`; else None [kg m^2]. [n, n]
+        moment_across: Im b likewise [kg m]. [n]
     """
 
     link_angles: Float[np.ndarray, "n n"]
-    inertia: Float[np.ndarray, " n"]
-    coupling: Float[np.ndarray, "n n"]
+    inertia: Float[Array, " n"]
+    coupling: Float[Array, "n n"]
     coupling_phase: Float[np.ndarray, "n n"] | None
-    mass_moment: Float[np.ndarray, " n"]
+    mass_moment: Float[Array, " n"]
     mass_moment_phase: Float[np.ndarray, " n"] | None
-    armature: Float[np.ndarray, " n"]
+    armature: Float[Array, " n"]
     damping: Float[np.ndarray, " n"]
     foot: Float[np.ndarray, " n"]
     hip: Float[np.ndarray, " n"]
     relabel: Float[np.ndarray, "n n"]
     hip_gradient: Float[np.ndarray, " n"]
-    mass: Float[np.ndarray, ""]
+    mass: Float[Array, ""]
     gravity: Float[np.ndarray, ""]
     torque_limit: Float[np.ndarray, " m"]
     joint_lower: Float[np.ndarray, " m"]
@@ -129,6 +132,8 @@ class BipedConstants(eqx.Module):
     joint_names: tuple[str, ...] = eqx.field(static=True)
     torso: int | None = eqx.field(static=True)
     layout: MjcfLayout = eqx.field(static=True, repr=False)
+    coupling_across: Float[Array, "n n"] | None = None
+    moment_across: Float[Array, " n"] | None = None
 
     @property
     def n(self) -> int:

@@ -6,6 +6,8 @@ one cosine and one sine of the same angle table. No linear solve, no symbolic ge
 Source: docs/notation.md; any text on planar manipulators in absolute angles.
 """
 
+from collections.abc import Callable
+
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
@@ -25,10 +27,27 @@ def moment_angles(robot: BipedConstants, theta: Coordinates) -> Coordinates:
     return theta if phase is None else theta + phase
 
 
+def coupling_cosines(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
+    """|C_kl| cos(theta_k - theta_l + phase_kl). Returns: [n, n] (kg m^2)."""
+    table = relative_angles(robot, theta)
+    found = robot.coupling * jnp.cos(table)
+    if robot.coupling_across is None:
+        return found
+    return found - robot.coupling_across * jnp.sin(table)
+
+
+def coupling_sines(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
+    """|C_kl| sin(theta_k - theta_l + phase_kl). Returns: [n, n] (kg m^2)."""
+    table = relative_angles(robot, theta)
+    found = robot.coupling * jnp.sin(table)
+    if robot.coupling_across is None:
+        return found
+    return found + robot.coupling_across * jnp.cos(table)
+
+
 def link_mass_matrix(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
     """Mass matrix in absolute link angles, without rotors. Returns: [n, n] (kg m^2)."""
-    table = relative_angles(robot, theta)
-    return robot.coupling * jnp.cos(table) + jnp.diag(robot.inertia)
+    return coupling_cosines(robot, theta) + jnp.diag(robot.inertia)
 
 
 def mass_matrix(robot: BipedConstants, q: Coordinates) -> Float[Array, "n n"]:
@@ -40,8 +59,11 @@ def mass_matrix(robot: BipedConstants, q: Coordinates) -> Float[Array, "n n"]:
 
 def link_bias(robot: BipedConstants, theta: Coordinates, dtheta: Coordinates) -> Coordinates:
     """Centrifugal and gravity terms per absolute link angle. Returns: [n] (N m)."""
-    centrifugal = (robot.coupling * jnp.sin(relative_angles(robot, theta))) @ (dtheta * dtheta)
-    weight = robot.gravity * robot.mass_moment * jnp.sin(moment_angles(robot, theta))
+    centrifugal = coupling_sines(robot, theta) @ (dtheta * dtheta)
+    angles = moment_angles(robot, theta)
+    weight = robot.gravity * robot.mass_moment * jnp.sin(angles)
+    if robot.moment_across is not None:
+        weight = weight + robot.gravity * robot.moment_across * jnp.cos(angles)
     return centrifugal - weight
 
 
@@ -66,6 +88,15 @@ def angular_momentum(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> 
     """
     turn = robot.link_angles
     return -jnp.sum(link_mass_matrix(robot, turn @ q) @ (turn @ dq))
+
+
+def _of_moment(robot: BipedConstants, point: Callable[[Coordinates], Planar]) -> Planar:
+    """A point, or its rate, whose coefficients are the first moments, a turned part included."""
+    found = point(robot.mass_moment)
+    if robot.moment_across is None:
+        return found
+    across = point(robot.moment_across)
+    return found + jnp.stack([-across[1], across[0]])
 
 
 def _point(coefficients: Coordinates, theta: Coordinates) -> Planar:
@@ -110,14 +141,15 @@ def hip_velocity(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Plan
 
 def centre_of_mass(robot: BipedConstants, q: Coordinates) -> Planar:
     """Centre of mass from the stance foot, (x, z). Returns: [2] (m)."""
-    return _point(robot.mass_moment, moment_angles(robot, robot.link_angles @ q)) / robot.mass
+    angles = moment_angles(robot, robot.link_angles @ q)
+    return _of_moment(robot, lambda moment: _point(moment, angles)) / robot.mass
 
 
 def centre_of_mass_velocity(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Planar:
     """Centre-of-mass velocity, (x, z). Returns: [2] (m/s)."""
     turn = robot.link_angles
-    angles = moment_angles(robot, turn @ q)
-    return _point_velocity(robot.mass_moment, angles, turn @ dq) / robot.mass
+    angles, dtheta = moment_angles(robot, turn @ q), turn @ dq
+    return _of_moment(robot, lambda b: _point_velocity(b, angles, dtheta)) / robot.mass
 
 
 def ground_reaction_force(
@@ -128,6 +160,6 @@ def ground_reaction_force(
     Returns: [2] (tangential, normal) (N).
     """
     turn = robot.link_angles
-    angles = moment_angles(robot, turn @ q)
-    force = _point_acceleration(robot.mass_moment, angles, turn @ dq, turn @ ddq)
+    angles, dtheta, ddtheta = moment_angles(robot, turn @ q), turn @ dq, turn @ ddq
+    force = _of_moment(robot, lambda b: _point_acceleration(b, angles, dtheta, ddtheta))
     return force + jnp.stack([jnp.zeros_like(force[0]), robot.mass * robot.gravity])

@@ -45,6 +45,9 @@ def momentum_after(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Co
     angles = moment_angles(robot, theta)
     foot_x, foot_z = swing_foot_velocity(robot, q, dq)
     moved = -robot.mass_moment * (jnp.cos(angles) * foot_x + jnp.sin(angles) * foot_z)
+    if robot.moment_across is not None:
+        turned = jnp.cos(angles) * foot_z - jnp.sin(angles) * foot_x
+        moved = moved - robot.moment_across * turned
     momentum = link_mass_matrix(robot, theta) @ (turn @ dq_new) + moved
     return turn.T @ momentum + robot.armature * dq_new
 

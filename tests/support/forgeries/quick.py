@@ -13,6 +13,7 @@ import numpy as np
 
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels import sets
+from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.proof_file import reader as claims
 from neuralgaits.certificate.proof_file import shared_check
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
@@ -85,10 +86,10 @@ def _stated(program: Program, statement: claims.Statement) -> str:
     return f"{program.hash} {statement}"
 
 
-def _here(run: Path, theorems: Theorems) -> dict[str, Any]:
+def _here(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
     """What `retrace.ask` gets from a process of its own."""
     try:
-        return json.loads(json.dumps(retrace.answer(run, theorems)))
+        return json.loads(json.dumps(retrace.answer(run, theorems, chart)))
     except (NeuralGaitsError, OSError) as error:
         raise InputError(str(error)) from None
 

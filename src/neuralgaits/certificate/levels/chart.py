@@ -13,7 +13,7 @@ from neuralgaits._names import why_no_name
 
 Corner = tuple[float, ...]
 """One corner of a box of the chart, or of its plane (phase, level)."""
-MOST_AXES = 8
+MOST_AXES = 16
 PLANE = 2
 """Axes of the zero dynamics' own plane: phase and level."""
 
@@ -63,9 +63,15 @@ class Chart:
         return PLANE + len(self.parameters)
 
     @classmethod
-    def of(cls, commands: Commands) -> "Chart":
-        """Of a gait that is told these at each touchdown: two axes each."""
-        return cls(tuple(Axis(*axis) for command in commands for axis in command.axes))
+    def of(cls, commands: Commands, errors: Iterable[tuple[str, float]] = ()) -> "Chart":
+        """Of a gait that is told these at each touchdown, on robots with these errors.
+
+        Args:
+            commands: two axes each.
+            errors: of parameters of the robot, (name, half width), one axis each.
+        """
+        told = (Axis(*axis) for command in commands for axis in command.axes)
+        return cls((*told, *(Axis(name, -half, half) for name, half in errors)))
 
     def sequences(self, told: Sequence[str]) -> tuple[str, ...] | None:
         """What may follow what, a phrase a command; None if the axes are not those of `told`.
@@ -99,6 +105,21 @@ class Chart:
         return len(other.parameters) == len(self.parameters) and all(
             one.name == own.name and own.low <= one.low <= one.high <= own.high
             for own, one in zip(self.parameters, other.parameters, strict=True)
+        )
+
+    def intervals(self) -> tuple[str, ...]:
+        """Axes behind phase and level in words; neighbours with one interval share it."""
+        found: list[tuple[list[str], str]] = []
+        for axis in self.parameters:
+            interval = f"[{axis.low!r}, {axis.high!r}]"
+            if not found or found[-1][1] != interval:
+                found.append(([], interval))
+            found[-1][0].append(axis.name)
+        return tuple(
+            f"{names[0]} in {interval}"
+            if len(names) == 1
+            else f"{', '.join(names)} each in {interval}"
+            for names, interval in found
         )
 
     def table(self) -> list[dict[str, str]]:

@@ -100,6 +100,5 @@ def _of_parameters(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:
     if pairs is not None:
         yield f"admissible are commands of {' and '.join(pairs)}"
     elif chart.parameters:
-        given = [f"{axis.name} in [{axis.low!r}, {axis.high!r}]" for axis in chart.parameters]
-        fixed = " and ".join(given)
+        fixed = " and ".join(chart.intervals())
         yield f"this holds for each fixed {fixed}; of one that changes it says nothing"

@@ -38,6 +38,7 @@ from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import Counterexample
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import Axis, model_of
 
 CLAIMED = 0.4
 """Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
@@ -47,6 +48,8 @@ box costs; of the others the sign is all that matters."""
 SIGN_ONLY: dict[str, Any] = {"claimed": CLAIMED, "tight": 0.0}
 """In many axes a larger margin costs too many boxes."""
 NO_RESIDUALS = Residuals()
+Errors = tuple[Axis, ...]
+"""Parameters of the robot, of `GaitSpec.parameters`."""
 Margins = dict[str, Float[Array, "..."]]
 
 
@@ -67,7 +70,7 @@ class Subject:
     @cached_property
     def look(self) -> Look:
         """What the finders of levels 2 and 3 look at."""
-        return look_at(self.gait, self.zd)
+        return look_at(self.gait, self.zd, self.spec.parameters)
 
 
 class Sought(NamedTuple):
@@ -181,12 +184,11 @@ def find_sets(
     return Sets(parameters, reasons, least)
 
 
-def look_at(gait: AnyGait, zd: ZeroDynamics) -> Look:
+def look_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> Look:
     """What the finders look at, as a function of chart points. Raises: SpecError."""
-    size = PLANE + 2 * len(gait.commands)
-    program = trace(
-        lambda u: _quantities(*one_step(gait, zd, u), u[:PLANE]), {"u": (size,)}, parameters=gait
-    )
+    size = PLANE + 2 * len(gait.commands) + len(parameters)
+    at = one_step(gait, zd, parameters)
+    program = trace(lambda u: _quantities(*at(u), u[:PLANE]), {"u": (size,)}, parameters=gait)
     folded = fold(program, POINT)
 
     def look(u: np.ndarray) -> dict[str, np.ndarray]:
@@ -196,9 +198,13 @@ def look_at(gait: AnyGait, zd: ZeroDynamics) -> Look:
     return look
 
 
-def one_step(gait: AnyGait, zd: ZeroDynamics, u: Array) -> tuple[Gait, ZeroDynamics]:
+def one_step(
+    gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()
+) -> Callable[[Array], tuple[Gait, ZeroDynamics]]:
     """Gait and zero dynamics of the step that a chart point belongs to."""
-    return step_at(zd.robot, gait, u, Residuals(zd.residual, zd.reset_residual))
+    model = model_of(zd.robot, parameters)
+    residuals = Residuals(zd.residual, zd.reset_residual)
+    return lambda u: step_at(model, gait, u, residuals)
 
 
 def fences_of(gait: Gait) -> Fences:
@@ -244,9 +250,10 @@ def trace_certificate(
 
     Raises: SpecError naming the operation and line that cannot be traced.
     """
+    model = model_of(robot, spec.parameters)
 
     def margins(u, xi=None):
-        step, zd = step_at(robot, gait, u, residuals)
+        step, zd = step_at(model, gait, u, residuals)
         return spec.margins(step, zd, u[:PLANE]) | set_margins(spec, step, zd, sets, u, xi)
 
     inputs = {"u": (spec.chart_size,)}
@@ -299,7 +306,7 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
         for group in filter(None, apart):
             names = tuple(condition.name for condition in group)
             scales = tuple(float(condition.scale) for condition in group)
-            part, how = prune(program, names), (SIGN_ONLY if chart.parameters else {})
+            part, how = prune(program, names), (_sign_only(spec) if chart.parameters else {})
             problems += [
                 Problem(region, *chart.whole(box.low, box.high), names, scales, part, **how)
                 for box in boxes
@@ -310,10 +317,11 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
 def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Confirm:
     """Asks the margins' own Python functions, in float64, about one point, with outputs zero."""
     conditions = {condition.name: condition for condition in spec.conditions}
+    at = one_step(gait, zd, spec.parameters)
     xi = jnp.zeros(full_order.size_of(zd.robot))
 
     def confirm(name: str, u: np.ndarray) -> Counterexample | None:
-        step, moving = one_step(gait, zd, jnp.asarray(u))
+        step, moving = at(jnp.asarray(u))
         z = step.z(u[:PLANE])
         if name in conditions:
             condition = conditions[name]
@@ -350,10 +358,15 @@ def premise_problems(
             tuple(scales.get(name, 1.0) for name in names),
             prune(program, names),
             least=tuple(sets.least.get(name, 0.0) for name in names),
-            **(SIGN_ONLY if chart.parameters else _how_near(region)),
+            **(_sign_only(spec) if chart.parameters else _how_near(region)),
         )
         for (region, _, low, high), names in roots.items()
     ]
+
+
+def _sign_only(spec: GaitSpec) -> dict[str, Any]:
+    """In many axes: the sign is proved, and the robot's parameters are halved last."""
+    return {**SIGN_ONLY, "late": len(spec.parameters)}
 
 
 def _how_near(label: str) -> dict[str, Any]:

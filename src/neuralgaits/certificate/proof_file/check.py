@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import level_one_boxes, proved_bounds
 from neuralgaits.certificate.proof_file.coverage import (
@@ -25,6 +26,8 @@ from neuralgaits.records.certified import Conclusion
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]
 Progress = Callable[[int, int], None]
 
+NAMED_EACH = 6
+"""Axes beside phase and level that each statement names; more are named once."""
 SHOWN = 3
 """Contradictions or names that are named where there are more of them."""
 
@@ -88,7 +91,7 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
     report = Report(
         verdict="consistent",
         reason=NOT_TIED,
-        statements=tuple(line for s in claims.statements for line in in_words(s, claims)),
+        statements=all_in_words(claims),
         levels=(),
         unclaimed=_unclaimed(claims),
         boxes=0,
@@ -134,6 +137,12 @@ def tied(report: Report, claims: Claims, asked: Asked) -> Report:
     if report.verdict == "undecided":
         return report
     return replace(report, verdict="proved", reason=None, levels=levels)
+
+
+def all_in_words(claims: Claims) -> tuple[str, ...]:
+    """Every statement of a file, and what its chart is if they do not say."""
+    lines = (line for one in claims.statements for line in in_words(one, claims))
+    return (*chart_in_words(claims), *lines)
 
 
 def _unclaimed(claims: Claims) -> tuple[str, ...]:
@@ -202,10 +211,23 @@ def _why_incomplete(claims: Claims) -> str | None:
     )
 
 
+def chart_in_words(claims: Claims) -> Iterator[str]:
+    """The chart's axes beside phase and level, where they are too many to be named each time."""
+    axes = claims.chart.parameters
+    if len(axes) > NAMED_EACH:
+        yield f"the chart's other axes: {' and '.join(claims.chart.intervals())}"
+
+
 def in_words(statement: Statement, claims: Claims) -> Iterator[str]:
     """One sentence for each condition of a statement."""
-    ends = zip(claims.chart.axes, statement.low, statement.high, strict=True)
-    where = " and ".join(f"{axis.name} in [{low!r}, {high!r}]" for axis, low, high in ends)
+    ends = list(zip(claims.chart.axes, statement.low, statement.high, strict=True))
+    many = len(ends) > PLANE + NAMED_EACH
+    where = " and ".join(
+        f"{axis.name} in [{low!r}, {high!r}]"
+        for axis, low, high in (ends[:PLANE] if many else ends)
+    )
+    if many:  # Their roots are whole in them.
+        where += f" and all of the chart's other {len(ends) - PLANE} axes"
     for name in statement.conditions:
         fibre = f", and {FIBRE} of the unit ball" if name in claims.off_zero else ""
         yield (

@@ -39,7 +39,7 @@ MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
 """What a Program may have: elements of xi, of one value, and products of one matrix product."""
 MAX_CUTS = 48
 """Halvings of one axis: more would exhaust the digits of a double."""
-LEAF, DIGITS = "-", "01234567"
+LEAF, DIGITS = "-", "0123456789abcdef"
 """What a tree is written with: a leaf, and the axis that is halved."""
 
 Corners = tuple[np.ndarray, np.ndarray]

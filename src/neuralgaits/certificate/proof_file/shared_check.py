@@ -8,7 +8,6 @@ Pieces are looked at in the order of the file: the answer is the same whoever bo
 import contextlib
 import itertools
 import json
-import os
 import subprocess
 import sys
 import threading
@@ -16,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any, NamedTuple
 
+from neuralgaits._environment import cores
 from neuralgaits._own_process import command_of, environment_of
 from neuralgaits.certificate.proof_file.reader import Corners, Statement
 from neuralgaits.certificate.proof_file.statement_check import BATCH, StatementCheck, Verdict
@@ -186,7 +186,7 @@ class Beside:
 
 def _cores() -> int:
     """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return cores()
 
 
 def _bound_share(task: dict[str, Any]) -> Iterator[Found]:

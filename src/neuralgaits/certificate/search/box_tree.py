@@ -12,6 +12,10 @@ HELPS = 0.1
 """Part of what is missing that a halving must have gained to be preferred for it."""
 LAG = 5
 """An axis that matters is halved again once another is ahead of it by more halvings."""
+LATER = 8
+"""Halvings that others are ahead of late axes by where nothing else tells which to halve."""
+OFTEN = 3
+"""Of so many halvings that make a box, one is preceded by a look at what each axis gains."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,7 @@ class BoxTree:
         upper: every point of the box has a margin at most this; inf if unknown. [N, C]
         gain: what the last halving of an axis gained of what was missing to the bounds that were
             too low; inf if that is not known, -inf for an axis without width. [N, n]
+        late: how many of the axes, the last ones, are of small influence.
     """
 
     low: Corners
@@ -37,14 +42,20 @@ class BoxTree:
     lower: Float[np.ndarray, "B C"]
     upper: Float[np.ndarray, "B C"]
     gain: Float[np.ndarray, "B n"]
+    late: int = 0
 
     @classmethod
-    def root(cls, low: Sequence[float], high: Sequence[float], conditions: int) -> "BoxTree":
+    def root(
+        cls, low: Sequence[float], high: Sequence[float], conditions: int, late: int = 0
+    ) -> "BoxTree":
         """The root alone, about which nothing is known."""
         corners = np.array([low], dtype=np.float64), np.array([high], dtype=np.float64)
         none, unknown = np.full(1, -1), np.full((1, conditions), np.inf)
         gain = np.where(corners[1] > corners[0], np.inf, -np.inf)
-        return cls(*corners, none, none, np.zeros_like(gain, np.int64), -unknown, unknown, gain)
+        # That halving these helps is not looked for before it is known of others that they do not.
+        gain[:, gain.shape[1] - late :] = np.minimum(gain[:, gain.shape[1] - late :], 0.0)
+        cuts = np.zeros_like(gain, np.int64)
+        return cls(*corners, none, none, cuts, -unknown, unknown, gain, late)
 
     @property
     def axes(self) -> tuple[int, ...]:
@@ -59,7 +70,8 @@ class BoxTree:
     @property
     def nbytes(self) -> int:
         """Memory that the boxes take."""
-        return sum(getattr(self, item.name).nbytes for item in fields(self))
+        arrays = (getattr(self, item.name) for item in fields(self) if item.name != "late")
+        return sum(array.nbytes for array in arrays)
 
     @property
     def is_leaf(self) -> np.ndarray:
@@ -72,12 +84,31 @@ class BoxTree:
         Large boxes may gain nothing from any halving, and small ones of the same place much; and
         bounds may creep towards what they need along one axis while another holds them up.
         """
-        gain, cuts = self.gain[boxes], self.cuts[boxes]
+        gain, cuts = self.gain[boxes], self.cuts[boxes].copy()
+        cuts[:, cuts.shape[1] - self.late :] += LATER
         most, deepest = (part.max(axis=1, keepdims=True) for part in (gain, cuts))
         worth = np.where(most >= HELPS, gain >= most, gain > -np.inf)
         behind = (gain > 0.0) & (cuts < deepest - LAG)
         worth = np.where(behind.any(axis=1, keepdims=True), behind, worth)
+        if self.late:  # Each of them would be tried in turn: the best, however little it gains.
+            worth = np.where(most > 0.0, gain >= most, gain > -np.inf)
         return np.argmin(np.where(worth, cuts, np.iinfo(np.int64).max), axis=1)
+
+    def unprobed(self, boxes: np.ndarray) -> np.ndarray:
+        """Boxes of these at which it is worth to look at what halving each axis gains.
+
+        Only with late axes: halving one that is not may go on helping a little for ever.
+        """
+        if not self.late:
+            return boxes[:0]
+        bounded = np.all(np.isfinite(self.lower[boxes]), axis=1)
+        return boxes[bounded & (self.cuts[boxes].sum(axis=1) % OFTEN == 0)]
+
+    def with_gain(self, boxes: np.ndarray, gain: Float[np.ndarray, "P n"]) -> "BoxTree":
+        """The same, with other gains of some boxes."""
+        found = self.gain.copy()
+        found[boxes] = gain
+        return replace(self, gain=found)
 
     def halves_of(self, parents: np.ndarray, axis: np.ndarray) -> tuple[Corners, Corners]:
         """Corners of the halves of some boxes, each along its axis. [2 len(parents), n]."""
@@ -119,6 +150,7 @@ class BoxTree:
             np.concatenate([self.lower, np.fmax(lower, self.lower[family])]),
             np.concatenate([self.upper, np.fmin(upper, self.upper[family])]),
             np.concatenate([self.gain, self._gains(parents, axis, lower, missing)]),
+            self.late,
         )
 
     def _gains(

@@ -7,7 +7,8 @@ negative at a point is refuted; its boxes are halved a little further, for the m
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -15,11 +16,13 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.certificate.search.box_tree import BoxTree
-from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
 from neuralgaits.records.certified import Counterexample
 
 Confirm = Callable[[str, np.ndarray], Counterexample | None]
 """(condition, u) to the counterexample there, if the Python functions find the margin negative."""
+BoundAll = Callable[[Problem, Sequence[Boxes]], Generator[Bounds, None, None]]
+"""Bounds on the boxes of each batch, in order."""
 Phase = Literal["decide", "tighten"]
 
 START_CUTS, MOST_AT_START = 3, 5
@@ -30,6 +33,10 @@ MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Boxes added by one search of a root without a deadline, to decide and to raise margins."""
 MOST_POINTS = 2**14
 """Centres of new boxes that are looked at: of more, those with the lowest bounds."""
+MOST_PROBED = 256
+"""Boxes of a round for which it is looked at what halving each axis gains."""
+CORNER_ROUNDS = 2
+"""How often ends of late axes are looked for at which margins are smaller."""
 POINTS = 33 * 33
 """About as many points of the root are looked at first."""
 
@@ -51,7 +58,7 @@ class Search:
     @classmethod
     def untouched(cls, problem: Problem) -> "Search":
         """The root box, about which nothing is known."""
-        tree = BoxTree.root(problem.low, problem.high, len(problem.names))
+        tree = BoxTree.root(problem.low, problem.high, len(problem.names), problem.late)
         return cls(tree, np.full(len(problem.names), np.inf))
 
     @property
@@ -73,7 +80,12 @@ def start(problem: Problem, confirm: Confirm) -> Search:
     every = np.arange(len(tree.first))
     for batch in np.split(every, range(problem.batch, len(every), problem.batch)):
         tree = tree.with_bounds(batch, *problem.bounds(tree.low[batch], tree.high[batch]))
-    return _look(problem, replace(state, tree=tree), problem.grid(POINTS), confirm)
+    points = problem.grid(POINTS)
+    state = _look(problem, replace(state, tree=tree), points, confirm)
+    for _ in range(CORNER_ROUNDS if problem.late else 0):
+        points = problem.worse(points)
+        state = _look(problem, state, points, confirm)
+    return state
 
 
 def search(
@@ -83,10 +95,12 @@ def search(
     *,
     phase: Phase,
     most: int,
+    turn: int = MAX_BOXES,
     deadline: float = np.inf,
     progress: Callable[[Search], None] | None = None,
+    bound_all: BoundAll | None = None,
 ) -> Search:
-    """Go on until every condition is decided (or tight), or the deadline.
+    """Go on until every condition is decided (or tight), or so many boxes, or the deadline.
 
     Args:
         problem: conditions and root.
@@ -94,15 +108,18 @@ def search(
         confirm: asks the Python functions about a point.
         phase: "decide" for the sign of the margins, "tighten" for their size.
         most: boxes that the root may have.
+        turn: boxes that may be added.
         deadline: on the clock of `time.monotonic` [s].
         progress: called after each round.
+        bound_all: bounds the batches of a round; one after the other, here, if None.
     """
+    end = len(state.tree.first) + turn
     while time.monotonic() < deadline:
-        work = to_split(problem, state, phase, most)
+        work = to_split(problem, state, phase, min(most, end))
         if not len(work):
             break
         lacking = missing(problem, state, phase)[work]
-        state = _round(problem, state, work, lacking, confirm, deadline)
+        state = _round(problem, state, work, lacking, confirm, deadline, bound_all or bound_here)
         if progress is not None:
             progress(state)
     return state
@@ -125,7 +142,9 @@ def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, 
         decided = np.all((tree.lower >= 0.0) | ~tree.is_leaf[:, None], axis=0)
         worth = np.where(np.isfinite(state.seen), problem.tight * state.seen, 0.0)
     if phase == "decide":
-        targets, depth = np.zeros(len(problem.names)), np.where(refuted, MAP_DEPTH, MAX_DEPTH)
+        # With late axes there is no map of the boxes around a point that breaks a condition.
+        shown = 0 if problem.late else MAP_DEPTH
+        targets, depth = np.zeros(len(problem.names)), np.where(refuted, shown, MAX_DEPTH)
     else:
         targets, depth = np.where(decided, np.maximum(worth, 0.0), -np.inf), TIGHTEN_DEPTH
     short = ~(tree.lower >= targets) & (tree.depth[:, None] < depth * len(tree.axes))
@@ -142,18 +161,21 @@ def _round(
     lacking: np.ndarray,
     confirm: Confirm,
     deadline: float,
+    bound_all: BoundAll,
 ) -> Search:
     """Halve the leaves `work`, as many as there is time for."""
+    state = _probed(problem, state, work, lacking)
     tree, done, parts = state.tree, 0, []
     axis = tree.best_axis(work)
     size = problem.batch // 2
-    for start in range(0, len(work), size):
-        batch = slice(start, start + size)
-        low, high = tree.halves_of(work[batch], axis[batch])
-        parts.append((low, high, *problem.bounds(low, high)))
-        done += len(low) // 2
-        if time.monotonic() >= deadline:
-            break
+    slices = [slice(start, start + size) for start in range(0, len(work), size)]
+    batches = [tree.halves_of(work[batch], axis[batch]) for batch in slices]
+    with closing(bound_all(problem, batches)) as found:
+        for (low, high), bounds in zip(batches, found, strict=False):
+            parts.append((low, high, *bounds))
+            done += len(low) // 2
+            if time.monotonic() >= deadline:
+                break
     low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
     tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, lacking[:done])
     state = replace(state, tree=tree)
@@ -163,6 +185,29 @@ def _round(
         unsure = unsure[np.argpartition(worst, MOST_POINTS)[:MOST_POINTS]]
     points = (low + (high - low) * 0.5)[unsure]
     return _look(problem, state, points, confirm) if len(points) else state
+
+
+def bound_here(problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, None, None]:
+    """Bounds on the boxes of each batch, in order, as they are asked for."""
+    for low, high in batches:
+        yield problem.bounds(low, high)
+
+
+def _probed(problem: Problem, state: Search, work: np.ndarray, lacking: np.ndarray) -> Search:
+    """With what halving each axis gains of what is missing, known for some of the boxes `work`."""
+    tree = state.tree
+    boxes = tree.unprobed(work)[:MOST_PROBED]
+    if not len(boxes):
+        return state
+    missed = lacking[np.searchsorted(work, boxes)]
+    gain = tree.gain[boxes].copy()
+    for axis in tree.axes:
+        lower, _ = problem.bounds(*tree.halves_of(boxes, np.full(len(boxes), axis)))
+        rise = np.minimum(lower[::2], lower[1::2]) - tree.lower[boxes]
+        known = np.isfinite(rise) & (missed > 0.0)
+        total = np.where(known, np.maximum(rise, 0.0), 0.0).sum(axis=1)
+        gain[:, axis] = total / missed.sum(axis=1)
+    return replace(state, tree=tree.with_gain(boxes, gain))
 
 
 def _look(problem: Problem, state: Search, points: np.ndarray, confirm: Confirm) -> Search:

@@ -16,7 +16,7 @@ from neuralgaits.records.certified import Counterexample
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 
-_FIELDS = tuple(item.name for item in fields(BoxTree))
+_FIELDS = tuple(item.name for item in fields(BoxTree) if item.name != "late")
 
 
 def save(path: Path, problem: Problem, state: Search) -> None:
@@ -48,7 +48,8 @@ def load(path: Path, problem: Problem) -> Search:
         name: Counterexample(tuple(row["u"]), tuple(row["z"]), row["margin"])
         for name, row in json.loads(metadata["refuted"]).items()
     }
-    tree = BoxTree(**{name: np.asarray(arrays[name]) for name in _FIELDS})
+    fields_of = {name: np.asarray(arrays[name]) for name in _FIELDS}
+    tree = BoxTree(**fields_of, late=problem.late)
     return Search(tree, arrays["seen"], points)
 
 

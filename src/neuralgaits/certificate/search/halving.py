@@ -1,9 +1,9 @@
 """How boxes are halved, and the tree of halvings as text.
 
 A split halves one axis, at low + (high - low) / 2 in float64, which every reader computes alike.
-The tree is written depth first, the lower half before the upper one: a digit is the axis that is
-halved, from 0 on, and `-` a leaf. So leaves cover their root by construction: there is no list to
-be trusted.
+The tree is written depth first, the lower half before the upper one: a digit (0 to 9, a to f) is
+the axis that is halved, from 0 on, and `-` a leaf. So leaves cover their root by construction:
+there is no list to be trusted.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from neuralgaits._types import Float, Int
 
 Corners = Float[np.ndarray, "B n"]
 """One corner of each of B boxes in n dimensions."""
-LEAF = "-"
+LEAF, DIGITS = "-", "0123456789abcdef"
 
 
 def wide_axes(low: np.ndarray, high: np.ndarray) -> tuple[int, ...]:
@@ -48,7 +48,7 @@ def to_text(first: np.ndarray, axis: np.ndarray, leaf: np.ndarray) -> str:
         elif first[node] < 0:
             raise ValueError(f"expected every end of the tree to be a leaf, found node {node} open")
         else:
-            text.append(str(axis[node]))
+            text.append(DIGITS[axis[node]])
             start = int(first[node])
             stack += (start + 1, start)
     return "".join(text)

@@ -20,6 +20,10 @@ COMPILED_BATCH, COMPILED_DEGREE = 8192, 2
 PLANE = 2
 CACHE_BYTES = 2**22
 """What the largest result of an operation may take, over a batch: about a core's own cache."""
+Boxes = tuple[np.ndarray, np.ndarray]
+"""Lower and upper corners of B boxes. [B, n] each."""
+Bounds = tuple[np.ndarray, np.ndarray]
+"""Of each condition on each box, from below and above. [B, C] each."""
 INPUT = "u"
 MOST_ALONG = 33
 """Points along an axis of a grid at most."""
@@ -43,6 +47,7 @@ class Problem:
             and bounds them in another arithmetic, perhaps less tightly.
         tight: share of the smallest margin seen that is worth proving once it is known not to be
             negative: the rest would cost more boxes. 0 if its size is worth none.
+        late: how many axes, the last ones, are of small influence: seldom worth halving.
     """
 
     region: str
@@ -55,6 +60,12 @@ class Problem:
     least: tuple[float, ...] = ()
     claimed: float = 0.99
     tight: float = 0.95
+    late: int = 0
+
+    @property
+    def compiled(self) -> bool:
+        """Whether compiled code bounds boxes, each by itself."""
+        return self._compiled is not None
 
     @cached_property
     def batch(self) -> int:
@@ -94,14 +105,48 @@ class Problem:
         return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
 
     def grid(self, points: int) -> Corners:
-        """About so many points that cover the box, its edges included. [B, n]."""
-        wide = wide_axes(np.array(self.low), np.array(self.high))
+        """About so many points that cover the box, its edges included. [B, n].
+
+        On late axes each has an end of its own: all ends with all others would be too many.
+        """
+        early = len(self.low) - self.late
+        wide = [axis for axis in wide_axes(np.array(self.low), np.array(self.high)) if axis < early]
         size = min(max(round(points ** (1.0 / max(len(wide), 1))), 3), MOST_ALONG)
         lines = [
             np.linspace(low, high, size if axis in wide else 1)
-            for axis, (low, high) in enumerate(zip(self.low, self.high, strict=True))
+            for axis, (low, high) in enumerate(
+                zip(self.low[:early], self.high[:early], strict=True)
+            )
         ]
-        return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))
+        found = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))
+        if not self.late:
+            return found
+        found = np.tile(found, (max(points // len(found), 1), 1))
+        upper = np.random.default_rng(0).random((len(found), self.late)) < 0.5
+        ends = np.where(upper, self.high[early:], self.low[early:])
+        return np.hstack([found, ends])
+
+    def worse(self, points: Float[np.ndarray, "P n"]) -> Float[np.ndarray, "Q n"]:
+        """The same points, for each condition, at ends of late axes where its margin is smaller.
+
+        At the point where it is smallest each late axis is moved to either end by itself; the
+        better ends of all of them together are then tried everywhere. Q = P C.
+        """
+        early, found = len(self.low) - self.late, []
+        values = self.values(points)
+        for column in range(len(self.names)):
+            known = np.where(np.isnan(values[:, column]), np.inf, values[:, column])
+            at = points[int(np.argmin(known))]
+            moved = np.tile(at, (2 * self.late, 1))
+            axes = early + np.arange(self.late)
+            moved[2 * np.arange(self.late), axes] = np.array(self.low)[early:]
+            moved[2 * np.arange(self.late) + 1, axes] = np.array(self.high)[early:]
+            ends = self.values(moved)[:, column].reshape(-1, 2)
+            better = np.where(ends[:, 0] < ends[:, 1], self.low[early:], self.high[early:])
+            everywhere = points.copy()
+            everywhere[:, early:] = better
+            found.append(everywhere)
+        return np.concatenate(found)
 
     def _smallest(self, elements: Sequence[np.ndarray], boxes: np.ndarray) -> np.ndarray:
         """Smallest of each condition's elements [n, B] from its least, in scales; NaN wins."""

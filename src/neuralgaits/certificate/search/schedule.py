@@ -9,6 +9,7 @@ import numpy as np
 from neuralgaits.certificate.search.branch_and_bound import (
     MAX_BOXES,
     TIGHTEN_BOXES,
+    BoundAll,
     Confirm,
     Phase,
     Search,
@@ -18,12 +19,16 @@ from neuralgaits.certificate.search.branch_and_bound import (
 )
 from neuralgaits.certificate.search.problem import PLANE, Problem
 
-TURN_S = 2.0
-"""Seconds that one root may take before the next has its turn."""
+TURN_BOXES = 2**13
+"""Boxes that one root may add before the next has its turn. No time: what is proved in the end
+must not depend on how fast boxes are bounded, or by whom."""
 MEMORY_BYTES = 2**29
 """What the boxes of all roots may take. A round needs a few times as much beside them."""
-WIDE_TURN_S, WIDE_MEMORY_BYTES = 20.0, 2**32
+WIDE_TURN_BOXES, WIDE_MEMORY_BYTES = 2**17, 2**32
 """The same in more axes than two, where each round copies more boxes, and there are more."""
+LATE_BOXES = 20_000
+"""Boxes added by a search of a root most of whose axes are late: one that can be closed needs a few
+hundred."""
 
 Progress = Callable[[float, int], None]
 """(proved share of all conditions' regions, boxes so far)."""
@@ -48,6 +53,7 @@ def explore(
     *,
     deadline: float = np.inf,
     progress: Progress | None = None,
+    bound_all: BoundAll | None = None,
 ) -> list[Search]:
     """Decide all conditions on all roots, then raise the margins, until done or the deadline.
 
@@ -60,6 +66,7 @@ def explore(
         confirm: see `search`.
         deadline: on the clock of `time.monotonic` [s].
         progress: called after each round.
+        bound_all: see `search`.
 
     Raises: SearchInterrupted, with all that was found, where Python raises KeyboardInterrupt.
     """
@@ -74,7 +81,7 @@ def explore(
             progress(proved_share(problems, current), box_count(current))
 
     try:
-        _explore(problems, current, confirm, deadline, keep)
+        _explore(problems, current, confirm, deadline, keep, bound_all)
     except MemoryError:
         # A round is added whole or not at all: what was there still stands.
         pass
@@ -91,6 +98,7 @@ def _explore(
     confirm: Confirm,
     deadline: float,
     keep: Callable[[int, Search], None],
+    bound_all: BoundAll | None,
 ) -> None:
     """Give every root its turns. `keep` puts what it found into `current`."""
     for number, problem in enumerate(problems):
@@ -109,8 +117,10 @@ def _explore(
                     confirm,
                     phase=phase,
                     most=room.of(number),
-                    deadline=min(deadline, time.monotonic() + (WIDE_TURN_S if wide else TURN_S)),
+                    turn=WIDE_TURN_BOXES if wide else TURN_BOXES,
+                    deadline=deadline,
                     progress=partial(keep, number),
+                    bound_all=bound_all,
                 )
             left = [n for n in left if len(to_split(problems[n], current[n], phase, room.of(n)))]
 
@@ -119,7 +129,8 @@ class _Room:
     """How many boxes roots may have.
 
     In the plane each has its share. In more axes some need a thousand times as many as others, so
-    they take what is left of what all have together.
+    they take what is left of what all have together; but where most axes are late, a root that
+    needs so many is one whose box of robots is too wide.
     """
 
     def __init__(
@@ -132,15 +143,18 @@ class _Room:
         self._current = current
         self._bytes = [Search.untouched(problem).tree.nbytes for problem in problems]
         self._wide = any(len(problem.low) > PLANE for problem in problems)
-        room = int(MEMORY_BYTES / sum(self._bytes))
+        self._late = [problem.late > 0 for problem in problems]
+        room = int((WIDE_MEMORY_BYTES if any(self._late) else MEMORY_BYTES) / sum(self._bytes))
         more = TIGHTEN_BOXES
         if phase == "decide":
             more = MAX_BOXES if deadline == np.inf else room
+        if any(self._late):
+            more = min(more, LATE_BOXES)
         self._most = [min(len(state.tree.first) + more, room) for state in current]
 
     def of(self, number: int) -> int:
         """Boxes that a root may have in all."""
-        if not self._wide:
+        if not self._wide or self._late[number]:
             return self._most[number]
         sizes = [len(state.tree.first) for state in self._current]
         used = sum(a * b for a, b in zip(sizes, self._bytes, strict=True))

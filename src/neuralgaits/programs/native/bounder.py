@@ -1,12 +1,12 @@
 """Bounds on a Program's outputs over boxes, by compiled code."""
 
 import ctypes
-import os
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from neuralgaits._environment import cores
 from neuralgaits._types import Float
 from neuralgaits.programs.algebras.taylor_model import Taylor
 from neuralgaits.programs.native.library import library
@@ -184,6 +184,4 @@ class _Room:
 
 def _cores() -> int:
     """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return min(len(os.sched_getaffinity(0)), MOST_THREADS)
-    return min(os.cpu_count() or 1, MOST_THREADS)
+    return min(cores(), MOST_THREADS)

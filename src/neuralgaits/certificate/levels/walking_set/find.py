@@ -22,6 +22,8 @@ CLEAR = 1e-12
 """Height that the foot must have before and behind the guard's strip [m]: more than rounding."""
 FEW_PHASES, FEW_LEVELS, PAIRS, CHUNK = 61, 5, 5, 4096
 """Fewer of them, with so many values of each axis of the commands, at most so many at once."""
+CORNERS = 8
+"""Of a box of robots, that are looked at."""
 TOLD = 1.5
 """Phases that a reset may land in per one that is seen, but for how lengths differ."""
 CLEAR_TOLD = 5e-5
@@ -44,6 +46,8 @@ def find_set(
     if told:
         look = over_pairs(spec, look)
         count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
+    elif spec.parameters:
+        look, levels = over_robots(spec, look), np.linspace(0.0, 1.0, FEW_LEVELS)
     strip = _guard_strip(look, levels, CLEAR_TOLD if told else CLEAR)
     if strip is None:
         return (
@@ -109,10 +113,23 @@ def over_pairs(spec: GaitSpec, look: Look) -> Look:
     """Looks at points of (phase, level) with many pairs of commands, one point after the other."""
     axes = [np.linspace(low, high, PAIRS) for c in spec.commands for _, low, high in c.axes]
     pairs = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+    return _with_each(pairs, look)
+
+
+def over_robots(spec: GaitSpec, look: Look) -> Look:
+    """Looks at points of (phase, level) on the nominal robot and on some corners of the box."""
+    halves = np.array([axis.half for axis in spec.parameters])
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(halves)))
+    robots = np.concatenate([np.zeros((1, len(halves))), halves * signs])
+    return _with_each(robots, look)
+
+
+def _with_each(values: np.ndarray, look: Look) -> Look:
+    """Looks at points of (phase, level) with every row of values of the other axes. [V, k]."""
 
     def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
-        rows = np.repeat(u, len(pairs), axis=0)
-        rows = np.hstack([rows, np.tile(pairs, (len(u), 1))])
+        rows = np.repeat(u, len(values), axis=0)
+        rows = np.hstack([rows, np.tile(values, (len(u), 1))])
         parts = [look(rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)]
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 

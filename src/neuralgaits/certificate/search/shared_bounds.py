@@ -1,0 +1,113 @@
+"""Bounds on boxes from many workers: batches as tasks, put together in their order.
+
+What a batch's bounds are depends on the batch alone, and which batches there are on the search
+alone. So the boxes, and the proof made of them, are the same whoever bounded them.
+"""
+
+import json
+from collections.abc import Generator, Sequence
+from contextlib import closing
+from dataclasses import fields
+from functools import lru_cache
+
+import numpy as np
+
+from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
+from neuralgaits.engine import Engine, Files, Job, Settings
+from neuralgaits.programs import Program
+
+_PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
+PIECE = 512
+"""Boxes of a task at most, in more axes than two: tenths of a second."""
+_TUPLES = ("low", "high", "names", "scales", "least")
+
+
+class SharedBounds:
+    """Bounds from the workers of an engine."""
+
+    def __init__(self, engine: Engine):
+        self._engine = engine
+
+    def __call__(self, problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, None, None]:
+        """Bounds on the boxes of each batch, in order.
+
+        A few boxes are bounded here, as are those that no worker could bound.
+        """
+        pieces = [_pieces(problem, batch) for batch in batches]
+        found = self._in_order(problem, [piece for some in pieces for piece in some])
+        with closing(found):
+            for some in pieces:
+                parts = [next(found) for _ in some]
+                lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
+                yield lower, upper
+
+    def _in_order(self, problem: Problem, pieces: Sequence[Boxes]) -> Generator[Bounds, None, None]:
+        if len(pieces) == 1:
+            yield problem.bounds(*pieces[0])
+            return
+        jobs = (
+            Job(str(k), {"axes": low.shape[1]}, {_LOW: low.tobytes(), _HIGH: high.tobytes()})
+            for k, (low, high) in enumerate(pieces)
+        )
+        common = {_PROBLEM: to_json(problem).encode()}
+        shape = (-1, len(problem.names))
+        found: dict[int, Bounds] = {}
+        wanted = 0
+        with closing(self._engine.map(bound_batch, jobs, common=common)) as answers:
+            for done in answers:
+                number = int(done.name)
+                if done.failure is None:
+                    lower, upper = (
+                        np.frombuffer(done.files[name]).reshape(shape) for name in (_LOWER, _UPPER)
+                    )
+                    found[number] = lower, upper
+                else:
+                    found[number] = problem.bounds(*pieces[number])
+                while wanted in found:
+                    yield found.pop(wanted)
+                    wanted += 1
+
+
+def _pieces(problem: Problem, batch: Boxes) -> list[Boxes]:
+    """Parts of a batch: compiled code bounds each box by itself, NumPy whole batches."""
+    low, high = batch
+    count = -(-len(low) // PIECE) if problem.compiled else 1
+    return list(zip(np.array_split(low, count), np.array_split(high, count), strict=True))
+
+
+def bound_batch(settings: Settings, files: Files) -> Files:
+    """A task: bounds on the boxes of a batch.
+
+    Args:
+        settings: `axes` of the chart.
+        files: `problem.json`, and corners of the boxes as float64.
+
+    Returns: bounds from below and above as float64.
+    """
+    problem = _problem(files[_PROBLEM])
+    low, high = (np.frombuffer(files[name]).reshape(-1, settings["axes"]) for name in (_LOW, _HIGH))
+    lower, upper = problem.bounds(low, high)
+    return {_LOWER: _bytes(lower), _UPPER: _bytes(upper)}
+
+
+def _bytes(values: np.ndarray) -> bytes:
+    return np.ascontiguousarray(values, np.float64).tobytes()
+
+
+@lru_cache(maxsize=4)
+def _problem(text: bytes) -> Problem:
+    """Of the last searches, so that a worker reads a Program once."""
+    return from_json(text.decode())
+
+
+def to_json(problem: Problem) -> str:
+    """A problem as text, all digits included."""
+    values = {item.name: getattr(problem, item.name) for item in fields(problem)}
+    return json.dumps(values | {"program": problem.program.to_json()})
+
+
+def from_json(text: str) -> Problem:
+    """What `to_json` wrote."""
+    values = json.loads(text)
+    values |= {name: tuple(values[name]) for name in _TUPLES}
+    return Problem(**values | {"program": Program.from_json(values["program"])})

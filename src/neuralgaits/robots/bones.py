@@ -1,0 +1,71 @@
+"""Rods along the links of a robot whose file has no shapes, so that there is something to see."""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.robots.constants import MjcfLayout
+
+THICKNESS = 0.022
+"""Radius of a rod in leg lengths."""
+COLOURS = ((0.95, 0.55, 0.16, 1.0), (0.10, 0.42, 0.75, 1.0), (0.27, 0.31, 0.37, 1.0))
+"""Of leg 0, leg 1 and torso, as in the built-in robots."""
+
+
+class Bone(NamedTuple):
+    """A rod fixed to a body."""
+
+    body: int
+    """Of the compiled model: bodies may have no names."""
+    ends: Float[np.ndarray, "2 3"]
+    """In the body's frame [m]."""
+    colour: tuple[float, float, float, float]
+    """Red, green, blue, opacity."""
+
+
+def bones(model, layout: MjcfLayout) -> list[Bone]:
+    """Rods of a compiled model: from foot to hip, and along the torso.
+
+    Returns: none if the file draws more than feet and floor itself.
+    """
+    kinds = model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE
+    if int(kinds.sum()) > len(layout.feet):
+        return []
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    found = []
+    for leg, joints in enumerate(layout.leg_joints):
+        foot = model.geom(layout.feet[leg])
+        body, below = int(foot.bodyid[0]), data.geom_xpos[foot.id]
+        for name in joints:
+            joint = model.joint(name)
+            above = data.xanchor[joint.id]
+            found.append(_bone(model, data, body, (below, above), COLOURS[leg]))
+            # Only the last, the hip, may be a joint of the other leg.
+            body, below = int(model.body_parentid[joint.bodyid[0]]), above
+    if layout.torso:
+        root = int(model.joint(layout.root_joints[2]).bodyid[0])
+        centre = _centre(model, data, root)
+        # In the torso's own plane, between the legs.
+        hip = np.array([below[0], centre[1], below[2]])
+        if np.linalg.norm(centre - hip) > 0.0:
+            found.append(_bone(model, data, root, (hip, 2.0 * centre - hip), COLOURS[2]))
+    return found
+
+
+def _centre(model, data, root: int) -> np.ndarray:
+    """Centre of mass of a body and all that is welded to it. [3] (m)."""
+    one = np.flatnonzero(model.body_weldid == model.body_weldid[root])
+    return model.body_mass[one] @ data.xipos[one] / model.body_mass[one].sum()
+
+
+def _bone(model, data, body: int, ends, colour) -> Bone:
+    turn = data.xmat[body].reshape(3, 3)
+    local = [(place - data.xpos[body]) @ turn for place in ends]
+    return Bone(body, np.array(local), colour)

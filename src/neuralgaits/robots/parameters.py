@@ -1,0 +1,324 @@
+"""Robots that differ from a file in masses, centres of mass, inertias and rotors, link by link.
+
+Each type of link (torso, thigh, shin) and of joint (hip, knee) has errors of its own; both legs
+have the same, so what comes out is a `PlanarBiped` again. Its constants are linear in few numbers a
+link (mass, first moments, mass times squared offset), so a family is one matrix, and a
+member of it can be traced: masses are then inputs of a Program.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._names import meant, why_no_name
+from neuralgaits._types import Array, Float
+from neuralgaits.errors import InputError
+from neuralgaits.robots import derive
+from neuralgaits.robots.biped import PlanarBiped
+from neuralgaits.robots.loader import links_from_text
+
+Box = Mapping[str, float]
+"""Half widths by kind of parameter: shares of the file's value, or metres."""
+UNITS: dict[str, dict[str, float]] = {
+    "mass": {"%": 0.01, "": 1.0},
+    "com": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
+    "inertia": {"%": 0.01, "": 1.0},
+    "rotor": {"%": 0.01, "": 1.0},
+}
+"""Kinds of parameter, in the order of their axes, and the units that they may be given in."""
+_NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
+_SIDES = ("along", "across")
+_RELATIVE = "(relative error)"
+
+
+class Axis(NamedTuple):
+    """One parameter: what it is an error of, and its half width."""
+
+    name: str
+    half: float
+
+
+def parse_box(text: str) -> dict[str, float]:
+    """Read `mass=2%,com=5mm,inertia=5%,rotor=5%`. Returns: half widths by kind.
+
+    Raises: InputError on unknown names, on values that are none, and on units that do not fit.
+    """
+    box: dict[str, float] = {}
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if not equals:
+            raise InputError(
+                f"--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found {part!r}"
+            )
+        _refuse_unknown(name)
+        if name in box:
+            raise InputError(f"--parameters: expected {name} once, found it twice")
+        box[name] = _size(name, value)
+    if not box:
+        raise InputError("--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found none")
+    return checked_box(box)
+
+
+def _size(name: str, value: str) -> float:
+    found, units = _NUMBER.fullmatch(value), UNITS[name]
+    if found is None or found[2] not in units:
+        known = " or ".join(filter(None, units))
+        raise InputError(
+            f"--parameters: expected {name} as a number above 0 in {known}, found {value!r}"
+        )
+    try:
+        return float(found[1]) * units[found[2]]
+    except ValueError:
+        raise InputError(f"--parameters: expected a number for {name}, found {value!r}") from None
+
+
+def _refuse_unknown(name: object) -> None:
+    if name not in UNITS:
+        hint = meant(str(name), UNITS)
+        raise InputError(
+            f"--parameters: expected {', '.join(UNITS)}, found {name!r}{'; ' if hint else ''}{hint}"
+        )
+
+
+def checked_box(box: Box) -> dict[str, float]:
+    """A box in the order of `UNITS`, known to hold robots.
+
+    Raises: InputError on unknown names, sizes that are none, and boxes with negative masses.
+    """
+    for name, half in box.items():
+        _refuse_unknown(name)
+        if not (math.isfinite(half) and half > 0.0):
+            raise InputError(f"--parameters: expected {name} above 0, found {half:g}: leave it out")
+        if name != "com" and half >= 1.0:
+            what = {"rotor": "rotor inertia"}.get(name, name)
+            raise InputError(
+                f"--parameters: expected {name} below 100 %, found {100.0 * half:g} %: the box "
+                f"would hold robots whose {what} is zero or negative"
+            )
+    return {name: float(box[name]) for name in UNITS if name in box}
+
+
+@dataclass(frozen=True)
+class _Types:
+    """Names of the types of link and of joint, and which type each of them is."""
+
+    links: tuple[str, ...]
+    joints: tuple[str, ...]
+    link: tuple[int, ...]
+    joint: tuple[int, ...]
+
+
+def _types(robot: PlanarBiped) -> _Types:
+    count, torso = robot.n // 2, robot.torso is not None
+    links = [name.removeprefix("stance_") for name in robot.link_names[:count]]
+    link = [*range(count), *([count] if torso else []), *reversed(range(count))]
+    if robot.torso is not None:
+        links.append(robot.link_names[robot.torso])
+    joints = [name.removeprefix("stance_") for name in robot.joint_names[1 : 1 + count]]
+    row = derive.joint_row(np.arange(count), torso=torso)
+    return _Types(
+        tuple(_plain_names(links, "link")),
+        tuple(_plain_names(joints, "joint")),
+        tuple(link),
+        tuple(int(i) for i in row),
+    )
+
+
+def _plain_names(names: list[str], kind: str) -> list[str]:
+    """Names that may stand in a proof file, all different."""
+    good = all(why_no_name(name) is None and len(name) < 60 for name in names)
+    if good and len(set(names)) == len(names):
+        return names
+    return [f"{kind} {i + 1}" for i in range(len(names))]
+
+
+def axes_of(robot: PlanarBiped, box: Box) -> tuple[Axis, ...]:
+    """The parameters of a box, in the order of the axes of its family."""
+    box, types = checked_box(box), _types(robot)
+    return tuple(Axis(name, box[kind]) for kind, name in _names(types) if kind in box)
+
+
+def _names(types: _Types) -> Iterator[tuple[str, str]]:
+    """(kind, name) of every parameter that a robot has."""
+    for link in types.links:
+        yield "mass", f"mass of {link} {_RELATIVE}"
+    for link in types.links:
+        for side in _SIDES:
+            yield "com", f"centre of mass of {link} {side} (error in m)"
+    for link in types.links:
+        yield "inertia", f"inertia of {link} {_RELATIVE}"
+    for joint in types.joints:
+        yield "rotor", f"rotor inertia of {joint} {_RELATIVE}"
+
+
+def kinds_of(robot: PlanarBiped, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Kinds whose parameters have these names, all of each, in order.
+
+    Raises: ValueError if there are none.
+    """
+    known = list(_names(_types(robot)))
+    kinds = tuple(dict.fromkeys(kind for kind, name in known if name in names))
+    if tuple(name for kind, name in known if kind in kinds) != names:
+        raise ValueError(f"axes that are no parameters of {robot.name}")
+    return kinds
+
+
+def box_of(robot: PlanarBiped, axes: tuple[Axis, ...]) -> dict[str, float]:
+    """The box that these are the axes of.
+
+    Raises: ValueError if there is none.
+    """
+    kinds = kinds_of(robot, tuple(axis.name for axis in axes))
+    known = {name: kind for kind, name in _names(_types(robot))}
+    halves = {(known[axis.name], axis.half) for axis in axes}
+    if len(halves) > len(kinds):
+        raise ValueError(f"axes of one kind of parameter of {robot.name} that differ in width")
+    return checked_box(dict(halves))
+
+
+class RobotFamily(eqx.Module):
+    """Robots like one from a file, by the errors of their parameters.
+
+    Attributes:
+        nominal: the robot of the file.
+        tables: Re C, Im C, Re b and Im b as linear functions of the features of the types of
+            link: mass, its products with the offset of the centre of mass along and across,
+            and with the offset squared. [n, n, 4 T], [n, n, 4 T], [n, 4 T], [n, 4 T]
+        masses: of the types of link [kg]. [T]
+        link, joint: of which type each link and each actuated joint is. [n], [m]
+        counts: how many links of each type there are. [T]
+        kinds: of the parameters.
+    """
+
+    nominal: PlanarBiped
+    tables: tuple[
+        Float[Array, "n n f"], Float[Array, "n n f"], Float[Array, "n f"], Float[Array, "n f"]
+    ]
+    masses: Float[Array, " T"]
+    counts: Float[Array, " T"]
+    link: tuple[int, ...] = eqx.field(static=True)
+    joint: tuple[int, ...] = eqx.field(static=True)
+    kinds: tuple[str, ...] = eqx.field(static=True)
+
+    @classmethod
+    def of(cls, robot: PlanarBiped, kinds: tuple[str, ...]) -> "RobotFamily":
+        """The family of a robot.
+
+        Args:
+            robot: of a file.
+            kinds: of parameters, keys of `UNITS`.
+        """
+        leg, torso = links_from_text(robot.layout.xml, robot.name)
+        centre, _, _ = derive.centre_coefficients(leg, torso)
+        types = _types(robot)
+        masses = np.append(leg.mass, [] if torso is None else torso.mass)
+        counts = np.bincount(types.link, minlength=len(masses)).astype(float)
+        kept = tuple(kind for kind in UNITS if kind in kinds)
+        return cls(
+            robot, _tables(centre, types.link), masses, counts, types.link, types.joint, kept
+        )
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        sizes = {"com": 2 * len(self.masses), "rotor": len(set(self.joint))}
+        return sum(sizes.get(kind, len(self.masses)) for kind in self.kinds)
+
+    def at(self, p: Float[Array, " k"]) -> PlanarBiped:
+        """The robot with these errors, in the order of `axes_of`. [size]."""
+        mass, com, inertia, rotor = self._split(p)
+        robot, links = self.nominal, np.array(self.link)
+        masses = self.masses * (1.0 + mass) if mass is not None else jnp.asarray(self.masses)
+        squared = jnp.sum(com * com, axis=1)
+        parts = [masses, masses * com[:, 0], masses * com[:, 1], masses * squared]
+        features = jnp.concatenate(parts)
+        if "com" not in self.kinds:
+            features = jnp.concatenate([masses, np.zeros(3 * len(masses), p.dtype)])
+        re_c, im_c, re_b, im_b = (table @ features for table in self.tables)
+        across = "com" in self.kinds or robot.coupling_phase is not None
+        found = [
+            (lambda r: r.coupling, re_c),
+            (lambda r: r.coupling_across, im_c if across else None),
+            (lambda r: r.coupling_phase, None),
+            (lambda r: r.mass_moment, re_b),
+            (lambda r: r.moment_across, im_b if across else None),
+            (lambda r: r.mass_moment_phase, None),
+            (lambda r: r.mass, self.counts @ masses),
+        ]
+        if inertia is not None:
+            found.append((lambda r: r.inertia, robot.inertia * (1.0 + inertia[links])))
+        if rotor is not None:
+            more = jnp.concatenate([np.zeros(1, p.dtype), rotor[np.array(self.joint)]])
+            found.append((lambda r: r.armature, robot.armature * (1.0 + more)))
+        return eqx.tree_at(
+            lambda r: tuple(part(r) for part, _ in found),
+            robot,
+            tuple(value for _, value in found),
+            is_leaf=lambda leaf: leaf is None,
+        )
+
+    def _split(self, p: Float[Array, " k"]):
+        """Errors of masses, centres of mass [T, 2], inertias and rotors; None for those without."""
+        count, start = len(self.masses), 0
+        found: dict[str, Float[Array, ...]] = {}
+        for kind in self.kinds:
+            size = {"com": 2 * count, "rotor": len(set(self.joint))}.get(kind, count)
+            found[kind] = p[start : start + size]
+            start += size
+        offsets = found.get("com")
+        zero = jnp.zeros((count, 2), p.dtype)
+        com = zero if offsets is None else offsets.reshape(count, 2)
+        return found.get("mass"), com, found.get("inertia"), found.get("rotor")
+
+
+Model = PlanarBiped | RobotFamily
+"""A robot, or those of a box around it."""
+
+
+def model_of(robot: PlanarBiped, axes: tuple[Axis, ...]) -> Model:
+    """The family that has these parameters; the robot itself without any."""
+    if not axes:
+        return robot
+    return RobotFamily.of(robot, kinds_of(robot, tuple(axis.name for axis in axes)))
+
+
+def nominal(model: Model) -> PlanarBiped:
+    """The robot of the file, which is all that a policy knows."""
+    return model.nominal if isinstance(model, RobotFamily) else model
+
+
+def member(model: Model, p: Float[Array, " k"]) -> PlanarBiped:
+    """The robot with these errors. [0] for a model that is one robot."""
+    return model.at(p) if isinstance(model, RobotFamily) else model
+
+
+def _tables(
+    centre: np.ndarray, types: tuple[int, ...]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """How C and b depend on the features: mass, mass times offset, mass times its square."""
+    n, count = len(types), max(types) + 1
+    c, b = np.zeros((n, n, 4, count), complex), np.zeros((n, 4, count), complex)
+    for i, kind in enumerate(types):
+        row, unit = centre[i], np.eye(n)[i]
+        c[:, :, 0, kind] += np.outer(row, row.conj())
+        b[:, 0, kind] += row
+        for place, way in enumerate((1.0, 1j), start=1):
+            c[:, :, place, kind] += np.outer(way * unit, row.conj()) + np.outer(
+                row, np.conj(way) * unit
+            )
+            b[:, place, kind] += way * unit
+        c[:, :, 3, kind] += np.outer(unit, unit)
+    c, b = c.reshape(n, n, -1), b.reshape(n, -1)
+    return np.real(c).copy(), np.imag(c).copy(), np.real(b).copy(), np.imag(b).copy()
+
+
+def in_float64(family: RobotFamily, p: Float[np.ndarray, " k"]) -> PlanarBiped:
+    """A member of the family as numbers: NumPy leaves like those of a loaded robot."""
+    return jax.tree.map(np.asarray, family.at(jnp.asarray(p)))

@@ -1,0 +1,116 @@
+"""Robots of a box: members of a family against files edited by hand, and boxes that are none."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.errors import InputError
+from neuralgaits.robots import load_robot
+from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.parameters import (
+    RobotFamily,
+    axes_of,
+    box_of,
+    in_float64,
+    kinds_of,
+    parse_box,
+)
+from support.edited_robot import edited
+from support.random_biped import random_biped
+
+BOX = {"mass": 0.1, "com": 0.02, "inertia": 0.2, "rotor": 0.3}
+
+
+def quantities(robot, q, dq, ddq):
+    """What the dynamics make of the constants, one vector each."""
+    after = robot.impact(q, dq)
+    return {
+        "mass matrix": robot.mass_matrix(q),
+        "bias": robot.bias(q, dq),
+        "centre of mass": robot.centre_of_mass(q),
+        "force": robot.ground_reaction_force(q, dq, ddq),
+        "after": after.dq,
+        "impulse": after.impulse,
+    }
+
+
+def assert_same(robot, other, rng):
+    q, dq, ddq = rng.normal(size=(3, robot.n))
+    found, expected = (quantities(one, q, dq, ddq) for one in (robot, other))
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(np.asarray(value), rel=1e-9, abs=1e-9), name
+
+
+@pytest.mark.parametrize("name", ["amber3m", "amber3m-tail"])
+def test_members_are_the_robots_of_edited_files(name):
+    rng = np.random.default_rng(1)
+    robot = load_robot(name)
+    axes = axes_of(robot, BOX)
+    family = RobotFamily.of(robot, tuple(BOX))
+    assert family.size == len(axes) == 14
+    for _ in range(3):
+        errors = np.array([axis.half for axis in axes]) * rng.uniform(-1.0, 1.0, len(axes))
+        other = edited(name, {axis.name: x for axis, x in zip(axes, errors, strict=True)})
+        member = in_float64(family, errors)
+        assert_same(member, other, rng)
+        assert float(member.mass) == pytest.approx(float(other.mass), rel=1e-12)
+
+
+@pytest.mark.parametrize("kinds", [("mass",), ("com",), ("inertia", "rotor"), tuple(BOX)])
+def test_the_middle_of_a_box_is_the_robot_of_the_file(kinds):
+    robot = robot_from_text(random_biped(4, 2, torso=True), "random")
+    family = RobotFamily.of(robot, kinds)
+    assert_same(in_float64(family, np.zeros(family.size)), robot, np.random.default_rng(2))
+
+
+def test_a_biped_without_a_torso_has_a_family_as_well():
+    robot = robot_from_text(random_biped(3, 2, torso=False), "legs")
+    family = RobotFamily.of(robot, tuple(BOX))
+    assert family.size == 2 + 4 + 2 + 2
+    assert_same(in_float64(family, np.zeros(10)), robot, np.random.default_rng(3))
+    # Twice the mass of every link and the same places: twice the weight.
+    double = RobotFamily.of(robot, ("mass",)).at(jnp.ones(2))
+    assert float(double.mass) == pytest.approx(2.0 * float(robot.mass))
+
+
+def test_axes_say_what_they_are_of():
+    robot = load_robot("amber3m")
+    axes = axes_of(robot, {"com": 0.005, "mass": 0.02})
+    names = tuple(axis.name for axis in axes)
+    assert names[0] == "mass of shin (relative error)"
+    assert names[3] == "centre of mass of shin along (error in m)"
+    assert [axis.half for axis in axes] == [0.02] * 3 + [0.005] * 6
+    assert kinds_of(robot, names) == ("mass", "com")
+    assert box_of(robot, axes) == {"mass": 0.02, "com": 0.005}
+    for wrong in (names[1:], names[::-1], (*names, "mass of tail (relative error)")):
+        with pytest.raises(ValueError, match="no parameters"):
+            kinds_of(robot, wrong)
+
+
+def test_a_box_is_read_in_its_units():
+    text = "mass=2%, com=5mm,inertia=0.05,rotor=10 %"
+    assert parse_box(text) == {"mass": 0.02, "com": 0.005, "inertia": 0.05, "rotor": 0.1}
+    assert parse_box("com=1cm")["com"] == parse_box("com=0.01m")["com"] == 0.01
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "found none"),
+        ("mass", "NAME=SIZE"),
+        ("mas=2%", "did you mean mass"),
+        ("mass=2mm", "in %"),
+        ("com=2%", "in mm or cm or m"),
+        ("com=5", "in mm or cm or m"),
+        ("mass=-2%", "found '-2%'"),
+        ("mass=0%", "above 0"),
+        ("mass=1%,mass=2%", "twice"),
+        ("mass=120%", "zero or negative"),
+        ("mass=1e999", "above 0"),
+        ("mass=..", "a number for mass"),
+    ],
+)
+def test_what_is_no_box_gets_one_line(text, said):
+    with pytest.raises(InputError, match=said) as refused:
+        parse_box(text)
+    assert "\n" not in str(refused.value)
