@@ -164,7 +164,9 @@ def test_errors_are_those_of_the_steady_steps():
     time = np.array([1.0, 2.0, 3.0, 5.0])
     hip, told = np.array([0.0, 9.0, 9.6, 11.0]), np.array([0.9, 0.9, 0.6, 0.7])
     heights = np.array([0.0, 0.0, 0.03, -0.01])
-    strides = Strides(time, hip, np.full(4, 0.3), heights, np.stack([told, np.zeros(4)], axis=1))
+    strides = Strides(
+        time, hip, np.full(4, 0.3), heights, hip, np.stack([told, np.zeros(4)], axis=1)
+    )
     found = command_errors(commands, [strides])
     # From the second touchdown on: 2 m in 3 s, told 0.6 m/s for 1 s and 0.7 m/s for 2 s.
     assert found["speed"].mean == pytest.approx(0.0, abs=1e-12)

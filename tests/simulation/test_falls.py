@@ -8,6 +8,7 @@ UPRIGHT = {
     "pitch": 0.0,
     "since_touchdown": 0.4,
     "steps_left": 3,
+    "in_gap": False,
     "finite": True,
 }
 
@@ -23,6 +24,7 @@ UPRIGHT = {
         ({"since_touchdown": 4.0}, Ending.STALLED),
         ({"finite": False, "hip_height": float("nan")}, Ending.NOT_FINITE),
         ({"steps_left": 0, "hip_height": 0.4}, Ending.LOW_HIP),
+        ({"in_gap": True, "hip_height": 0.4}, Ending.GAP),
     ],
 )
 def test_verdicts(amber, change, expected):

@@ -5,7 +5,7 @@ from enum import IntEnum
 
 import jax.numpy as jnp
 
-from neuralgaits._types import Array, Int, Scalar
+from neuralgaits._types import Array, Bool, Int, Scalar
 from neuralgaits.robots import PlanarBiped
 
 
@@ -18,6 +18,7 @@ class Ending(IntEnum):
     TORSO = 3
     NOT_FINITE = 4
     STALLED = 5
+    GAP = 6
 
     @property
     def fell(self) -> bool:
@@ -35,6 +36,7 @@ _REASONS = {
     Ending.TORSO: "torso tipped over",
     Ending.NOT_FINITE: "state not finite",
     Ending.STALLED: "stalled: no touchdown ahead in time",
+    Ending.GAP: "missed its stone: a foot in the gap",
 }
 
 
@@ -62,6 +64,7 @@ def ending(
     pitch: Scalar,
     since_touchdown: Scalar,
     steps_left: Int[Array, ""],
+    in_gap: Bool[Array, ""],
     finite: Array,
 ) -> Int[Array, ""]:
     """Judge one state.
@@ -73,6 +76,7 @@ def ending(
         pitch: of the torso (rad); a biped without one does not fall by it.
         since_touchdown: or since the start of the episode (s).
         steps_left: walking steps still to go.
+        in_gap: whether a foot has missed its stone.
         finite: whether the plant's state is finite.
 
     Returns: an `Ending` as an integer.
@@ -84,4 +88,5 @@ def ending(
     if robot.torso is not None:
         verdict = jnp.where(jnp.abs(pitch) > config.torso_rad, Ending.TORSO, verdict)
     verdict = jnp.where(hip_height < config.hip_share * leg_length, Ending.LOW_HIP, verdict)
+    verdict = jnp.where(in_gap, Ending.GAP, verdict)
     return jnp.where(finite, verdict, Ending.NOT_FINITE).astype(jnp.int32)

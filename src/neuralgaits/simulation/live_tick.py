@@ -166,6 +166,7 @@ class NativeTick(LiveTick):
             z1=row["z"][:, 0],
             clearance=row["clearance"],
             stride=stride,
+            feet=row["feet"],
             rise=np.zeros(1),
         )
 

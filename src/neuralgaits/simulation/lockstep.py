@@ -9,15 +9,16 @@ episode's course does not depend on which others run beside it.
 # MuJoCo ships no type stubs.
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import mujoco
 import numpy as np
 from mujoco import rollout
 
-from neuralgaits._types import Bool, Float, Int
+from neuralgaits._types import Float, Int
 from neuralgaits.simulation.batch import Batch, pack
+from neuralgaits.simulation.course import Courses
 from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.gauge import Gauge
 from neuralgaits.simulation.orders import Orders
@@ -26,7 +27,7 @@ from neuralgaits.simulation.push import Push
 from neuralgaits.simulation.recorder import Recorder
 from neuralgaits.simulation.strides import Strides, width
 from neuralgaits.simulation.terrain import Terrain
-from neuralgaits.simulation.tick import Reading, Record
+from neuralgaits.simulation.tick import Reading, Record, Verdict
 
 # Episodes below which waking threads costs more than it saves.
 _MIN_EPISODES_PER_THREAD = 16
@@ -62,9 +63,12 @@ Watch = Callable[[Record, Int[np.ndarray, " a"]], None]
 class Noise:
     """Standard normal draws for the sensors of each episode, by seed and episode number."""
 
-    def __init__(self, shape: tuple[int, int], seed: int, episodes: int, *, silent: bool):
-        """Draws of `shape` per episode; zeros if `silent`."""
-        self._draws = [np.random.default_rng([seed, i, 3]) for i in range(episodes)]
+    def __init__(
+        self, shape: tuple[int, int], seed: int, episodes: int, *, silent: bool, first: int = 0
+    ):
+        """Draws of `shape` per episode, the first of which has a number; zeros if `silent`."""
+        numbers = range(first, first + episodes)
+        self._draws = [np.random.default_rng([seed, i, 3]) for i in numbers]
         self._silent = silent
         self._values = np.zeros((episodes, *shape))
 
@@ -89,11 +93,14 @@ def run(
     record: bool = False,
     longest: int = 0,
     watch: Watch | None = None,
+    courses: Courses | None = None,
+    models: Sequence[mujoco.MjModel] | None = None,
+    first: int = 0,
 ) -> Episodes:
     """Run every episode to its end.
 
     Args:
-        plant: of all episodes.
+        plant: of all episodes, or of the first one on a course.
         batch: the compiled control tick.
         states: MuJoCo states to start from (time, qpos, qvel).
         terrain: floor levels.
@@ -104,28 +111,32 @@ def run(
         record: keep records and states of episode 0.
         longest: keep records of the first so many ticks of every episode.
         watch: called after each control tick.
+        courses: that they walk on in place of floors, and are told by.
+        models: of the plant of each episode; the same for all if None.
+        first: number of the first episode.
 
     Returns: `Episodes`.
     """
-    world = _World(plant, states, threads)
+    world = _World(plant, states, threads, models)
+    levels_now = terrain.levels if courses is None else courses.first_levels()
     carry, endings = batch.carry, np.zeros(len(states), dtype=int)
     kept = np.array(carry)
     records, seen, levels = [], [], []
     recorder = Recorder(longest) if longest else None
-    told = _Told(orders, len(states))
+    told = _Told(orders, range(first, first + len(states)), courses)
     strides: list[list[np.ndarray]] = [[] for _ in states]
     # The first call compiles; its result is thrown away.
-    reading = world.reading(terrain.levels, noise.next(), told.wanted)
+    reading = world.reading(levels_now, noise.next(), told.wanted)
     batch.tick(batch.arrays, carry, pack(reading))
     began = clock.perf_counter()
     active = np.arange(len(states))
     while active.size:
-        reading = pack(world.reading(terrain.levels, noise.next(), told.wanted))
+        reading = pack(world.reading(levels_now, noise.next(), told.wanted))
         carry, packed, found = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
         for i in active[verdict.touchdown[active]]:
             strides[i].append(verdict.stride[i])
-        told.advance(verdict.touchdown)
+        told.advance(verdict)
         if recorder is not None:
             recorder(batch.record_of(found), active)
         if watch is not None:
@@ -133,7 +144,7 @@ def run(
         if record and endings[0] == Ending.RUNNING:
             records.append(np.asarray(found)[0])
             seen.append(world.states[0].copy())
-            levels.append(terrain.levels[0].copy())
+            levels.append(levels_now[0].copy())
         ended = active[verdict.ending[active] != Ending.RUNNING]
         if ended.size:
             endings[ended] = verdict.ending[ended]
@@ -141,7 +152,9 @@ def run(
             active = np.flatnonzero(endings == Ending.RUNNING)
         force = push.at(world.time, verdict.touchdown, verdict.steps)
         place = (verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
-        if terrain.advance(*place, verdict.rise):
+        if courses is not None:
+            courses.stand(levels_now, verdict.touchdown, verdict.leg, verdict.feet)
+        elif terrain.advance(*place, verdict.rise):
             world.lay_floors(terrain.levels)
         world.advance(active, verdict.controls, force)
     wall = clock.perf_counter() - began
@@ -164,22 +177,32 @@ def run(
 class _Told:
     """What the next touchdown of every episode is to latch."""
 
-    def __init__(self, orders: Orders, episodes: int):
-        self._orders = [orders.of(i) for i in range(episodes)]
+    def __init__(self, orders: Orders, episodes: range, courses: Courses | None):
+        self._courses = courses
+        self._orders = [orders.of(i) for i in episodes]
         first = [next(rows) for rows in self._orders]
-        self.wanted = np.array(first, dtype=np.float64).reshape(episodes, -1)
+        self.wanted = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
 
-    def advance(self, touchdown: Bool[np.ndarray, " B"]) -> None:
-        """Go on to the next where one has been latched."""
-        if self.wanted.size:
-            for i in np.flatnonzero(touchdown):
+    def advance(self, verdict: Verdict) -> None:
+        """Go on to the next where one has been latched; on a course, look ahead again."""
+        if self._courses is not None:
+            for i, wanted in enumerate(self.wanted):
+                self._courses.look(wanted, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))
+        elif self.wanted.size:
+            for i in np.flatnonzero(verdict.touchdown):
                 self.wanted[i] = next(self._orders[i])
 
 
 class _World:
     """The plants of all episodes: states in one array, stepped together."""
 
-    def __init__(self, plant: Plant, states: Float[np.ndarray, "B s"], threads: int):
+    def __init__(
+        self,
+        plant: Plant,
+        states: Float[np.ndarray, "B s"],
+        threads: int,
+        models: Sequence[mujoco.MjModel] | None,
+    ):
         model = plant.model
         episodes = len(states)
         threads = min(threads, episodes // _MIN_EPISODES_PER_THREAD)
@@ -189,7 +212,7 @@ class _World:
         self._plant = plant
         self._pool = rollout.Rollout(nthread=threads if threads > 1 else 0)
         self._data = [mujoco.MjData(model) for _ in range(max(1, threads))]
-        self._models = [model] * episodes
+        self._models = [model] * episodes if models is None else list(models)
         self._touch = np.zeros((episodes, model.nsensordata))
         size = mujoco.mj_stateSize(model, CONTROL_SPEC)
         self._inputs = np.zeros((episodes, SUBSTEPS, size))
@@ -205,6 +228,8 @@ class _World:
 
     def lay_floors(self, levels: Float[np.ndarray, "B 2"]) -> None:
         """Put the floors at these levels (m)."""
+        if self._plant.course is not None:
+            return
         first = self._plant.model.nu + self._plant.model.nv
         self._inputs[:, :, first:] = self._plant.floor_positions(levels)[:, None]
 
@@ -225,7 +250,7 @@ class _World:
         everyone = count == len(self.states)
         out, sensed = self._out[:count], self._sensed[:count]
         self._pool.rollout(
-            self._models[:count],
+            self._models if everyone else [self._models[i] for i in active],
             self._data,
             self.states if everyone else self.states[active],
             self._inputs if everyone else self._inputs[active],

@@ -6,6 +6,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.gait import Orbit
 from neuralgaits.gait.commands import UNITS, Commands
 from neuralgaits.records.simulated import CommandError, ModelOrbit, WalkFigures
+from neuralgaits.simulation.course import Courses
 from neuralgaits.simulation.gauge import START_UP_STEPS
 from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.strides import Strides
@@ -56,6 +57,7 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
         sim_steps_per_s=episodes.plant_steps / episodes.wall_s,
         real_time_factor=simulated / episodes.wall_s,
         command_error=command_errors(walk.commands, episodes.strides),
+        foothold_error_m=foothold_error(walk.courses, episodes.strides),
     )
 
 
@@ -75,6 +77,19 @@ def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, Comm
                 float(np.max(all_of_them)) if known else None,
             )
     return found
+
+
+def foothold_error(courses: Courses | None, strides: list[Strides]) -> CommandError | None:
+    """How far feet came down from the middle of their stones (m), all steps of all walks."""
+    if courses is None or not courses.stones:
+        return None
+    misses = [
+        course.misses(walked.place) for course, walked in zip(courses.each, strides, strict=True)
+    ]
+    every = np.abs(np.concatenate(misses))
+    if not every.size:
+        return CommandError(None, None)
+    return CommandError(float(np.mean(every)), float(np.max(every)))
 
 
 def _misses(name: str, i: int, walked: Strides) -> Float[np.ndarray, " K"]:

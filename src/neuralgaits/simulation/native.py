@@ -9,6 +9,7 @@ means is that of `tick` and `lockstep`, number for number but for rounding; test
 
 import threading
 import time as clock
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from ctypes import byref
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.gait.commands import place_of
+from neuralgaits.simulation.course import Courses
 from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.lockstep import Episodes
@@ -54,6 +56,16 @@ class _Course:
     noisy: bool
     longest: int
     record: bool
+    courses: Courses | None
+    first: int
+
+
+def _on_course(scene: Any, plant: Plant, courses: Courses) -> Any:
+    """The scene of one episode, whose plant is its own; the law stays that of the first scene."""
+    own = type(scene).from_buffer_copy(scene)
+    own.model = plant.model._address
+    own.course, own.stones, own.gap_depth = 1, int(courses.stones), courses.gap_depth
+    return own
 
 
 class _Kept:
@@ -82,12 +94,15 @@ def run(
     threads: int,
     record: bool = False,
     longest: int = 0,
+    courses: Courses | None = None,
+    plants: Sequence[Plant] = (),
+    first: int = 0,
 ) -> Episodes:
     """Run every episode to its end, as `lockstep.run` does.
 
     Args:
         library: compiled for the controller's robot and policy.
-        plant: of all episodes.
+        plant: of all episodes, or of the first one on a course.
         controller: of all episodes.
         states: MuJoCo states to start from (time, qpos, qvel).
         steps: touchdowns of a walk.
@@ -100,6 +115,9 @@ def run(
         threads: at most this many walk at once.
         record: keep all ticks of episode 0, with states and floors.
         longest: keep the first so many ticks of every episode.
+        courses: that they walk on in place of floors, and are told by.
+        plants: then that of each episode.
+        first: number of the first episode, on which what is random depends.
 
     Raises: NonFiniteError if MuJoCo gives up, InputError for the library of another gait.
     """
@@ -107,12 +125,18 @@ def run(
         raise InputError("expected the compiled walk of this controller, found another one's")
     scene = scene_of(library, plant, controller, steps, falls, push)
     scene.uneven = int(terrain.uneven)
-    height = place_of(orders.commands, "step_height")
-    scene.told_height = 0 if height is None else height + 1
-    course = _Course(states, terrain, push, orders, seed, noisy, longest, record)
+    for name in ("length", "height", "slope"):
+        command = name if name == "slope" else f"step_{name}"
+        at = place_of(orders.commands, command)
+        setattr(scene, f"told_{name}", 0 if at is None else at + 1)
+    course = _Course(states, terrain, push, orders, seed, noisy, longest, record, courses, first)
     local, stop = threading.local(), threading.Event()
 
     def one(episode: int) -> _Kept:
+        if courses is not None:
+            own = plants[episode]
+            on_it = _on_course(scene, own, courses)
+            return _episode(library, on_it, own, mujoco.MjData(own.model), course, episode, stop)
         if not hasattr(local, "data"):
             local.data = mujoco.MjData(plant.model)
         return _episode(library, scene, plant, local.data, course, episode, stop)
@@ -125,13 +149,13 @@ def run(
             stop.set()
             raise
     wall = clock.perf_counter() - began
-    first = kept[0]
-    rows = np.concatenate(first.records) if record else None
+    whole = kept[0]
+    rows = np.concatenate(whole.records) if record else None
     return Episodes(
         [Ending(found.walk.ending) for found in kept],
         _gauge([found.walk for found in kept]),
         None if rows is None else record_of(rows, plant.robot),
-        np.concatenate(first.states) if record else np.array([]),
+        np.concatenate(whole.states) if record else np.array([]),
         rows["floor"] if rows is not None else np.array([]),
         sum(found.walk.plant_steps for found in kept),
         wall,
@@ -162,13 +186,18 @@ def _episode(
     library.start(byref(walk), 0, pointer(first))
     if course.terrain.told is not None:
         walk.next_rise, walk.rise_pending = course.terrain.told, 1
-    rises, told = np.zeros(0), _Orders(course.orders, episode)
+    if course.courses is not None:
+        walk.floor[:] = course.courses.first_levels()[episode]
+        seen = np.ascontiguousarray(course.courses.each[episode].seen)
+        walk.seen, walk.seen_rows = pointer(seen), len(seen)
+        walk.told[:] = course.orders.first
+    rises, told = np.zeros(0), _Orders(course.orders, course.first + episode)
     late = np.zeros((plant.delay_ticks + 1, model.nu))
     walk.late = pointer(late)
     walk.push_wait, begin = course.push.moments(episode)
     walk.push_start = begin
     kept = _Kept(walk)
-    draws = np.random.default_rng([course.seed, episode, 3])
+    draws = np.random.default_rng([course.seed, course.first + episode, 3])
     shape = (2, 1 + plant.wires.joints.size)
     if course.noisy:
         # The loop in JAX spends one tick's draws on being compiled.
@@ -197,7 +226,7 @@ def _episode(
         )
         if walk.ending == _REFUSED:
             text = library.complaint().decode(errors="replace")
-            raise NonFiniteError(f"MuJoCo gave up in episode {episode}: {text}")
+            raise NonFiniteError(f"MuJoCo gave up in episode {course.first + episode}: {text}")
         kept.strides.append(strides[: walk.strides_used])
         if records is not None:
             kept.records.append(records[:done])

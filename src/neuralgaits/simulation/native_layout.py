@@ -34,6 +34,17 @@ def _reals(*names: str) -> _Fields:
     return [(name, c_double) for name in names]
 
 
+def _told(commands: int) -> _Fields:
+    """What a walk is told next."""
+    return [
+        ("orders", c_void_p),
+        ("orders_used", c_int),
+        ("seen", c_void_p),
+        ("seen_rows", c_int),
+        ("told", c_double * commands),
+    ]
+
+
 @lru_cache
 def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) -> Layout:
     """Types of a robot and a gait.
@@ -109,7 +120,9 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("slope", c_double),
             ("uneven", c_int),
             ("told_height", c_int),
-            *_reals("room_under_foot", "push_force", "push_s"),
+            ("room_under_foot", c_double),
+            *((name, c_int) for name in ("course", "stones", "told_length", "told_slope")),
+            *_reals("gap_depth", "foot_radius", "push_force", "push_s"),
             ("push_after", c_int),
             ("steps", c_int),
             *_reals("lowest_hip", "largest_pitch", "patience_s"),
@@ -132,6 +145,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             *_reals("age", "clock"),
             ("touch", pair),
             ("floor", pair),
+            ("feet", pair * 2),
             ("rises", c_void_p),
             ("rises_used", c_int),
             ("rise_pending", c_int),
@@ -139,7 +153,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("late", c_void_p),
             ("strides", c_void_p),
             ("strides_used", c_int),
-            *([("orders", c_void_p), ("orders_used", c_int)] if commands else []),
+            *(_told(commands) if commands else []),
             *((name, c_int) for name in ("ticks", "steps", "saturated", "ending", "plant_steps")),
             *_reals("energy", "peak_torque"),
             ("first", milestone),
@@ -160,6 +174,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         *((name, (2, leg_joints)) for name in ("angles", "rates")),
         *((name, (2,)) for name in ("hip_velocity", "normal_force", "floor")),
         ("clearance", ()),
+        ("feet", (2, 2)),
         *([("told", (2, commands))] if commands else []),
     ]
     record = np.dtype([(name, np.float64, shape) for name, shape in shapes])

@@ -54,6 +54,7 @@ def scene_of(
     scene.encoder_step = disturbance.encoder_step
     scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
     scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT
+    scene.gap_depth, scene.foot_radius = np.inf, float(plant.robot.foot_radius)
     scene.push_force, scene.push_s, scene.push_after = push.force, DURATION_S, push.steps_before
     scene.steps = min(steps, np.iinfo(np.int32).max)
     scene.lowest_hip = falls.hip_share * leg_length

@@ -113,7 +113,7 @@ def on_slope(disturbance: Disturbance, orders: Orders) -> Disturbance:
 
 
 def _constant(commands: Commands, given: str | Mapping[str, float]) -> Float[np.ndarray, " p"]:
-    wanted = _parsed(given) if isinstance(given, str) else dict(given)
+    wanted = parsed(given) if isinstance(given, str) else dict(given)
     middle = dict(zip((c.name for c in commands), Limits.of(commands).middle, strict=True))
     unknown = [name for name in wanted if name not in middle]
     if unknown:
@@ -123,8 +123,8 @@ def _constant(commands: Commands, given: str | Mapping[str, float]) -> Float[np.
     return values(commands, middle | wanted)
 
 
-def _parsed(text: str) -> dict[str, float]:
-    """Read `NAME=VALUE,...`, slopes in degrees as in every flag."""
+def parsed(text: str) -> dict[str, float]:
+    """Read `NAME=VALUE,...`, slopes in degrees as in every flag. Raises: InputError."""
     found: dict[str, float] = {}
     for part in text.split(","):
         name, equals, value = (word.strip() for word in part.partition("="))

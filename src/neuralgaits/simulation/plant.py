@@ -1,7 +1,8 @@
 """A robot file as a MuJoCo plant: half-millisecond steps, a floor of its own under each foot.
 
 The planes under the feet ride on mocap bodies, so floor height and slope are part of a
-simulation's input, not of its model: one compiled model serves every episode.
+simulation's input, not of its model: one compiled model serves every episode. On a course there
+are solid blocks in their place, which both feet meet, and every episode has a model of its own.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -17,6 +18,7 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.simulation.course import Course
 from neuralgaits.simulation.disturbance import Disturbance
 
 TIMESTEP_S = 5e-4
@@ -38,6 +40,10 @@ SECOND_FLOOR_GROUP = 5
 _FLOOR_GROUPS = (0, SECOND_FLOOR_GROUP)
 # Size of the touch sensors around the foot spheres, in foot radii.
 _TOUCH_ZONE = 3.0
+# Blocks of a course: how far they go down and to each side [m], and their two colours in turn.
+_BLOCK_DEPTH = 0.5
+_BLOCK_SIDE = 0.3
+_BLOCK_COLOURS = ((0.42, 0.45, 0.50, 1.0), (0.55, 0.58, 0.62, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +52,12 @@ class Plant:
 
     Attributes:
         robot: whose file this is; disturbances are not in its numbers.
-        model: compiled, with two floor planes on mocap bodies 0 and 1.
+        model: compiled, with two floor planes on mocap bodies 0 and 1, or the blocks of a course.
         disturbance: what was changed.
         wires: where the robot's coordinates live in the model.
         torque_limit: of the actuated coordinates as disturbed [N m]. [m]
         slope: rise of the floor per metre forward.
+        course: of blocks; None for floors.
     """
 
     robot: PlanarBiped
@@ -59,6 +66,7 @@ class Plant:
     wires: StateMap
     torque_limit: Float[np.ndarray, " m"]
     slope: float
+    course: Course | None = None
 
     @property
     def delay_ticks(self) -> int:
@@ -72,8 +80,10 @@ class Plant:
         return positions.reshape(-1, 6)
 
 
-def build(robot: PlanarBiped, disturbance: Disturbance | None = None) -> Plant:
-    """Compile the plant of a robot.
+def build(
+    robot: PlanarBiped, disturbance: Disturbance | None = None, course: Course | None = None
+) -> Plant:
+    """Compile the plant of a robot, on floors, or on the blocks of a course.
 
     Raises: RobotError if MuJoCo refuses the file, InputError if a disturbance does not apply.
     """
@@ -83,7 +93,7 @@ def build(robot: PlanarBiped, disturbance: Disturbance | None = None) -> Plant:
     try:
         spec = mujoco.MjSpec.from_string(layout.xml)
         geometry = spec.compile()
-        _add_floors(spec, geometry, robot, disturbance)
+        _add_floors(spec, geometry, robot, disturbance, course)
         model = spec.compile()
     except ValueError as error:
         reason = " ".join(str(error).split())
@@ -91,6 +101,9 @@ def build(robot: PlanarBiped, disturbance: Disturbance | None = None) -> Plant:
             f"robot {robot.name}: MuJoCo cannot build its plant, which has floors of its own in "
             f"place of the file's ({reason}): remove from the file what refers to its floor"
         ) from error
+    if course is not None:
+        # Cameras see no nearer than a share of it: a long course would hide the robot.
+        model.stat.extent = geometry.stat.extent
     _disturb(model, robot, disturbance)
     limit = robot.torque_limit
     if disturbance.torque_limit is not None:
@@ -102,11 +115,16 @@ def build(robot: PlanarBiped, disturbance: Disturbance | None = None) -> Plant:
         wires=StateMap.build(model, layout),
         torque_limit=limit,
         slope=slope,
+        course=course,
     )
 
 
 def _add_floors(
-    spec: mujoco.MjSpec, geometry: mujoco.MjModel, robot: PlanarBiped, disturbance: Disturbance
+    spec: mujoco.MjSpec,
+    geometry: mujoco.MjModel,
+    robot: PlanarBiped,
+    disturbance: Disturbance,
+    course: Course | None,
 ) -> None:
     """Give each foot a plane, take every other contact away, and put sensors on the feet.
 
@@ -118,20 +136,13 @@ def _add_floors(
         spec.delete(geom)
     for geom in spec.geoms:
         geom.contype, geom.conaffinity = 0, 0
-    tilt = math.radians(disturbance.slope_deg)
+    if course is not None:
+        _add_blocks(spec, course)
     for leg, (name, bit) in enumerate(zip(robot.layout.feet, _FLOOR_BITS, strict=True)):
-        body = spec.worldbody.add_body(name=f"_floor_{leg}", mocap=True)
-        body.quat = [math.cos(tilt / 2), 0.0, -math.sin(tilt / 2), 0.0]
-        plane = body.add_geom(
-            name=f"_floor_{leg}",
-            type=mujoco.mjtGeom.mjGEOM_PLANE,
-            size=[0.0, 0.0, 0.1],
-            contype=bit,
-            conaffinity=bit,
-            group=_FLOOR_GROUPS[leg],
-        )
-        if pictures:
-            plane.rgba, plane.material = pictures[0]
+        if course is None:
+            plane = _add_plane(spec, leg, bit, math.radians(disturbance.slope_deg))
+            if pictures:
+                plane.rgba, plane.material = pictures[0]
         foot = spec.geom(name)
         foot.contype, foot.conaffinity, foot.priority = bit, bit, 1
         place = geometry.geom(name)
@@ -140,6 +151,46 @@ def _add_floors(
         )
         sensor = spec.add_sensor(name=f"_touch_{leg}", type=mujoco.mjtSensor.mjSENS_TOUCH)
         sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_SITE, site.name
+
+
+def _add_plane(spec: mujoco.MjSpec, leg: int, bit: int, tilt: float):
+    """The floor under a foot, tilted (rad)."""
+    body = spec.worldbody.add_body(name=f"_floor_{leg}", mocap=True)
+    body.quat = _tilted(tilt)
+    return body.add_geom(
+        name=f"_floor_{leg}",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[0.0, 0.0, 0.1],
+        contype=bit,
+        conaffinity=bit,
+        group=_FLOOR_GROUPS[leg],
+    )
+
+
+def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
+    """Boxes below the tops of a course, for both feet."""
+    for number, (x0, z0, x1, z1) in enumerate(course.tops):
+        tilt, length = math.atan2(z1 - z0, x1 - x0), math.hypot(x1 - x0, z1 - z0)
+        half = 0.5 * _BLOCK_DEPTH
+        spec.worldbody.add_geom(
+            name=f"_block_{number}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            pos=[
+                0.5 * (x0 + x1) + half * math.sin(tilt),
+                0.0,
+                0.5 * (z0 + z1) - half * math.cos(tilt),
+            ],
+            quat=_tilted(tilt),
+            size=[0.5 * length, _BLOCK_SIDE, half],
+            contype=_FLOOR_BITS[0] | _FLOOR_BITS[1],
+            conaffinity=_FLOOR_BITS[0] | _FLOOR_BITS[1],
+            rgba=_BLOCK_COLOURS[number % 2],
+        )
+
+
+def _tilted(angle: float) -> list[float]:
+    """Quaternion that turns x up by an angle (rad)."""
+    return [math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0]
 
 
 def _planes(spec: mujoco.MjSpec):

@@ -22,14 +22,16 @@ class Push:
         steps_before: touchdowns before the push.
     """
 
-    def __init__(self, impulse: float, steps: int, seed: int, episodes: int):
+    def __init__(self, impulse: float, steps: int, seed: int, episodes: int, first: int = 0):
         """Spread `impulse` (N s) over `DURATION_S`, at a moment drawn from seed and episode.
 
-        `steps` is the length of the episodes: a short one is pushed half-way.
+        `steps` is the length of the episodes: a short one is pushed half-way. `first` is the
+        number of the first episode.
         """
         self.force = impulse / DURATION_S
         self.steps_before = min(STEPS_BEFORE, steps // 2)
-        draws = [np.random.default_rng([seed, i, 2]).uniform() for i in range(episodes)]
+        numbers = range(first, first + episodes)
+        draws = [np.random.default_rng([seed, i, 2]).uniform() for i in numbers]
         self._wait = WINDOW_S * np.array(draws)
         self._start = np.where(self.steps_before == 0, self._wait, np.inf)
 

@@ -16,12 +16,14 @@ from neuralgaits.gait.commands import Commands, Limits, Pair
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.
 _FENCE_SAMPLES = 101
+_TOGETHER = 16
+"""States that are computed at once."""
 _PAIRS = 100
 """About how many steps of a family are looked at for the same."""
 
 
 def full_states(
-    zd: ZeroDynamics, gait: Gait, kind: str, *, seed: int, episodes: int
+    zd: ZeroDynamics, gait: Gait, kind: str, *, seed: int, episodes: int, first: int = 0
 ) -> Float[np.ndarray, "B two_n"]:
     """Full states x = (q, dq) to start from (rad, rad/s).
 
@@ -32,15 +34,15 @@ def full_states(
             `fixed-point` of the Poincare map, at mid-step.
         seed: of `region`.
         episodes: number of states.
+        first: number of the first episode.
 
     Raises: InputError for another kind, or if there is no periodic orbit.
     """
     if kind == "centre":
         charts = np.full((episodes, 2), 0.5)
     elif kind == "region":
-        charts = np.array(
-            [np.random.default_rng([seed, i, 0]).uniform(size=2) for i in range(episodes)]
-        )
+        numbers = range(first, first + episodes)
+        charts = np.array([np.random.default_rng([seed, i, 0]).uniform(size=2) for i in numbers])
     elif kind == "fixed-point":
         orbit = periodic_orbit(zd, gait)
         if orbit.result != "found":
@@ -49,7 +51,10 @@ def full_states(
         return np.tile(np.asarray(x), (episodes, 1))
     else:
         raise InputError(f"unknown start {kind!r}: expected one of {', '.join(KINDS)}")
-    return np.asarray(_lifted(zd, gait, charts))
+    # In equal parts, so that a state does not depend on how many others there are.
+    spare = np.full((-len(charts) % _TOGETHER, 2), 0.5)
+    parts = np.concatenate([charts, spare]).reshape(-1, _TOGETHER, 2)
+    return np.concatenate([_lifted(zd, gait, part) for part in parts])[: len(charts)]
 
 
 def periodic_orbit(zd: ZeroDynamics, gait: Gait) -> Orbit:

@@ -18,16 +18,18 @@ class Strides(NamedTuple):
     """Of the step: how far the new foothold is ahead of the old one [m]."""
     height: Float[np.ndarray, " K"]
     """And how far above it [m]."""
+    place: Float[np.ndarray, " K"]
+    """Of the new foothold, forward [m]."""
     told: Float[np.ndarray, "K p"]
     """Commands of that step, in their units."""
 
     @classmethod
     def of_rows(cls, rows: Float[np.ndarray, "K r"]) -> "Strides":
         """Of the numbers that the loops keep."""
-        time, hip, length, height = rows[:, :4].T
-        return cls(time, hip, length, height, rows[:, 4:])
+        time, hip, length, height, place = rows[:, :5].T
+        return cls(time, hip, length, height, place, rows[:, 5:])
 
 
 def width(commands: int) -> int:
     """Numbers of a row."""
-    return 4 + commands
+    return 5 + commands

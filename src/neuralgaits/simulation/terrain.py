@@ -19,17 +19,21 @@ class Terrain:
         levels: of the plane under foot 0 and foot 1 [m]. [B, 2]
     """
 
-    def __init__(self, height: float, seed: int, episodes: int, told: float | None = None):
+    def __init__(
+        self, height: float, seed: int, episodes: int, told: float | None = None, first: int = 0
+    ):
         """All floors at zero. Draws depend on seed and episode number alone.
 
         `told` is how high the first foothold is said to be (m); None if robots are not told.
+        `first` is the number of the first episode.
         """
         self.levels = np.zeros((episodes, 2))
         self._height = height
         self.told = told
         self._next_rise = np.full(episodes, told or 0.0)
         self._pending = np.full(episodes, told is not None)
-        self._draws = [np.random.default_rng([seed, i, 1]) for i in range(episodes)]
+        numbers = range(first, first + episodes)
+        self._draws = [np.random.default_rng([seed, i, 1]) for i in numbers]
 
     @property
     def uneven(self) -> bool:

@@ -24,7 +24,7 @@ from neuralgaits.control.measurement import coordinates, stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait.commands import Limits, place_of
 from neuralgaits.robots import MjcfLayout, PlanarBiped
-from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.robots.dynamics import hip_position, swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation import gauge as gauges
 from neuralgaits.simulation.falls import FallConfig, ending
@@ -50,7 +50,7 @@ class Reading(NamedTuple):
     touch: Float[Array, "2"]
     """Normal force on each foot [N]."""
     floor: Float[Array, "2"]
-    """Floor level under each foot at x = 0 [m]."""
+    """Floor level under each foot at x = 0 [m]; on a course, of the foothold each had last."""
     noise: Float[Array, "2 j"]
     """Standard normal noise of angles and rates: pitch first, then the joints of both legs."""
     wanted: Float[Array, " p"]
@@ -76,6 +76,8 @@ class Verdict(NamedTuple):
     """Swing foot above the floor through the stance foothold [m]."""
     stride: Float[Array, " r"]
     """Of a touchdown: a row of `strides.Strides`; zeros at other ticks."""
+    feet: Float[Array, "2 2"]
+    """Stance foot and swing foot in the world, (x, z) of their spheres [m]."""
     rise: Scalar
     """What the robot is told of the height of the next foothold [m]; 0 for nothing."""
 
@@ -103,6 +105,7 @@ class Scene(eqx.Module):
         encoder_step: resolution of angles, 0 for exact ones [rad].
         steps: walking steps of an episode.
         first: command that episodes begin with. [p]
+        gap_depth: how far below its stones a foot has missed them, infinite without any [m].
         layout: of the plant's file.
         sizes: of the plant's qpos and ctrl.
         addresses: of root, joints and motors in the plant's arrays, as in `StateMap`.
@@ -116,10 +119,12 @@ class Scene(eqx.Module):
     encoder_step: Float[Array, ""]
     steps: Int[Array, ""]
     first: Float[Array, " p"]
+    gap_depth: Float[Array, ""]
     layout: MjcfLayout = eqx.field(static=True)
     sizes: tuple[int, int] = eqx.field(static=True)
     addresses: tuple[tuple, tuple, tuple] = eqx.field(static=True)
     falls: FallConfig = eqx.field(static=True)
+    on_course: bool = eqx.field(static=True)
 
     @classmethod
     def of(
@@ -129,6 +134,7 @@ class Scene(eqx.Module):
         steps: int,
         falls: FallConfig,
         first: Float[np.ndarray, " p"] | None = None,
+        gap_depth: float = np.inf,
     ) -> "Scene":
         """The scene of a plant and a controller; `first` is the middle of the ranges if None."""
         if first is None:
@@ -142,10 +148,12 @@ class Scene(eqx.Module):
             encoder_step=np.asarray(disturbance.encoder_step),
             steps=np.asarray(steps, dtype=np.int32),
             first=first,
+            gap_depth=np.asarray(gap_depth),
             layout=wires.layout,
             sizes=(wires.nq, wires.nu),
             addresses=(_frozen(wires.root), _frozen(wires.joints), _frozen(wires.actuators)),
             falls=falls,
+            on_course=plant.course is not None,
         )
 
     @property
@@ -234,19 +242,28 @@ def account(
         normal_force=reading.touch,
         period_s=period,
     )
+    ahead, up = swing_foot(robot, command.q)
+    stance = hip - hip_position(robot, command.q)
+    feet = jnp.stack([stance, stance + jnp.stack([ahead, up])])
+    height = place_of(controller.policy.commands, "step_height")
+    rise = jnp.zeros(()) if height is None else command.told[1, height]
+    floor = reading.floor[command.leg]
+    if scene.on_course:
+        # What stands there now has not been heard of yet.
+        floor = jnp.where(command.touchdown, stance[1] - scene.plant_robot.foot_radius, floor)
     verdict = ending(
         scene.falls,
         robot,
-        hip_height=hip[1] - reading.floor[command.leg] - scene.slope * hip[0],
+        hip_height=hip[1] - floor - scene.slope * hip[0],
         pitch=truth.pitch,
         since_touchdown=age,
         steps_left=scene.steps - gauge.steps,
+        in_gap=_in_gap(scene, feet, floor, reading.floor[1 - command.leg], rise),
         finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(command.torque)),
     )
-    ahead, up = swing_foot(robot, command.q)
-    height = place_of(controller.policy.commands, "step_height")
     # At a touchdown the swing foot is the old stance foot.
-    stride = jnp.concatenate([jnp.stack([time, hip[0], -ahead, -up]), command.told[0]])
+    numbers = jnp.stack([time, hip[0], -ahead, -up, stance[0]])
+    stride = jnp.concatenate([numbers, command.told[0]])
     return (
         Carry(state, gauge, age),
         Verdict(
@@ -258,7 +275,8 @@ def account(
             z1=command.z[0],
             clearance=up - scene.slope * ahead,
             stride=jnp.where(command.touchdown, stride, 0.0),
-            rise=jnp.zeros(()) if height is None else command.told[1, height],
+            feet=feet,
+            rise=rise,
         ),
         Record(
             time,
@@ -268,6 +286,23 @@ def account(
             true_z(scene.plant_robot, truth, command.leg),
         ),
     )
+
+
+def _in_gap(
+    scene: Scene, feet: Float[Array, "2 2"], level: Scalar, left: Scalar, rise: Scalar
+) -> Bool[Array, ""]:
+    """Whether a foot is below its stones.
+
+    Args:
+        scene: of the episode.
+        feet: stance and swing foot (m).
+        level: of the stance foothold (m).
+        left: of the one that the swing foot has left (m).
+        rise: of the one that it is on its way to, above the stance foothold (m).
+    """
+    stance, swing = feet[:, 1] - scene.plant_robot.foot_radius
+    lowest = jnp.minimum(left, level + rise)
+    return (swing < lowest - scene.gap_depth) | (stance < level - scene.gap_depth)
 
 
 def _noisy(

@@ -17,6 +17,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
+from neuralgaits.robots.bones import THICKNESS, Bone, bones
 from neuralgaits.runs import write_bytes
 from neuralgaits.simulation.plant import SECOND_FLOOR_GROUP, SUBSTEPS, TIMESTEP_S, Plant
 
@@ -24,6 +25,8 @@ FRAMES_PER_S = 50
 SIZE = (480, 640)
 """Height and width of a frame in pixels; a robot file's own off-screen size may cut it."""
 _SUFFIX = ".mp4"
+_SKY = np.array([222, 231, 240], dtype=np.uint8)
+"""Behind a robot whose file has no sky."""
 
 
 def check(path: Path) -> None:
@@ -68,14 +71,15 @@ def write(
         path: of the file.
         plant: that was simulated.
         states: time, qpos and qvel, one a control tick.
-        floors: level under each foot (m), one a control tick.
+        floors: level under each foot (m), one a control tick; not read on a course.
 
     Raises: InputError with the remedy, if OpenGL or ffmpeg fails.
     """
     ticks = round(1.0 / (FRAMES_PER_S * SUBSTEPS * TIMESTEP_S))
     renderer = _renderer(plant.model)
     moments = zip(states[::ticks], floors[::ticks], strict=True)
-    frames = (_frame(renderer, plant, state, levels) for state, levels in moments)
+    skeleton = bones(plant.model, plant.robot.layout)
+    frames = (_frame(renderer, plant, skeleton, state, levels) for state, levels in moments)
     try:
         with tempfile.TemporaryDirectory() as folder:
             film = Path(folder) / f"film{_SUFFIX}"
@@ -111,32 +115,60 @@ def _encode(film: Path, frames: Iterable[np.ndarray]) -> None:
         raise InputError(f"video: ffmpeg failed: {' '.join(complaint.split())[:200]}")
 
 
-def _frame(renderer, plant: Plant, state: np.ndarray, levels: np.ndarray) -> np.ndarray:
+def _frame(
+    renderer, plant: Plant, skeleton: list[Bone], state: np.ndarray, levels: np.ndarray
+) -> np.ndarray:
     model = plant.model
     data = mujoco.MjData(model)
     data.qpos[:] = state[1 : 1 + model.nq]
-    data.mocap_pos[:] = plant.floor_positions(levels[None])[0].reshape(-1, 3)
-    mujoco.mj_forward(model, data)
     option = mujoco.MjvOption()
-    option.geomgroup[SECOND_FLOOR_GROUP] = bool(levels[0] != levels[1])
+    if plant.course is None:
+        data.mocap_pos[:] = plant.floor_positions(levels[None])[0].reshape(-1, 3)
+        option.geomgroup[SECOND_FLOOR_GROUP] = bool(levels[0] != levels[1])
+    mujoco.mj_forward(model, data)
     renderer.update_scene(data, _camera(plant, data), option)
-    return renderer.render()
+    for bone in skeleton:
+        _draw(renderer.scene, bone, data, THICKNESS * plant.robot.leg_length)
+    frame = renderer.render()
+    if not np.any(model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX):
+        # Where nothing is drawn.
+        frame = np.where((frame == 0).all(axis=-1, keepdims=True), _SKY, frame)
+    return frame
+
+
+def _draw(scene, bone: Bone, data, radius: float) -> None:
+    """Add a rod to what is rendered: the model that is simulated has none."""
+    body = data.body(bone.body)
+    ends = body.xpos + bone.ends @ body.xmat.reshape(3, 3).T
+    geom = scene.geoms[scene.ngeom]
+    capsule, nowhere = mujoco.mjtGeom.mjGEOM_CAPSULE, np.zeros(3)
+    colour = np.array(bone.colour, dtype=np.float32)
+    mujoco.mjv_initGeom(geom, capsule, nowhere, nowhere, np.eye(3).ravel(), colour)
+    mujoco.mjv_connector(geom, capsule, radius, *ends)
+    scene.ngeom += 1
 
 
 def _camera(plant: Plant, data):
-    """The file's own camera if it has one, else one that follows the robot from its side."""
-    if plant.model.ncam:
+    """The file's own camera if it has one, else one that follows the robot from its side.
+
+    On a course always the latter, which goes up and down with the ground.
+    """
+    if plant.model.ncam and plant.course is None:
         return 0
     camera = mujoco.MjvCamera()
     height = plant.robot.leg_length
     root = int(plant.model.joint(plant.robot.layout.root_joints[2]).bodyid[0])
-    camera.lookat[:] = (data.xpos[root][0], 0.0, 0.7 * height)
+    level = 0.0 if plant.course is None else plant.course.height(float(data.xpos[root][0]))
+    camera.lookat[:] = (data.xpos[root][0], 0.0, level + 0.7 * height)
     camera.distance, camera.azimuth, camera.elevation = 4.0 * height, 90.0, -8.0
     return camera
 
 
 def _renderer(model):
     height, width = SIZE
+    if not model.nlight:
+        # A file without lights is lit from the camera, brightly enough to see it.
+        model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.4, 0.6
     # A robot file that says nothing about its off-screen buffer gets one that is large enough.
     visual = model.vis.global_
     visual.offheight, visual.offwidth = max(height, visual.offheight), max(width, visual.offwidth)

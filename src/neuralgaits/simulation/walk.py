@@ -1,6 +1,5 @@
 """Walk in MuJoCo at full order: robot, policies and starts in, what became of each episode out."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
 from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
@@ -18,6 +18,7 @@ from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation import lockstep, native
 from neuralgaits.simulation.batch import compile_batch
+from neuralgaits.simulation.course import Courses
 from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.falls import FallConfig
 from neuralgaits.simulation.lockstep import Episodes, Noise, Watch
@@ -45,6 +46,7 @@ class Walk:
         engine: what ran the loop: `native` or `jax`.
         episodes: outcome of every episode.
         commands: that it takes.
+        courses: that it was on; None for floors.
     """
 
     robot: PlanarBiped
@@ -53,6 +55,7 @@ class Walk:
     engine: str
     episodes: Episodes
     commands: Commands = ()
+    courses: Courses | None = None
 
 
 def law_named(controller: str | AbstractLaw) -> AbstractLaw:
@@ -85,6 +88,8 @@ def walk(
     library: Library | None = None,
     orders: Orders | None = None,
     reset_residual: AbstractResetResidual | None = None,
+    courses: Courses | None = None,
+    first: int = 0,
 ) -> Walk:
     """Walk from each start.
 
@@ -109,6 +114,8 @@ def walk(
             as it is with `remote`, `watch`, or a law that is not of this package.
         orders: what policies that take commands are told; the middle of the ranges if None.
         reset_residual: corrects the impact that their steps begin with.
+        courses: of blocks, one for each episode, in place of floors; they give the orders.
+        first: number of the first episode, on which what is random depends.
 
     Raises: InputError if something does not fit.
     """
@@ -121,18 +128,21 @@ def walk(
     if not np.isfinite(push):
         raise InputError(f"push: expected a finite impulse in N s, found {push}")
     law = law_named(controller)
-    field = build(robot if plant is None else plant, disturbance)
+    plants = _plants(robot if plant is None else plant, disturbance, courses)
+    field = plants[0]
     controllers = [
         _controller(robot, policy, law, field, z2_range, reset_residual) for policy in each
     ]
     one = controllers[0] if shared else _stacked(controllers)
     falls = FallConfig() if falls is None else falls
-    pushes = Push(push, steps, seed, count)
+    pushes = Push(push, steps, seed, count, first)
+    if courses is not None:
+        orders = courses.orders
     orders = Orders.constant(each[0].commands) if orders is None else orders
     height = place_of(orders.commands, "step_height")
-    told = None if height is None else float(orders.first[height])
-    terrain = Terrain(field.disturbance.floor_height, seed, count, told)
-    threads = _cores() if threads is None else threads
+    told = None if height is None or courses is not None else float(orders.first[height])
+    terrain = Terrain(field.disturbance.floor_height, seed, count, told, first)
+    threads = cores() if threads is None else threads
     if library is not None and shared and remote is None and watch is None and knows(law):
         episodes = native.run(
             library,
@@ -149,9 +159,13 @@ def walk(
             threads=threads,
             record=record,
             longest=longest,
+            courses=courses,
+            plants=plants,
+            first=first,
         )
-        return Walk(robot, field, one.law, "native", episodes, orders.commands)
-    scene = Scene.of(field, one, steps, falls, orders.first)
+        return Walk(robot, field, one.law, "native", episodes, orders.commands, courses)
+    gap_depth = np.inf if courses is None else courses.gap_depth
+    scene = Scene.of(field, one, steps, falls, orders.first, gap_depth)
     batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
     if remote is not None:
         batch = remote.batch(scene, batch)
@@ -162,14 +176,17 @@ def walk(
         plant_states(field, starts),
         terrain=terrain,
         push=pushes,
-        noise=Noise(noise_shape, seed, count, silent=_silent(field)),
+        noise=Noise(noise_shape, seed, count, silent=_silent(field), first=first),
         orders=orders,
         threads=threads,
         record=record,
         longest=longest,
         watch=watch,
+        courses=courses,
+        models=None if courses is None else [own.model for own in plants],
+        first=first,
     )
-    return Walk(robot, field, one.law, "jax", episodes, orders.commands)
+    return Walk(robot, field, one.law, "jax", episodes, orders.commands, courses)
 
 
 def _controller(
@@ -189,6 +206,19 @@ def _controller(
         period_s=SUBSTEPS * TIMESTEP_S,
         reset_residual=reset_residual,
     )
+
+
+def _plants(
+    robot: PlanarBiped, disturbance: Disturbance | None, courses: Courses | None
+) -> list[Plant]:
+    """The plant of all episodes, or that of each on its course."""
+    if courses is None:
+        return [build(robot, disturbance)]
+    made: dict[int, Plant] = {}
+    for course in courses.each:
+        if id(course) not in made:
+            made[id(course)] = build(robot, disturbance, course)
+    return [made[id(course)] for course in courses.each]
 
 
 def _silent(plant: Plant) -> bool:
@@ -247,7 +277,3 @@ def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:
 def _positive_whole(name: str, value: int) -> None:
     if not isinstance(value, int | np.integer) or value < 1:
         raise InputError(f"{name}: expected a whole number of at least 1, found {value!r}")
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

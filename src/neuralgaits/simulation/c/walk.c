@@ -202,12 +202,45 @@ static int all_state_finite(const ng_scene *scene, const mjData *data)
     return all;
 }
 
+/* Where both feet are in the world. */
+static void place_feet(ng_walk *walk, const truth_of_tick *truth, const ng_command *command)
+{
+    double foot[2], hip[2];
+    ng_feet(command->q, foot, hip);
+    for (int i = 0; i < 2; ++i) {
+        walk->feet[0][i] = truth->hip[i] - hip[i];
+        walk->feet[1][i] = walk->feet[0][i] + foot[i];
+    }
+}
+
+/* Whether a foot is below its stones, the standing one on `level`. */
+static int in_gap(const ng_scene *scene, const ng_walk *walk, const ng_command *command,
+                  double level)
+{
+    double rise = 0.0; /* of the stone that the swing foot is on its way to */
+#if NG_COMMANDS
+    if (scene->told_height) {
+        rise = walk->controller.after[scene->told_height - 1];
+    }
+#endif
+    const double lowest = smaller(walk->floor[1 - command->leg], level + rise);
+    return walk->feet[1][1] - scene->foot_radius < lowest - scene->gap_depth ||
+           walk->feet[0][1] - scene->foot_radius < level - scene->gap_depth;
+}
+
 static ng_ending judge(const ng_scene *scene, const ng_walk *walk, const mjData *data,
                        const truth_of_tick *truth, const ng_command *command)
 {
-    const double floor = walk->floor[command->leg] + scene->slope * truth->hip[0];
+    double level = walk->floor[command->leg];
+    if (scene->course && command->touchdown) {
+        level = walk->feet[0][1] - scene->foot_radius; /* not kept before the end of the tick */
+    }
+    const double floor = level + scene->slope * truth->hip[0];
     if (command->fault != NG_NO_FAULT || !all_state_finite(scene, data)) {
         return NG_NOT_FINITE;
+    }
+    if (in_gap(scene, walk, command, level)) {
+        return NG_GAP;
     }
     if (truth->hip[1] - floor < scene->lowest_hip) {
         return NG_LOW_HIP;
@@ -243,6 +276,7 @@ static void keep(const ng_walk *walk, const mjData *data, const truth_of_tick *t
     memcpy(record->hip_velocity, truth->reading.hip_velocity, sizeof record->hip_velocity);
     memcpy(record->normal_force, walk->touch, sizeof record->normal_force);
     memcpy(record->floor, walk->floor, sizeof record->floor);
+    memcpy(record->feet, walk->feet, sizeof record->feet);
 #if NG_COMMANDS
     memcpy(record->told[0], walk->controller.before, sizeof record->told[0]);
     memcpy(record->told[1], walk->controller.after, sizeof record->told[1]);
@@ -259,8 +293,9 @@ static void stride(ng_walk *walk, const ng_command *command, double time, double
     row[1] = hip;
     row[2] = -foot[0];
     row[3] = -foot[1];
+    row[4] = walk->feet[0][0];
 #if NG_COMMANDS
-    memcpy(row + 4, walk->controller.before, sizeof walk->controller.before);
+    memcpy(row + 5, walk->controller.before, sizeof walk->controller.before);
 #endif
 }
 
@@ -272,6 +307,51 @@ static double clearance(const ng_scene *scene, const ng_command *command)
     return swing_foot[1] - scene->slope * swing_foot[0];
 }
 
+#if NG_COMMANDS
+/* The slope that is seen at a place, between rows of the table. */
+static double slope_at(const ng_walk *walk, double x)
+{
+    const double *row = walk->seen;
+    int low = 0, high = walk->seen_rows - 1;
+    if (!(x > row[0])) {
+        return row[1];
+    }
+    if (x >= row[2 * high]) {
+        return row[2 * high + 1];
+    }
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (row[2 * middle] <= x) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    row += 2 * low;
+    return row[1] + (row[3] - row[1]) / (row[2] - row[0]) * (x - row[0]);
+}
+
+/* Of a course: what the next touchdown is to be told, as far as it can be seen. */
+static void look_ahead(const ng_scene *scene, ng_walk *walk)
+{
+    const double *foot = walk->feet[1];
+    if (!scene->stones) {
+        walk->told[scene->told_slope - 1] = slope_at(walk, foot[0]);
+        return;
+    }
+    /* The foot is on its way to the stone before this one. */
+    const int next = walk->steps + 2;
+    if (next >= walk->seen_rows) {
+        return;
+    }
+    walk->told[scene->told_length - 1] = walk->seen[2 * next] - foot[0];
+    if (scene->told_height) {
+        walk->told[scene->told_height - 1] =
+            walk->seen[2 * next + 1] - (foot[1] - scene->foot_radius);
+    }
+}
+#endif
+
 /* What is decided at a state. */
 static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, const double *noise,
                    double *controls, ng_command *command, ng_record *record)
@@ -281,7 +361,9 @@ static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, con
     ng_measurement seen = truth.reading;
     blur(scene, noise, &seen);
 #if NG_COMMANDS
-    if (walk->orders != NULL) {
+    if (walk->seen != NULL) {
+        ng_tell(&walk->controller, walk->told);
+    } else if (walk->orders != NULL) {
         ng_tell(&walk->controller, walk->orders + NG_COMMANDS * walk->orders_used);
     }
 #endif
@@ -289,12 +371,18 @@ static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, con
 #if NG_COMMANDS
     walk->orders_used += command->touchdown;
 #endif
+    place_feet(walk, &truth, command);
     if (command->touchdown && walk->strides != NULL) {
         stride(walk, command, data->time, truth.hip[0]);
     }
     walk->time_us += (uint32_t)(NG_PERIOD * MICROSECONDS + 0.5);
     walk->age = command->touchdown ? 0.0 : walk->age + NG_PERIOD;
     gauge(scene, walk, command, data->time, truth.hip[0]);
+#if NG_COMMANDS
+    if (walk->seen != NULL) {
+        look_ahead(scene, walk);
+    }
+#endif
     walk->ending = judge(scene, walk, data, &truth, command);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
@@ -314,9 +402,15 @@ void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, doub
     decide(scene, walk, data, NULL, controls, &command, record);
 }
 
-/* Draw the next foothold's level at a touchdown, and move its plane once the foot is above. */
+/*
+ * Draw the next foothold's level at a touchdown, and move its plane once the foot is above. On a
+ * course, keep where the foot has come down.
+ */
 static void lay_floors(const ng_scene *scene, ng_walk *walk, const ng_command *command)
 {
+    if (scene->course && command->touchdown) {
+        walk->floor[command->leg] = walk->feet[0][1] - scene->foot_radius;
+    }
     if (!scene->uneven) {
         return;
     }
@@ -375,7 +469,7 @@ static void advance(const ng_scene *scene, ng_walk *walk, mjData *data, double f
         }
         memcpy(data->ctrl, controls, sizeof(double) * (size_t)model->nu);
         data->qfrc_applied[scene->root[0]] = force;
-        for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int leg = 0; leg < NG_LEGS && !scene->course; ++leg) {
             data->mocap_pos[3 * leg] = data->mocap_pos[3 * leg + 1] = 0.0;
             data->mocap_pos[3 * leg + 2] = walk->floor[leg];
         }

@@ -25,6 +25,7 @@ typedef enum {
     NG_TORSO,
     NG_NOT_FINITE,
     NG_STALLED,
+    NG_GAP,
     NG_REFUSED = -1 /* MuJoCo gave up; see ng_walk_error */
 } ng_ending;
 
@@ -55,6 +56,11 @@ typedef struct {
     int told_height;                  /* place of the command that says how high the next foothold
                                          is, counted from 1; 0 without one */
     double room_under_foot;           /* a floor rises only below a foot that is higher [m] */
+    int course;                       /* whether there are blocks in place of floors */
+    int stones;                       /* whether each step has to end on a block of its own */
+    int told_length, told_slope;      /* places of these commands, as told_height */
+    double gap_depth;                 /* a foot this far below its stones has missed them [m] */
+    double foot_radius;               /* [m] */
     double push_force;                /* [N] */
     double push_s;                    /* how long it lasts [s] */
     int push_after;                   /* touchdowns */
@@ -87,10 +93,10 @@ typedef struct {
 } ng_milestone;
 
 /*
- * A touchdown in numbers: time [s], hip [m], the new foothold from the old one, (x, z) [m], and
- * what the step that ended there was told.
+ * A touchdown in numbers: time [s], hip [m], the new foothold from the old one, (x, z) [m], its x
+ * in the world [m], and what the step that ended there was told.
  */
-#define NG_STRIDE (4 + NG_COMMANDS)
+#define NG_STRIDE (5 + NG_COMMANDS)
 
 /* One walk. */
 typedef struct {
@@ -99,7 +105,9 @@ typedef struct {
     double age;               /* since the last touchdown or the start [s] */
     double clock;             /* ticks times their length, added up [s] */
     double touch[NG_LEGS];    /* normal force on each foot [N] */
-    double floor[NG_LEGS];    /* level under each foot at x = 0 [m] */
+    double floor[NG_LEGS];    /* level under each foot at x = 0; on a course, of the foothold that
+                                 each had last [m] */
+    double feet[2][2];        /* stance and swing foot in the world, (x, z) of their spheres [m] */
     const double *rises;      /* of the next floors: more than touchdowns to come [m] */
     int rises_used;
     int rise_pending;
@@ -112,6 +120,10 @@ typedef struct {
 #if NG_COMMANDS
     const double *orders;     /* rows of NG_COMMANDS: what each touchdown to come is to latch */
     int orders_used;
+    const double *seen;       /* of a course: rows of the middles (x, z) of stones [m], or of x [m]
+                                 and the slope seen there [rad]; or NULL */
+    int seen_rows;
+    double told[NG_COMMANDS]; /* on a course, of the next touchdown */
 #endif
     int ticks;
     int steps;
@@ -139,6 +151,7 @@ typedef struct {
     double normal_force[NG_LEGS];                /* [N] */
     double floor[NG_LEGS];                       /* [m] */
     double clearance;                            /* swing foot above the slope [m] */
+    double feet[2][2];                           /* stance and swing foot in the world [m] */
 #if NG_COMMANDS
     double told[2][NG_COMMANDS];                 /* of the step before, and of this one */
 #endif
@@ -149,7 +162,7 @@ void ng_walk_sizes(int sizes[3]);
 
 /*
  * Before the first tick, standing on `leg`, at a command that has been the same for long (NG_COMMANDS
- * numbers, or NULL); then the caller sets rises, late, strides, orders and the push.
+ * numbers, or NULL); then the caller sets rises, late, strides, orders or what is seen, and the push.
  */
 void ng_walk_start(ng_walk *walk, int leg, const double *command);
 

@@ -1,0 +1,152 @@
+"""Walks of a trained gait, any of them alone: what a walk is depends on its number, not on others.
+
+So they can be walked in parts, by other processes, and put together again.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.control import AbstractLaw
+from neuralgaits.errors import InputError
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.course import Courses
+from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.falls import Ending
+from neuralgaits.simulation.gauge import Extremes, Gauge, Milestone
+from neuralgaits.simulation.lockstep import Episodes
+from neuralgaits.simulation.native_library import Library
+from neuralgaits.simulation.native_scene import knows
+from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
+from neuralgaits.simulation.orders import Orders
+from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.strides import Strides
+from neuralgaits.simulation.walk import Walk, law_named, walk
+
+
+@dataclass(frozen=True, eq=False)
+class TrainedWalks:
+    """What the walks of a gait have in common.
+
+    Attributes:
+        run: opened, a family at its first command.
+        library: compiled for it; None for the loop in JAX.
+        plant: robot to simulate; the run's own if None.
+        controller: law, by name or itself.
+        steps, start, push, disturbance, seed: as in `simulate`.
+        orders: what a family is told.
+        courses: of blocks, one for each walk, in place of floors; they give the orders.
+        threads: that walk; all cores if None.
+    """
+
+    run: Run
+    library: Library | None
+    plant: PlanarBiped | None
+    controller: str | AbstractLaw
+    steps: int
+    start: str
+    push: float
+    disturbance: Disturbance
+    seed: int
+    orders: Orders
+    courses: Courses | None = None
+    threads: int | None = None
+
+    def walk(self, first: int, count: int, *, record: bool = False, longest: int = 0) -> Walk:
+        """Walks number `first` to `first + count - 1`. Raises: InputError, NonFiniteError.
+
+        Args:
+            first: of them.
+            count: of them.
+            record: keep records and states of the first.
+            longest: keep records of the first so many ticks of every walk.
+        """
+        run, gait = self.run, self.run.gait
+        return walk(
+            run.robot,
+            run.trained.policy,
+            full_states(
+                run.zero_dynamics, gait, self.start, seed=self.seed, episodes=count, first=first
+            ),
+            plant=self.plant,
+            controller=self.controller,
+            steps=self.steps,
+            z2_range=momentum_range(run.trained),
+            disturbance=self.disturbance,
+            push=self.push,
+            seed=self.seed,
+            record=record,
+            longest=longest,
+            library=self.library,
+            orders=self.orders,
+            reset_residual=run.residuals.reset,
+            courses=self.courses,
+            threads=self.threads,
+            first=first,
+        )
+
+
+def engine_for(run: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
+    """What walks a run under a law. Raises: InputError if native was asked for and cannot be."""
+    law = law_named(controller)
+    if knows(law):
+        return engine_of_trained(run, choice)
+    if choice == "native":
+        raise InputError(
+            "--engine native: expected pd, fblin or paper, found a law of type "
+            f"{type(law).__name__}"
+        )
+    return Engine(None, None)
+
+
+def to_arrays(walked: Walk) -> dict[str, np.ndarray]:
+    """What became of walks, as arrays with a row a walk; records are left out."""
+    episodes = walked.episodes
+    endings = [int(ending) for ending in episodes.endings]
+    arrays: dict[str, np.ndarray] = {"endings": np.array(endings, np.int32)}
+    for name, value in episodes.gauge._asdict().items():
+        parts = value._asdict() if hasattr(value, "_asdict") else {"": value}
+        arrays |= {f"gauge.{name}.{part}": np.asarray(x) for part, x in parts.items()}
+    arrays["plant_steps"] = np.array([episodes.plant_steps])
+    if walked.commands:
+        lengths = [len(one.time) for one in episodes.strides]
+        arrays["strides"] = np.array(lengths, np.int64)
+        for name in Strides._fields:
+            column = [getattr(one, name) for one in episodes.strides]
+            arrays[f"strides.{name}"] = np.concatenate(column)
+    return arrays
+
+
+def from_arrays(parts: list[dict[str, np.ndarray]], wall_s: float) -> Episodes:
+    """The same of walks in parts, in order.
+
+    Args:
+        parts: of `to_arrays`.
+        wall_s: time of all of them [s].
+    """
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    kinds = {"first": Milestone, "last": Milestone, "steady": Extremes, "running": Extremes}
+
+    def figure(name: str) -> Any:
+        if name not in kinds:
+            return whole[f"gauge.{name}."]
+        return kinds[name](*(whole[f"gauge.{name}.{part}"] for part in kinds[name]._fields))
+
+    strides: list[Strides] = []
+    if "strides" in whole:
+        ends = np.cumsum(whole["strides"])
+        columns = [np.split(whole[f"strides.{name}"], ends[:-1]) for name in Strides._fields]
+        strides = [Strides(*one) for one in zip(*columns, strict=True)]
+    return Episodes(
+        [Ending(value) for value in whole["endings"].tolist()],
+        Gauge(*(figure(name) for name in Gauge._fields)),
+        None,
+        np.array([]),
+        np.array([]),
+        int(whole["plant_steps"].sum()),
+        wall_s,
+        [],
+        strides,
+    )
