@@ -103,7 +103,7 @@ def test_a_proof_goes_as_far_as_all_below_it_is_proved() -> None:
 
 
 def test_a_condition_is_broken_if_some_sample_breaks_it() -> None:
-    conditions = {"a": Violations(0.0, 0.0, 0.1), "b": Violations(1e-9, 1e-6, -1e-6)}
+    conditions = {"a": Violations(0.0, 0.0, 0.1, 1.0), "b": Violations(1e-9, 1e-6, -1e-6, 1.0)}
     done = Trained(steps=1, loss=None, conditions=conditions, wall_s=1.0)
     assert list(done.broken) == ["b"] and done.proved
 

@@ -18,10 +18,13 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
 from neuralgaits.certificate.provable import trace_spec
+from neuralgaits.cli.screen import show_training
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.records.trained import trained_of
 from neuralgaits.runs.folder import NAN_STATE
 from neuralgaits.runs.names import ROBOT, SPEC, STATE, WEIGHTS
+from neuralgaits.training.trainer import CAREFUL, SMALLER
 from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.train import train
 from support import small_spec
@@ -280,14 +283,24 @@ def test_a_changed_built_in_spec_cannot_pass_for_the_built_in(amber, trained, tm
         open_run(tmp_path)
 
 
+def test_smaller_steps_go_on_where_steps_turned_to_nan(amber, tmp_path, capsys):
+    run = train(amber, f"{SMALL}:explosive", out=tmp_path / "run", root=tmp_path)
+    sizes = [pytest.approx(SMALLER**times, abs=1e-6) for times in range(1, CAREFUL + 1)]
+    assert run.summary["step_size"] in sizes
+    assert all(np.isfinite(found["min_margin"]) for found in run.summary["conditions"].values())
+    show_training(trained_of(run.path))
+    assert "of the usual size: larger ones met NaN" in capsys.readouterr().out
+
+
 def test_nan_is_caught_kept_and_reproduced(amber, tmp_path):
     """The last good state is on disk; going on from it meets the same NaN."""
     out = tmp_path / "run"
     with pytest.raises(
         NonFiniteError,
-        match=r"at step \d+ \(conditions: root\): mend one .* another --seed; state of step \d+",
+        match=r"at step \d+, with smaller steps too \(conditions: root\): mend one .* "
+        r"another --seed; state of step \d+",
     ) as first:
-        train(amber, f"{SMALL}:explosive", out=out, root=tmp_path)
+        train(amber, f"{SMALL}:hopeless", out=out, root=tmp_path)
     message = str(first.value)
     assert "\n" not in message
     assert f"`neuralgaits train --resume {out}`" in message

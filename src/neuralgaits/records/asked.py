@@ -87,6 +87,8 @@ class Asked(Record):
         parent: the run that this one was refined from; None for one that was trained.
         commands: what the gait is told at each touchdown, by name.
         speed: mean speed that is aimed at (m/s); None for whatever comes.
+        parameters: box of robots that the gait is meant for, half widths by kind (shares of the
+            file's value; metres for com); none for the robot of the file alone.
     """
 
     robot: str
@@ -103,16 +105,22 @@ class Asked(Record):
     parent: str | None = None
     commands: Mapping[str, Range] = field(default_factory=dict)
     speed: float | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
 
     def unsaid(self) -> Collection[str]:
         """Settings of `refine` are not those of `train`; no commands are not said."""
         refined = () if self.parent is not None else ("rate", "disturbance", "parent")
-        told = (name for name in ("commands", "speed") if not getattr(self, name))
+        told = (name for name in ("commands", "speed", "parameters") if not getattr(self, name))
         return (*refined, *told)
 
     @property
     def last_level(self) -> int:
-        """The highest level that a certificate can reach: full order is about one gait."""
+        """The highest level that a certificate can reach: full order is about one gait.
+
+        Of a box of robots each has an orbit of its own, which no theorem here encloses.
+        """
+        if self.described.get("parameters"):
+            return 2
         return 3 if self.commands else 4
 
     @property

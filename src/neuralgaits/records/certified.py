@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from decimal import Decimal
 from typing import Annotated, Literal
 
 from neuralgaits.records.record import Count, Pair, Record, Texts
@@ -13,6 +14,16 @@ PROOF = f"{FOLDER}/proof.json"
 LEVELS = (1, 2, 3, 4)
 
 Verdict = Literal["proved", "refuted", "undecided"]
+
+
+def box_in_words(parameters: Mapping[str, float]) -> str:
+    """A box of robots as people write it, `mass=2%,com=5mm`, every digit; empty without one."""
+    units = {"com": (1000, "mm")}
+    sizes = ((name, half, *units.get(name, (100, "%"))) for name, half in parameters.items())
+    return ",".join(
+        f"{name}={(scale * Decimal(repr(float(half)))).normalize():f}{unit}"
+        for name, half, scale, unit in sizes
+    )
 
 
 @dataclass(frozen=True)
@@ -111,6 +122,9 @@ class Certified(Record):
         sha256: of what it is about and rests on, by file; None where there is no such file.
         wall_s: time.
         reason: why there is no answer, or no Program.
+        within: ranges of commands that it was asked for, by name; None for all that the gait takes.
+        parameters: half widths of the box of robots that it is about, by kind; empty for the robot
+            of the run's file alone.
     """
 
     run: str = ""
@@ -127,12 +141,23 @@ class Certified(Record):
     map: str | None = None
     reason: str | None = None
     full_order_proof: str | None = None
+    within: Mapping[str, Pair] | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
 
     def unsaid(self) -> Collection[str]:
         """Files of a level that was not looked at, and a reason where there is an answer."""
+        unsaid = [] if self.parameters else ["parameters"]
+        if self.within is None:
+            unsaid.append("within")
         if any(entry.level == max(LEVELS) for entry in self.levels):
-            return ()
-        return [n for n in ("map", "reason", "full_order_proof") if getattr(self, n) is None]
+            return unsaid
+        known = ("map", "reason", "full_order_proof")
+        return [*unsaid, *(n for n in known if getattr(self, n) is None)]
+
+    @property
+    def robots(self) -> str | None:
+        """The box of robots as `--parameters` writes it; None for the robot of the file alone."""
+        return box_in_words(self.parameters) or None
 
     @property
     def proved_level(self) -> int:

@@ -103,6 +103,7 @@ class WalkFigures(Record):
         poincare: None if it was not looked for.
         sim_steps_per_s, real_time_factor: of the simulation itself.
         command_error: of every command that can be measured; empty for a gait that takes none.
+        foothold_error_m: how far feet came down from the middle of their stones; None without.
     """
 
     SAME_LENGTH = ("steps_walked", "fell", "fall_reasons")
@@ -123,6 +124,7 @@ class WalkFigures(Record):
     sim_steps_per_s: float | None = None
     real_time_factor: float | None = None
     command_error: Mapping[str, CommandError] = field(default_factory=dict)
+    foothold_error_m: CommandError | None = None
 
     @property
     def stayed(self) -> int:
@@ -152,6 +154,7 @@ class WalkSettings(Record):
         link: None without a process for the controller.
         command: told for ever, by name; None if it changed, or for a gait that takes none.
         commands: file that was told, or `random`; None for neither.
+        terrain: that was walked on, as asked; None for a floor.
     """
 
     run: str = ""
@@ -172,6 +175,7 @@ class WalkSettings(Record):
     link: LinkFigures | None = None
     command: Mapping[str, float] | None = None
     commands: str | None = None
+    terrain: str | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -179,10 +183,10 @@ class Simulated(WalkFigures, WalkSettings):
     """A simulation: what was asked, and how it went."""
 
     def unsaid(self) -> Collection[str]:
-        """No link where there was none, and no commands."""
+        """No link, commands and terrain where there were none."""
         unsaid = ["link"] if self.link is None else []
         if not self.command_error:
             unsaid += ["command_error"]
-        for name in ("command", "commands"):
+        for name in ("command", "commands", "terrain", "foothold_error_m"):
             unsaid += [name] if getattr(self, name) is None else []
         return unsaid

@@ -1,6 +1,6 @@
 """What `train` and `refine` found: `summary.json` of a run, and `nan.json` of one that failed."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,16 +13,18 @@ from neuralgaits.runs.names import SUMMARY
 
 @dataclass(frozen=True)
 class Violations:
-    """What fresh samples say of a condition, in its own unit.
+    """What fresh samples say of a condition, in scales of it, like every margin that is shown.
 
     Attributes:
-        mean_violation, max_violation: of margin >= 0.
-        min_margin: the smallest margin seen.
+        mean_violation, max_violation: of margin >= 0 (scales).
+        min_margin: the smallest margin seen (scales).
+        scale: the size of one scale, in the condition's own unit.
     """
 
     mean_violation: float
     max_violation: float
     min_margin: float
+    scale: float
 
     @property
     def broken(self) -> bool:
@@ -106,6 +108,8 @@ class Trained(Record):
         aims: what fresh samples say of each.
         orbit_speeds_m_s: mean speeds of the orbits at both ends of the range of `speed`, other
             commands in the middle of theirs; None without that command, or without an orbit.
+        step_size: share of the recipe's that the last step had, if it is less than all of it: where
+            steps turn to NaN, smaller ones go on from the best weights before that.
         compile_s, train_s, wall_s: times.
     """
 
@@ -123,9 +127,14 @@ class Trained(Record):
     commands: Mapping[str, Range] = field(default_factory=dict)
     aims: Mapping[str, Violations] = field(default_factory=dict)
     orbit_speeds_m_s: Pair | None = None
+    step_size: float = 1.0
     compile_s: float = 0.0
     train_s: float = 0.0
     wall_s: float
+
+    def unsaid(self) -> Collection[str]:
+        """The size of steps, where it is the recipe's."""
+        return ("step_size",) if self.step_size == 1.0 else ()
 
     @property
     def broken(self) -> dict[str, Violations]:

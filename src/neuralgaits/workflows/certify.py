@@ -1,18 +1,22 @@
 """Prove a run: its conditions on their regions, its walking set, its orbit, its full order."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from neuralgaits import _notebook
+from neuralgaits._digits import at_least
 from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.certificate.levels.chart import Chart
+from neuralgaits.certificate.levels.chart import PLANE, Chart
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
@@ -29,8 +33,9 @@ from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Statement, prove
+from neuralgaits.certificate.provable import refuse_many_axes, why_not_robust
 from neuralgaits.certificate.reading import hashes
-from neuralgaits.certificate.search.branch_and_bound import Search
+from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import (
@@ -39,14 +44,21 @@ from neuralgaits.certificate.search.schedule import (
     box_count,
     explore,
 )
+from neuralgaits.certificate.search.shared_bounds import SharedBounds
+from neuralgaits.engine import engine_for
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
 from neuralgaits.records import certified
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Verdict
+from neuralgaits.robots.parameters import Axis, axes_of, box_of, checked_box
 from neuralgaits.runs.names import MAP
 
-LEVEL, HIGHEST = 3, 4
-"""What is proved if no level is asked for, and the most that can be."""
+LEVEL, HIGHEST, OF_A_BOX = 3, 4, 2
+"""What is proved if no level is asked for, and the most that can be: of one robot, of a box."""
+_TIGHTEST = 5
+"""Conditions that a notebook shows."""
+_MOST_CHANGE = 0.95
+"""Of a narrower range, what a step may change at most: a largest change is below its range."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
@@ -55,6 +67,33 @@ class Certificate:
     """What was proved. Attributes: summary: what `certify --json` prints."""
 
     summary: Certified
+
+    def __repr__(self) -> str:
+        """One line: the verdict, what it is about, and what is proved with how much room."""
+        found = self.summary
+        about = f"{found.robot}, spec {found.spec}"
+        level, least = found.proved_level, found.least_margin
+        said = [] if found.verdict == "proved" else [f"{found.verdict} at level {found.level}"]
+        if level and least is not None:
+            # Rounded down, so that it stays a bound.
+            said += [f"proved to level {level}", f"margins at least {at_least(least, 3)} scales"]
+        return f"<Certificate of {about}: {', '.join(said)}>"
+
+    def _repr_html_(self) -> str:
+        """The same for a notebook: each level, then the conditions with the least room."""
+        found = self.summary
+        rows = [("level 1", found.of_conditions, "")]
+        rows += [(f"level {one.level}", one.verdict, one.reason or "") for one in self.conclusions]
+        order = {"refuted": 0, "undecided": 1}
+        listed = sorted(
+            self.conditions.items(),
+            key=lambda row: (order.get(row[1].verdict, 2), row[1].margin or 0.0),
+        )
+        rows += [
+            (name, one.verdict, "" if one.margin is None else f"at least {at_least(one.margin, 3)}")
+            for name, one in listed[:_TIGHTEST]
+        ]
+        return _notebook.table(repr(self)[1:-1], rows, ("", "verdict", "margin, in scales"))
 
     @property
     def verdict(self) -> Verdict:
@@ -81,11 +120,13 @@ class _Task:
     sets: Sets
     program: Program
     chart: Chart
+    within: Mapping[str, tuple[float, float]] | None
+    box: Mapping[str, float]
 
     @property
     def part(self) -> str | None:
         """What part of the run's commands it is about; None for all of them."""
-        if self.chart == Chart.of(self.run.spec.commands):
+        if self.box or self.chart == Chart.of(self.run.spec.commands):
             return None
         return "; ".join(self.chart.sequences([c.name for c in self.run.spec.commands]) or ())
 
@@ -93,12 +134,15 @@ class _Task:
 def certify(
     run: Run | str | Path,
     *,
-    level: int = LEVEL,
+    level: int | None = None,
     disturbance: tuple[float, float] = (0.0, 0.0),
     budget: float | None = None,
     resume: bool = False,
     progress: Progress | None = None,
     within: Mapping[str, tuple[float, float]] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    workers: int | None = None,
+    ray: str | None = None,
 ) -> Certificate:
     """Prove every condition of a run's spec on its region, and what follows for trajectories.
 
@@ -106,53 +150,78 @@ def certify(
         run: a run, its folder, or `latest`.
         level: 1: every condition holds on its region, or a state that breaks it is found; 2: and
             the walking set is invariant; 3: and one orbit attracts all of it; 4: and the
-            robot walks on at full order, with outputs off zero, in continuous time.
+            robot walks on at full order, with outputs off zero, in continuous time. None for 3,
+            for 2 with parameters.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         budget: seconds after which what is proved so far is kept and reported.
         resume: go on with the boxes of the run's last certificate.
         progress: called with (proved share, boxes) now and then.
+        workers: processes of this machine that bound boxes, in place of this one; in a script,
+            call this below `if __name__ == "__main__":`.
+        ray: `local`, `auto` or HOST:PORT of a Ray cluster that does.
         within: narrower ranges of commands, by name: what is proved is about those, and the run
             counts as undecided.
+        parameters: levels 1 and 2 are proved for every robot of this box, half widths by kind (see
+            `robots.parameters`); None for the run's own, empty for the robot of the file alone.
 
     Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
     Raises: InputError on bad settings; RunError if there are no such boxes to go on with;
         SearchInterrupted for KeyboardInterrupt, with everything found by then in the folder.
     """
     began = time.perf_counter()
-    _refuse(level, disturbance)
+    _refuse(LEVEL if level is None else level, disturbance)
     check_budget(budget)
     deadline = time.monotonic() + (np.inf if budget is None else budget)
     trained = open_run(run)
-    if level > trained.asked.last_level:
-        raise InputError(
-            f"expected level 1, 2 or 3 for a gait with commands, found {level}: the theorem of "
-            "full order is about one gait; leave --level out"
-        )
+    box = _box(trained, parameters)
+    errors = axes_of(trained.robot, box) if box else ()
+    if level is None:
+        level = OF_A_BOX if errors else LEVEL
+    _refuse_level(trained, level, errors)
     chart, spec = _chart(trained, within or {})
+    chart, spec = _with_errors(chart, errors), _with(spec, errors)
     try:
         sets = find_sets(spec, trained.trained, trained.zero_dynamics, level, disturbance)
-        parts = trained.spec, trained.robot, trained.trained, sets, trained.residuals
+        whole = _with(trained.spec, errors)
+        parts = whole, trained.robot, trained.trained, sets, trained.residuals
         program = trace_certificate(*parts)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         for stale in (certified.PROOF, MAP):
             (trained.path / stale).unlink(missing_ok=True)
-        return _finish(trained, level, _no_program(trained), [], began, reason=str(error))
-    task = _Task(trained, level, sets, program, chart)
+        return _finish(trained, level, _no_program(trained), [], began, box=box, reason=str(error))
+    task = _Task(trained, level, sets, program, chart, within or None, box)
     problems = [
-        *condition_problems(trained.spec, program, chart),
-        *premise_problems(trained.spec, sets, program, chart),
+        *condition_problems(whole, program, chart),
+        *premise_problems(whole, sets, program, chart),
     ]
-    confirm = confirmer(trained.spec, trained.trained, trained.zero_dynamics, sets)
+    confirm = confirmer(whole, trained.trained, trained.zero_dynamics, sets)
     before = [_saved(trained, k, problem) if resume else None for k, problem in enumerate(problems)]
     try:
-        with threadpool_limits(1):
-            states = explore(problems, before, confirm, deadline=deadline, progress=progress)
+        with threadpool_limits(1), _bounding(workers, ray) as bound_all:
+            states = explore(
+                problems,
+                before,
+                confirm,
+                deadline=deadline,
+                progress=progress,
+                bound_all=bound_all,
+            )
     except SearchInterrupted as stop:
         _written(task, problems, stop.states, began, "interrupted")
         raise
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
     return _written(task, problems, states, began, ended)
+
+
+@contextmanager
+def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]:
+    """What bounds boxes: workers if there are to be any, None for this process."""
+    if workers is None and ray is None:
+        yield None
+        return
+    with engine_for(workers, ray) as at_work:
+        yield SharedBounds(at_work)
 
 
 def _refuse(level: int, disturbance: tuple[float, float]) -> None:
@@ -167,15 +236,57 @@ def _refuse(level: int, disturbance: tuple[float, float]) -> None:
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
 
 
+def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float]:
+    """The box of robots that is proved for. Raises: InputError where that cannot be."""
+    own = run.spec.parameters
+    box = box_of(run.robot, own) if parameters is None else checked_box(parameters)
+    if not box:
+        return {}
+    if why := why_not_robust(run):
+        raise InputError(
+            f"expected a run that can be proved for a box of robots, found {why}; train one with "
+            "--parameters"
+        )
+    refuse_many_axes(_with(run.spec, axes_of(run.robot, box)))
+    return box
+
+
+def _with_errors(chart: Chart, errors: tuple[Axis, ...]) -> Chart:
+    return Chart((*chart.parameters, *Chart.of((), errors).parameters))
+
+
+def _with(spec: GaitSpec, errors: tuple[Axis, ...]) -> GaitSpec:
+    return replace(spec, parameters=errors)
+
+
+def _refuse_level(run: Run, level: int, errors: tuple[Axis, ...]) -> None:
+    """Raises: InputError on a level that no theorem is about."""
+    if errors and level > OF_A_BOX:
+        raise InputError(
+            f"expected level 1 or 2 for a box of robots, found {level}: each of them has an orbit "
+            "of its own; leave --level out, or give --parameters none"
+        )
+    if run.spec.commands and level > run.asked.last_level:
+        raise InputError(
+            f"expected level 1, 2 or 3 for a gait with commands, found {level}: the theorem of "
+            "full order is about one gait; leave --level out"
+        )
+
+
 def _chart(run: Run, within: Mapping[str, tuple[float, float]]) -> tuple[Chart, GaitSpec]:
     """The chart that is proved, and the spec with those ranges of its commands.
 
     Raises: InputError on names or ranges that are none of the run's.
     """
     commands = run.spec.commands
+    if within and not commands:
+        raise InputError(
+            f"expected a gait that takes commands with --within, found {run.path}, which takes "
+            "none: leave it out"
+        )
     if unknown := sorted(set(within) - {c.name for c in commands}):
         raise InputError(
-            f"expected a command of {run.path}, {', '.join(c.name for c in commands) or 'none'}, "
+            f"expected a command of {run.path}, {', '.join(c.name for c in commands)}, "
             f"found {unknown[0]}"
         )
     found = []
@@ -187,7 +298,8 @@ def _chart(run: Run, within: Mapping[str, tuple[float, float]]) -> tuple[Chart, 
             )
         change = c.largest_change
         if c.name in within and change is not None:
-            change = min(change, high - low)
+            # Two digits, since it is read in every statement.
+            change = min(change, float(f"{_MOST_CHANGE * (high - low):.2g}"))
         found.append(replace(c, low=low, high=high, largest_change=change))
     return Chart.of(found), replace(run.spec, commands=tuple(found))
 
@@ -241,9 +353,12 @@ def _written(
         else str(write_map(run, [p for p, _ in own], [s for _, s in own], proof.parent)),
         "proof": str(proof) if statements else None,
         "full_order_proof": str(proof) if statements and task.sets.full_order else None,
+        "within": task.within,
     }
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
         more["reason"] = f"{ended or 'the search ran out of boxes'}; {MORE}"
+    if task.box and (found := _worst_robot(task, verdicts)) is not None:
+        more["reason"] = found
     if task.part is not None:
         only = f"proved is what is said of {task.part}: part of what the gait is told"
         verdicts = {name: _of_part(entry) for name, entry in verdicts.items()}
@@ -252,7 +367,21 @@ def _written(
             for one in conclusions
         ]
         more["reason"] = "; ".join(filter(None, (only, more.get("reason"))))
-    return _finish(run, task.level, verdicts, conclusions, began, boxes=box_count(states), **more)
+    more |= {"boxes": box_count(states), "box": task.box}
+    return _finish(run, task.level, verdicts, conclusions, began, **more)
+
+
+def _worst_robot(task: _Task, verdicts: Mapping[str, ConditionVerdict]) -> str | None:
+    """Which condition a robot of the box breaks, and what robot that is; None without one."""
+    for name, entry in verdicts.items():
+        if (point := entry.counterexample) is not None:
+            axes = zip(task.chart.parameters, point.u[PLANE:], strict=True)
+            robot = ", ".join(f"{axis.name} {value:.4g}" for axis, value in axes)
+            return (
+                f"{name} is {point.margin:.4g} scales on the robot with {robot}: prove a smaller "
+                "box, or train for this one"
+            )
+    return None
 
 
 def _of_part(entry: ConditionVerdict) -> ConditionVerdict:
@@ -286,6 +415,7 @@ def _finish(
     began: float,
     *,
     boxes: int = 0,
+    box: Mapping[str, float] = MappingProxyType({}),
     **more: Any,
 ) -> Certificate:
     summary = Certified(
@@ -301,6 +431,6 @@ def _finish(
         boxes=boxes,
         **more,
     )
-    summary = replace(summary, verdict=summary.of_all)
+    summary = replace(summary, verdict=summary.of_all, parameters=dict(box))
     run.folder.write_json(certified.SUMMARY, summary)
     return Certificate(summary)

@@ -19,8 +19,8 @@ from neuralgaits.certificate.proof_file.check import (
     DERIVED_ELSEWHERE,
     OWN_SPEC,
     Report,
+    all_in_words,
     check,
-    in_words,
     tied,
 )
 from neuralgaits.certificate.proof_file.coverage import Asked
@@ -82,7 +82,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
 
     Raises: InputError if the run cannot be opened or traced.
     """
-    found = retrace.ask(folder, claims.theorems)
+    found = retrace.ask(folder, claims.theorems, claims.chart)
     try:
         wrong = program_differences(claims, found)
         asked = Asked.read(found["regions"], found["conditions"])
@@ -93,7 +93,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
             f"({error!r}): its spec meddles with the process that traces it"
         ) from None
     if not wrong and not chart.holds(claims.chart):
-        wrong = ["the file's chart is not that of what the run's gait is told"]
+        wrong = ["the file's chart is not that of what the run's gait is told, and of its robots"]
     if wrong:
         return _rejected(claims, wrong)
     report = tied(report, claims, asked)
@@ -134,5 +134,4 @@ def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
 
 def _rejected(claims: Claims, wrong: list[str]) -> Report:
     """A file that is not about the run."""
-    statements = tuple(line for one in claims.statements for line in in_words(one, claims))
-    return Report("rejected", "; ".join(wrong), statements, (), (), 0)
+    return Report("rejected", "; ".join(wrong), all_in_words(claims), (), (), 0)

@@ -1,4 +1,4 @@
-"""A gait that came with the package, and its proof: something to see without training."""
+"""Gaits that came with the package: something to see without training."""
 
 from pathlib import Path
 
@@ -10,13 +10,16 @@ from neuralgaits.workflows.view import LiveView, view
 
 FOLDER = Path(__file__).parents[1] / "demo_run"
 """A run folder like any other, to be read only; `tools/make_demo.py` makes it."""
+TOLD = FOLDER.with_name("demo_speed_run")
+"""The same of a gait that is told its speed; nothing is proved of it."""
 
 
-def demo(*, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
-    """Serve a live page of the shipped run; see `view`."""
-    if not (FOLDER / ROBOT).is_file():
+def demo(*, speed: bool = False, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
+    """Serve a live page of a shipped run; see `view`. With `speed`, that of a gait told its own."""
+    folder = TOLD if speed else FOLDER
+    if not (folder / ROBOT).is_file():
         raise RunError(
-            f"expected the shipped run in {FOLDER}, found none: install the package again, or "
+            f"expected the shipped run in {folder}, found none: install the package again, or "
             f"view a run of your own, as with `{command('view', LATEST)}`"
         )
-    return view(FOLDER, host=host, port=port)
+    return view(folder, host=host, port=port)

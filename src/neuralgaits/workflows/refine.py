@@ -13,7 +13,7 @@ from neuralgaits._settings import (
 )
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.errors import RunError
+from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.asked import Proving
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.runs.commands import learning
@@ -66,6 +66,11 @@ def refine(
     """
     began = time.perf_counter()
     parent = open_run(run)
+    if parent.spec.parameters:
+        raise InputError(
+            f"expected a run for one robot to refine, found {parent.path}, whose gait is for a box "
+            "of them: a residual is learned of one robot; train without --parameters"
+        )
     file = parent.path / FITTED if residual is None else Path(residual)
     if residual is None and not file.is_file():
         raise RunError(

@@ -3,7 +3,6 @@
 import os
 import tempfile
 from collections.abc import Mapping
-from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 from neuralgaits import logs
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control import AbstractLaw
+from neuralgaits.engine import engine_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.robots import load_robot, registry
@@ -26,12 +26,14 @@ from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.link_config import LinkConfig, parse_link
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.native_scene import knows
-from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
-from neuralgaits.simulation.orders import on_slope, orders_of
+from neuralgaits.simulation.native_walk import Choice, Engine
+from neuralgaits.simulation.orders import on_slope, orders_of, parsed
 from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
-from neuralgaits.simulation.walk import Walk, law_named, walk
+from neuralgaits.simulation.terrains import courses_of, told_by
+from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
+from neuralgaits.simulation.walk import Walk, walk
 from neuralgaits.workflows.export import steady_design_of
+from neuralgaits.workflows.shared_walks import SharedWalks, at_first
 
 _ALL = 2**31 - 1
 """Ticks of a log: all there are."""
@@ -51,6 +53,17 @@ class Simulation:
     walk: Walk
     summary: Simulated
 
+    def __repr__(self) -> str:
+        """One line: how many walks stayed up, and how far they came."""
+        done = self.summary
+        steps = " to ".join(
+            str(n) for n in sorted({min(done.steps_walked), max(done.steps_walked)})
+        )
+        return (
+            f"<Simulation of {done.plant} under {done.controller}: {done.stayed} of "
+            f"{len(done.fell)} walks stayed up, {steps} steps>"
+        )
+
 
 def simulate(
     run: Run | str | Path,
@@ -69,6 +82,9 @@ def simulate(
     link: str | Mapping[str, Any] | LinkConfig | None = None,
     command: str | Mapping[str, float] | None = None,
     commands: str | Path | None = None,
+    terrain: str | Path | None = None,
+    workers: int | None = None,
+    ray: str | None = None,
 ) -> Simulation:
     """Walk a trained gait in MuJoCo.
 
@@ -93,6 +109,12 @@ def simulate(
             the middle of the ranges where none is named. Walks start at the first command.
         commands: CSV file with a row a step, `step,speed[m/s],...`, or `random`: a new command
             that may follow the last one at each touchdown.
+        terrain: blocks in place of the floor, that the robot sees one step ahead and is told by:
+            `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV file of
+            stones; see `simulation.terrains`.
+        workers: processes of this machine that walk, in place of threads of this one; in a
+            script, call this below `if __name__ == "__main__":`.
+        ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.
 
     Returns: `Simulation`; its summary is also in the run folder.
     Raises: InputError, RobotError or RunError with one line.
@@ -105,39 +127,69 @@ def simulate(
     if not isinstance(seed, int) or seed < 0:
         raise InputError(f"expected a seed of at least 0, found {seed!r}")
     orders = orders_of(told, command, commands, seed)
-    disturbance = on_slope(disturbance, orders)
+    if terrain is None:
+        disturbance = on_slope(disturbance, orders)
+    else:
+        _check_terrain(str(terrain), command, commands, disturbance, controller)
     _check_outputs(log, video)
-    if told:
-        # Where they start is a state of the one gait at the first command.
-        first = dict(zip((c.name for c in told), map(float, orders.first), strict=True))
-        trained = trained.at(**first)
+    trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
     wire = _wire(link, controller, commands)
-    walked_gait = trained.trained if wire is None else gait
+    shared = workers is not None or ray is not None
+    if shared:
+        _refuse_shared(controller, log, video, terrain)
+    courses, kept = None, trained.command if told and commands is None else None
+    if terrain is not None:
+        courses = courses_of(
+            str(terrain), robot, gait.policy, orders, steps=steps, seed=seed, episodes=episodes
+        )
+        own = told_by(str(terrain))
+        kept = {name: value for name, value in (trained.command or {}).items() if name not in own}
+        trained = at_first(trained, courses.orders.first)
+        gait = trained.gait
     files = [] if log is None else log_files(Path(log), episodes)
     walks = _engine(trained, controller, engine)
-    wired = nullcontext()
-    if wire is not None:
-        wired = connected(steady_design_of(trained), wire, episodes, seed)
-    with wired as remote:
-        walked = walk(
-            robot,
-            walked_gait.policy,
-            full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
-            plant=None if plant is None else load_robot(plant),
-            controller=controller if wire is None else wire.law,
-            steps=steps,
-            z2_range=momentum_range(walked_gait),
-            disturbance=disturbance,
-            push=0.0 if push is None else push,
-            seed=seed,
-            record=video is not None,
-            longest=_ALL if files else 0,
-            remote=remote,
+    remote = None
+    if wire is None:
+        course = TrainedWalks(
+            run=trained,
             library=walks.library,
-            orders=orders if wire is None else None,
-            reset_residual=trained.residuals.reset,
+            plant=None if plant is None else load_robot(plant),
+            controller=controller,
+            steps=steps,
+            start=start,
+            push=0.0 if push is None else push,
+            disturbance=disturbance,
+            seed=seed,
+            orders=orders,
+            courses=courses,
         )
+        if shared:
+            command_told = trained.command if told and commands is None else None
+            parts = SharedWalks(course, engine, command_told, _text(commands))
+            with engine_of_workers(workers, ray) as at_work:
+                walked = parts.on(at_work, episodes)
+        else:
+            longest = _ALL if files else 0
+            walked = course.walk(0, episodes, record=video is not None, longest=longest)
+    else:
+        with connected(steady_design_of(trained), wire, episodes, seed) as remote:
+            walked = walk(
+                robot,
+                gait.policy,
+                full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
+                plant=None if plant is None else load_robot(plant),
+                controller=wire.law,
+                steps=steps,
+                z2_range=momentum_range(gait),
+                disturbance=disturbance,
+                push=0.0 if push is None else push,
+                seed=seed,
+                record=video is not None,
+                longest=_ALL if files else 0,
+                remote=remote,
+                reset_residual=trained.residuals.reset,
+            )
     settings = WalkSettings(
         run=str(trained.path),
         plant=walked.plant.robot.name,
@@ -155,8 +207,9 @@ def simulate(
         sha256=file_hashes(trained.path, (ROBOT, WEIGHTS)),
         plant_given=_kept_plant(trained, plant, walked),
         link=None if remote is None else remote.summary(),
-        command=None if commands is not None or not told else trained.command,
-        commands=None if commands is None else str(commands),
+        command=kept or None,
+        commands=_text(commands),
+        terrain=None if terrain is None else str(terrain),
     )
     figures = summary(walked, periodic_orbit(trained.zero_dynamics, gait))
     result = Simulated(**vars(settings), **vars(figures))
@@ -171,13 +224,34 @@ def simulate(
 
 def _engine(trained: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
     """What walks. Raises: InputError if native was insisted on where it cannot be."""
-    law = None if controller == REMOTE else law_named(controller)
-    if law is not None and knows(law):
-        return engine_of_trained(trained, choice)
+    if controller != REMOTE:
+        return engine_for(trained, controller, choice)
     if choice == "native":
-        other = f"controller {REMOTE}" if law is None else f"a law of type {type(law).__name__}"
-        raise InputError(f"--engine native: expected pd, fblin or paper, found {other}")
+        raise InputError(f"--engine native: expected pd, fblin or paper, found {REMOTE}")
     return Engine(None, None)
+
+
+def _refuse_shared(
+    controller: str | AbstractLaw,
+    log: str | Path | None,
+    film: str | Path | None,
+    terrain: str | Path | None,
+) -> None:
+    """Refuse what only this process can do."""
+    if not isinstance(controller, str) or controller == REMOTE:
+        raise InputError(
+            "expected controller pd, fblin or paper with --workers or --ray, found another: leave "
+            "them out"
+        )
+    if log is not None or film is not None:
+        raise InputError(
+            "expected --workers or --ray without --log and --video, found them together: walk the "
+            "one that is to be kept by itself"
+        )
+    if terrain is not None:
+        raise InputError(
+            "expected --terrain without --workers or --ray, found them together: leave these out"
+        )
 
 
 def _wire(
@@ -196,12 +270,47 @@ def _wire(
     return parse_link(link)
 
 
+def _check_terrain(
+    terrain: str,
+    command: str | Mapping[str, float] | None,
+    commands: str | Path | None,
+    disturbance: Disturbance,
+    controller: str | AbstractLaw,
+) -> None:
+    """Refuse what a terrain leaves no room for. Raises: InputError."""
+    if commands is not None:
+        raise InputError(
+            "expected --terrain or --commands, found both: the robot is told what it sees"
+        )
+    given = parsed(command) if isinstance(command, str) else command or {}
+    taken = [name for name in given if name in told_by(terrain)]
+    if taken:
+        raise InputError(
+            f"expected --command without {taken[0]} on a terrain, found {taken[0]}: there the "
+            "robot is told what it sees; leave it out"
+        )
+    if disturbance.slope_deg or disturbance.floor_height:
+        raise InputError(
+            "expected a terrain or a floor that is disturbed, found both: leave out slope_deg and "
+            "floor_height"
+        )
+    if controller == REMOTE:
+        raise InputError(
+            f"expected --terrain with pd, fblin or paper, found --controller {REMOTE}: its process "
+            "is made for one command"
+        )
+
+
 def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | None:
     """What to name to walk on the same plant: a built-in robot, or a copy that the run keeps."""
     if plant is None or str(plant) in registry.built_in():
         return None if plant is None else str(plant)
     write_text(trained.path / PLANT, walked.plant.robot.layout.xml)
     return PLANT
+
+
+def _text(path: str | Path | None) -> str | None:
+    return None if path is None else str(path)
 
 
 def _no_link(link: object) -> None:
@@ -219,7 +328,7 @@ def log_files(first: Path, episodes: int) -> list[Path]:
 def _fields(law: AbstractLaw) -> dict[str, Any]:
     """A law's numbers by name, by joint in a list; what is no number is shown as text."""
     values = {field.name: getattr(law, field.name) for field in fields(law)}
-    numbers = (bool, int, float, np.generic, np.ndarray, jax.Array)
+    numbers = (bool, int, float, np.generic, np.ndarray, jax.Array, type(None))
     return {
         name: list(value)
         if isinstance(value, tuple)

@@ -1,6 +1,7 @@
 """Train a gait and leave a run folder that can be continued, checked and simulated."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import (
     after_impact,
+    refuse_many_axes,
     refuse_untraceable,
     trace_spec,
     why_not_provable,
@@ -25,6 +27,7 @@ from neuralgaits.gait.commands import Commands
 from neuralgaits.records.asked import Asked, Proving, Range, asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import checked_box
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
@@ -53,6 +56,7 @@ def train(
     step_length: Interval | None = None,
     step_height: Interval | None = None,
     slope: Interval | None = None,
+    parameters: Mapping[str, float] | None = None,
     progress: Progress | None = None,
     watch: Watch | None = None,
     root: Path = RUNS_ROOT,
@@ -61,7 +65,7 @@ def train(
 
     Args:
         robot: of `load_robot`; with `resume` it need not be given, the run has its own.
-        spec: "walking", "paper", "authors", FILE.py:NAME, or a `GaitSpec`. A run of a `GaitSpec`
+        spec: of `specs.DESCRIPTIONS` by name, FILE.py:NAME, or a `GaitSpec`. A run of a `GaitSpec`
             that no file defines can be opened again only if a built-in of its name has the
             same conditions.
         seed: of weights and samples.
@@ -77,6 +81,8 @@ def train(
         step_length: range of footholds' distances to be told (m).
         step_height: range of their heights above the stance foot (m).
         slope: range of slopes of the ground (rad).
+        parameters: box of robots that the gait is meant for, half widths by kind: shares of the
+            file's mass, inertia and rotor, metres of com.
         progress: called with (step, steps, loss) now and then.
         watch: told how the proof goes on.
         root: folder of the runs.
@@ -107,12 +113,14 @@ def train(
                 "expected one speed, or a range of it beside other commands, found --speed "
                 f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"
             )
-        if (told or one is not None) and not isinstance(spec, str):
+        if (told or one is not None or parameters) and not isinstance(spec, str):
             raise InputError(
-                "expected a spec by name with a speed or commands, found a GaitSpec: build it "
-                "with specs.commanded"
+                "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
+                "build it with specs.commanded or specs.robust"
             )
-        loaded = specs.load(spec, robot, told, one) if isinstance(spec, str) else spec
+        box = checked_box(parameters or {})
+        loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
+        refuse_many_axes(loaded)
         with user_code.blamed():
             gait = loaded.new_gait(jax.random.key(seed), init, hidden)
         if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
@@ -123,6 +131,11 @@ def train(
             raise InputError(
                 "expected a gait without commands to train until it is proved, found one that is "
                 f"told {', '.join(c.name for c in loaded.commands)}: its proof takes many minutes; "
+                "train without --certify, then certify the run"
+            )
+        if certify and loaded.parameters:
+            raise InputError(
+                "expected a gait for one robot to train until it is proved, found --parameters: "
                 "train without --certify, then certify the run"
             )
         unprovable = why_not_provable(gait)
@@ -140,6 +153,7 @@ def train(
             certify=Proving(budget) if certify else None,
             commands=ranges_of(told),
             speed=one,
+            parameters=box,
         )
         copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
         place = None if out is None else Path(out)
@@ -186,9 +200,11 @@ def _summary(run: Run, session: Session, proof: TrainingProof | None, began: flo
     aimed = (
         session.trainer.report(session.gait, seed=FRESH_SAMPLES_SEED) if run.spec.aims else report
     )
-    found = {name: violations(margins) for name, margins in report.margins.items()}
-    aims = {aim.name: violations(aimed.margins[aim.name]) for aim in run.spec.aims}
-    found = {name: value for name, value in found.items() if name not in aims}
+    aims = {aim.name: violations(aimed.margins[aim.name], aim.scale) for aim in run.spec.aims}
+    found = {
+        condition.name: violations(report.margins[condition.name], condition.scale)
+        for condition in run.spec.conditions
+    }
     program = None
     if asked.not_provable_because is None:
         program = trace_spec(run.spec, run.robot, run.trained, run.residuals)
@@ -207,6 +223,7 @@ def _summary(run: Run, session: Session, proof: TrainingProof | None, began: flo
         commands=asked.commands,
         aims=aims,
         orbit_speeds_m_s=_orbit_speeds(run),
+        step_size=round(float(session.state.rate), 6),
         compile_s=session.compile_s,
         train_s=session.train_s,
         wall_s=time.perf_counter() - began,
@@ -226,10 +243,12 @@ def _orbit_speeds(run: Run) -> tuple[float, float] | None:
     return (found[0], found[1]) if np.isfinite(found).all() else None
 
 
-def violations(margins: np.ndarray) -> Violations:
-    """What margins of samples say of a condition."""
-    below = np.maximum(-margins, 0.0)
-    return Violations(float(np.mean(below)), float(np.max(below)), float(np.min(margins)))
+def violations(margins: np.ndarray, scale: float) -> Violations:
+    """What margins of samples, in the unit of a condition with this scale, say of it."""
+    shares = np.asarray(margins) / scale
+    below = np.maximum(-shares, 0.0)
+    least = float(np.min(shares))
+    return Violations(float(np.mean(below)), float(np.max(below)), least, float(scale))
 
 
 def _resumed(

@@ -1,0 +1,79 @@
+"""How a worker carries out a task, whoever sent it: errors become a failure in one line."""
+
+import hashlib
+import platform
+import time
+import traceback
+from functools import cache
+from importlib import import_module, metadata
+from pathlib import Path
+from typing import Any
+
+from neuralgaits._version import __version__
+from neuralgaits.engine.task import Failure, Files, Job, Task
+from neuralgaits.errors import NeuralGaitsError
+
+_DECIDE = ("jax", "jaxlib", "mujoco", "numpy")
+"""Libraries whose version decides over digits of results."""
+_SHOWN = 300
+
+
+def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None, float]:
+    """Carry out `module:function` for a job. Returns: files, why there are none, and seconds."""
+    began = time.perf_counter()
+    files: Files = {}
+    failure = None
+    try:
+        files = _found(task)(job.settings, {**common, **job.files})
+    except NeuralGaitsError as error:
+        failure = Failure("refused", _line(str(error)))
+    except MemoryError:
+        failure = Failure("lost", "a worker ran out of memory")
+    except Exception as error:
+        if "RESOURCE_EXHAUSTED" in str(error):
+            failure = Failure("lost", "a worker ran out of memory")
+        else:
+            failure = Failure("defect", f"{type(error).__name__}: {_line(str(error))}{_at(error)}")
+    return files, failure, time.perf_counter() - began
+
+
+def _found(task: str) -> Task:
+    module, _, function = task.partition(":")
+    return getattr(import_module(module), function)
+
+
+def _line(text: str) -> str:
+    return " ".join(text.split())[:_SHOWN]
+
+
+def _at(error: Exception) -> str:
+    """Where it was raised, for a report of it."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
+
+
+@cache
+def versions() -> dict[str, str]:
+    """What decides over the digits of results: the same on every worker, or there is no table."""
+    root = Path(__file__).parents[1]
+    code = hashlib.sha256()
+    for file in sorted(root.rglob("*")):
+        if file.suffix in (".py", ".c", ".h", ".cpp", ".xml"):
+            code.update(f"{file.relative_to(root)}:{file.stat().st_size}:".encode())
+            code.update(file.read_bytes())
+    own = {"neuralgaits": f"{__version__} ({code.hexdigest()[:12]})"}
+    return own | {name: metadata.version(name) for name in _DECIDE} | {"machine": _machine()}
+
+
+def _machine() -> str:
+    return f"{platform.system()} {platform.machine()}"
+
+
+def differing(asked: dict[str, Any]) -> str | None:
+    """How this worker's versions differ from those that are asked for; None if they do not."""
+    found = [
+        f"{name} {mine} in place of {asked.get(name, 'none')}"
+        for name, mine in versions().items()
+        if asked.get(name) != mine
+    ]
+    return ", ".join(found) or None

@@ -1,0 +1,30 @@
+"""Which engine a command means."""
+
+from neuralgaits.engine.processes import Processes, usual_workers
+from neuralgaits.engine.task import Engine
+from neuralgaits.errors import InputError
+
+LOCAL = "local"
+"""In place of an address: a Ray of this machine, for as long as the command takes."""
+
+
+def engine_for(workers: int | None = None, ray: str | None = None) -> Engine:
+    """The engine of `--workers N` or `--ray ADDRESS|local`.
+
+    Args:
+        workers: processes, or cores of a local Ray; one a core if None.
+        ray: `local`, `auto`, or HOST:PORT of a cluster's head; None for processes.
+
+    Raises: InputError for settings that do not go together, or without Ray.
+    """
+    if workers is not None and workers < 1:
+        raise InputError(f"expected at least 1 worker, found {workers}")
+    if ray is None:
+        return Processes(usual_workers() if workers is None else workers)
+    if workers is not None and ray != LOCAL:
+        raise InputError(
+            f"expected --workers or --ray {ray}, found both: a cluster has as many workers as cores"
+        )
+    from neuralgaits.engine.on_ray import OnRay
+
+    return OnRay(ray, workers)

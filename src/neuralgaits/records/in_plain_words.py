@@ -1,0 +1,95 @@
+"""What a certificate says, in words for a reader who knows none of its own."""
+
+from neuralgaits._digits import at_least
+from neuralgaits.records.certified import Certified, Verdict
+
+LEVELS = {
+    1: "every condition holds at every state of its region",
+    2: "every trajectory that starts in the walking set walks for ever",
+    3: "one periodic orbit attracts the whole walking set",
+    4: "the whole robot walks for ever, joints that are off their targets included",
+}
+"""What each level states, as in docs/guarantees.md."""
+LAST_LEVEL = max(LEVELS)
+PROVED = {
+    1: "every condition holds at every state of its region. That is about single states: nothing "
+    "follows yet for whole walks.",
+    2: "as long as the joints follow the network exactly, the robot walks for ever from every "
+    "state of the walking set.",
+    3: "as long as the joints follow the network exactly, the robot walks for ever from every "
+    "state of the walking set, and comes nearer and nearer to one motion that repeats.",
+    4: "as long as the motors do at once exactly what the controller asks, the whole robot walks "
+    "for ever from every state of a set in which joints may be a little off their targets. With "
+    "joints exactly on target, it comes nearer and nearer to one motion that repeats.",
+}
+"""What the highest proved level means for a reader who knows none of the words."""
+_RIGID = (
+    "links are rigid; the foot on the ground is a point that neither slips nor rolls; an impact is "
+    "sudden and without bounce; {robot}; the network's weights are those stored in the run"
+)
+_ONE_ROBOT = "masses and lengths are those of the robot file"
+_EXACT = "joints are exactly where the network wants them"
+_LINEARISED = (
+    "motors do without delay exactly what the controller asks (exact input-output linearisation in "
+    "continuous time)"
+)
+NOT_CLAIMED = (
+    "control in ticks of a computer, delays, motors at their limits, ground that gives way as in "
+    "MuJoCo, or the real machine"
+)
+
+
+def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
+    """What a proof up to this level rests on, in plain words.
+
+    Args:
+        level: that is proved.
+        robots: box of robots that it is about, in words; None for the one of the file.
+    """
+    robot = _ONE_ROBOT
+    if robots is not None:
+        robot = (
+            f"lengths are those of the robot file, and what the box {robots} names is within it of "
+            "the file's, the same in both legs"
+        )
+    rigid = _RIGID.format(robot=robot)
+    if level <= 1:
+        return rigid, _EXACT
+    following = f"{_EXACT}, and are so again after each impact"
+    if level < LAST_LEVEL:
+        return rigid, following
+    return rigid, f"at levels 1 to 3: {following}", f"at level {LAST_LEVEL}: {_LINEARISED}"
+
+
+def proved(found: Certified) -> str:
+    """What is proved, level by level up to the highest; for a gait of which level 1 is."""
+    level, count = found.proved_level, len(found.conditions)
+    robots = f", of every robot within {found.robots} of the file's" if found.robots else ""
+    return (
+        f"Proved, to level {level} of {LAST_LEVEL}{robots}: {PROVED[level]} Every one of the "
+        f"{count} conditions was shown at every state of its region, rounding errors included, "
+        f"with at least {_least(found)} of its typical size to spare."
+    )
+
+
+def not_proved(found: Certified) -> str:
+    """Which conditions are broken, and which are open."""
+    told, count = [], len(found.conditions)
+    words_of: tuple[tuple[Verdict, str], ...] = (
+        ("refuted", "broken at a state that was found"),
+        ("undecided", "undecided"),
+    )
+    for verdict, say in words_of:
+        if names := found.named(verdict):
+            told.append(f"{len(names)} of {count} conditions {say} ({', '.join(names)})")
+    return "; ".join(told) + "." if told else "No condition could be read."
+
+
+def left_open(level: int, robots: str | None = None) -> str:
+    """What a proof up to this level rests on, see `assumptions`."""
+    return f"The proof assumes that {'; '.join(assumptions(level, robots))}."
+
+
+def _least(found: Certified) -> str:
+    least = found.least_margin
+    return "–" if least is None else f"{at_least(100.0 * least, 2)} %"

@@ -1,0 +1,1 @@
+"""Sweeps: their folder, their combinations, and their table."""

@@ -1,0 +1,71 @@
+"""The disturbances of a sweep: the standard ones, or those of a file.
+
+TOML, a table for each, with the names of `simulate --disturb`:
+
+    ["floor +-1 cm"]
+    floor_height = 0.01
+"""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.errors import InputError
+from neuralgaits.records.swept import UNDISTURBED
+from neuralgaits.runs import plain
+from neuralgaits.simulation.disturbance import Disturbance, parse
+from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
+
+STANDARD = "standard"
+
+
+def disturbances_of(asked: str | Path | Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """What is asked of plants, by name, as plain values.
+
+    Args:
+        asked: `standard` for the eighteen of `simulation.disturbance_set`, `none` for no
+            disturbance at all, a TOML file, or a mapping of names to disturbances.
+
+    Raises: InputError in one line.
+    """
+    if isinstance(asked, str) and asked in (STANDARD, UNDISTURBED):
+        found: Mapping[str, Any] = DISTURBANCE_SET if asked == STANDARD else {}
+    else:
+        found = _read(Path(asked)) if isinstance(asked, str | Path) else asked
+    if UNDISTURBED in found:
+        raise InputError(
+            f"expected disturbances of other names than {UNDISTURBED!r}, found it: every gait "
+            "walks without one as well; give it another name"
+        )
+    return {name: plain(vars(_parsed(name, one))) for name, one in found.items()}
+
+
+def _parsed(name: str, one: Any) -> Disturbance:
+    if not isinstance(one, str | Mapping | Disturbance):
+        raise InputError(
+            f"disturbance {name!r}: expected a table of names and numbers, found {one!r}"
+        )
+    if not name.strip() or not name.isprintable():
+        raise InputError(f"expected a disturbance with a name of one line, found {name!r}")
+    return parse(one)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        found = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"expected --disturbances {STANDARD}, {UNDISTURBED} or a TOML file, found {path}: "
+            f"{error.strerror}"
+        ) from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(
+            f"expected TOML in {path}, found what cannot be read ({error}): a table for each "
+            'disturbance, as in ["floor +-1 cm"] with floor_height = 0.01 below it'
+        ) from None
+    if not found:
+        raise InputError(
+            f"expected disturbances in {path}, found none: --disturbances {UNDISTURBED} is for that"
+        )
+    return found

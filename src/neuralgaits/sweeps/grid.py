@@ -1,0 +1,52 @@
+"""The combinations of a sweep, in the order of its table."""
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import product
+from pathlib import Path
+from typing import NamedTuple
+
+from neuralgaits.errors import InputError
+from neuralgaits.records.swept import Speed, SweepAsked
+
+
+class Combination(NamedTuple):
+    """What one row is of. Attributes: name: of the row; robot, spec: their places in the sweep."""
+
+    name: str
+    robot: int
+    spec: int
+    speed: Speed
+    seed: int
+
+
+def combinations(asked: SweepAsked) -> Iterator[Combination]:
+    """Every robot with every spec, speed and seed. Names differ, and are those of folders."""
+    robots, specs = short_names(asked.robots), short_names(asked.specs)
+    seeds = range(*asked.seeds)
+    for (i, robot), (j, spec), speed, seed in product(
+        enumerate(robots), enumerate(specs), asked.speeds, seeds
+    ):
+        told = [] if speed is None else [":".join(f"{v:g}" for v in speed).replace(":", "to")]
+        yield Combination("-".join([robot, spec, *told, str(seed)]), i, j, speed, seed)
+
+
+def count(asked: SweepAsked) -> int:
+    """How many combinations there are."""
+    first, end = asked.seeds
+    return len(asked.robots) * len(asked.specs) * len(asked.speeds) * (end - first)
+
+
+def short_names(names: Sequence[str]) -> list[str]:
+    """What robots and specs are called in names of rows: FILE.py:NAME is NAME, FILE.xml FILE."""
+    plain = (Path(name.rpartition(":")[2]).stem for name in names)
+    return [re.sub(r"[^A-Za-z0-9_.]+", "_", name).strip("._") for name in plain]
+
+
+def refuse_same(what: str, names: Sequence[str]) -> None:
+    """Raises: InputError if rows of two of them would have one name."""
+    short = short_names(names)
+    if twice := sorted({name for name in short if short.count(name) > 1}):
+        raise InputError(
+            f"expected {what} of different names, found {twice[0]} twice: name each once"
+        )

@@ -1,0 +1,89 @@
+"""The table of a sweep: a CSV row a combination.
+
+It holds no times: the same sweep gives the same table, bit for bit, whatever it was carried out
+on, in whatever order, and however often it was stopped. Times stand in each row's `row.json`.
+"""
+
+import csv
+import io
+from collections.abc import Sequence
+from typing import Any
+
+from neuralgaits.records.swept import UNDISTURBED, SweepAsked, SweepRow
+
+_FIRST = (
+    "row",
+    "robot",
+    "spec",
+    "speed[m/s]",
+    "seed",
+    "state",
+    "reason",
+    "gradient_steps",
+    "loss",
+    "conditions",
+    "conditions_broken",
+    "verdict",
+    "proved_level",
+    "least_margin[scale]",
+    "boxes",
+)
+_GAIT = ("walked_speed[m/s]", "cost_of_transport", "peak_torque[N m]", "least_normal_force[N]")
+"""Of the walks of a controller without a disturbance."""
+
+
+def header(asked: SweepAsked) -> list[str]:
+    """The columns. After `stays_up` stands the disturbance: the share of walks that stayed up."""
+    names = [*_FIRST]
+    for controller in asked.controllers:
+        names += [f"{controller}:{name}" for name in _GAIT]
+        names += [f"{controller}:stays_up:{name}" for name in (UNDISTURBED, *asked.disturbances)]
+    return names
+
+
+def to_csv(asked: SweepAsked, rows: Sequence[SweepRow]) -> str:
+    """The table as text; cells of what was not done are empty."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(header(asked))
+    for row in rows:
+        writer.writerow([_cell(value) for value in _values(asked, row)])
+    return out.getvalue()
+
+
+def _values(asked: SweepAsked, row: SweepRow) -> list[Any]:
+    values: list[Any] = [
+        row.name,
+        row.robot,
+        row.spec,
+        None if row.speed is None else ":".join(f"{v:g}" for v in row.speed),
+        row.seed,
+        row.failure or "done",
+        row.reason,
+        row.steps,
+        row.loss,
+        row.conditions,
+        row.broken,
+        row.verdict,
+        row.proved_level,
+        row.margin,
+        row.boxes,
+    ]
+    for controller in asked.controllers:
+        own = row.under(controller, UNDISTURBED)
+        gait = (None,) * len(_GAIT)
+        if own is not None:
+            gait = (own.speed_m_s, own.cost_of_transport, own.peak_torque_nm)
+            gait += (own.min_normal_force_n,)
+        values += gait
+        for name in (UNDISTURBED, *asked.disturbances):
+            walked = row.under(controller, name)
+            values.append(None if walked is None else walked.share)
+    return values
+
+
+def _cell(value: Any) -> str:
+    """A float with all its digits; nothing for None."""
+    if value is None:
+        return ""
+    return repr(value) if isinstance(value, float) else str(value)

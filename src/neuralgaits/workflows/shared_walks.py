@@ -1,0 +1,164 @@
+"""Walks of one simulation on many workers: parts of them as tasks, put together in their order."""
+
+import json
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import safetensors.numpy
+
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.engine import Engine, Files, Job, Settings
+from neuralgaits.errors import InputError
+from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.runs import plain
+from neuralgaits.runs.arrays import packed
+from neuralgaits.runs.names import CONFIG, SUMMARY
+from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.native_walk import Choice
+from neuralgaits.simulation.orders import RANDOM, orders_of
+from neuralgaits.simulation.trained_walks import (
+    TrainedWalks,
+    engine_for,
+    from_arrays,
+    to_arrays,
+)
+from neuralgaits.simulation.walk import Walk
+
+STEPS_OF_A_PART = 1600
+"""Walking steps of a task: some ten seconds of compiled code."""
+_MOST_OF_A_PART = 256
+_PLANT, _COMMANDS, _ARRAYS = "plant.xml", "commands.csv", "walks.safetensors"
+
+
+@dataclass(frozen=True)
+class SharedWalks:
+    """Walks to be shared out.
+
+    Attributes:
+        walks: what they have in common.
+        choice: of the engine of a walk.
+        command, commands: as in `simulate`: what a family is told.
+    """
+
+    walks: TrainedWalks
+    choice: Choice | None
+    command: Mapping[str, float] | None
+    commands: str | None
+
+    def on(self, engine: Engine, episodes: int) -> Walk:
+        """Walk all episodes. Raises: InputError if some could not be walked."""
+        # One step tells plant and law, and leaves the compiled walk where workers here find it.
+        whole = replace(self.walks, steps=1).walk(0, 1)
+        began = time.perf_counter()
+        count = max(1, min(_MOST_OF_A_PART, STEPS_OF_A_PART // self.walks.steps))
+        found: dict[str, Any] = {}
+        with closing(
+            engine.map(walk_part, self._jobs(episodes, count), common=self._files())
+        ) as done:
+            for one in done:
+                if one.failure is not None:
+                    raise InputError(
+                        f"expected walks {one.name} to be walked, found that they were not: "
+                        f"{one.failure.reason}"
+                    )
+                found[one.name] = safetensors.numpy.load(one.files[_ARRAYS])
+        parts = [found[job.name] for job in self._jobs(episodes, count)]
+        merged = from_arrays(parts, time.perf_counter() - began)
+        if not merged.strides:
+            merged = merged._replace(strides=whole.episodes.strides[:0])
+        return replace(whole, episodes=merged)
+
+    def _jobs(self, episodes: int, count: int) -> Iterator[Job]:
+        walks = self.walks
+        about = {
+            "robot": walks.run.robot.name,
+            "plant": None if walks.plant is None else walks.plant.name,
+            "controller": walks.controller,
+            "steps": walks.steps,
+            "start": walks.start,
+            "push": walks.push,
+            "disturb": plain(vars(walks.disturbance)),
+            "seed": walks.seed,
+            "engine": self.choice,
+            "command": None if self.command is None else dict(self.command),
+            "random": self.commands == RANDOM,
+        }
+        for first in range(0, episodes, count):
+            here = min(count, episodes - first)
+            name = f"{first}-{first + here - 1}"
+            yield Job(name, about | {"part": {"first": first, "count": here}})
+
+    def _files(self) -> dict[str, bytes]:
+        """What a worker needs of the run, of the plant and of a file of commands."""
+        path = self.walks.run.path
+        names = {CONFIG, SUMMARY, *self.walks.run.folder.copies, "policy.safetensors"}
+        files = {f"run/{name}": (path / name).read_bytes() for name in sorted(names)}
+        if self.walks.plant is not None:
+            files[_PLANT] = self.walks.plant.layout.xml.encode()
+        if self.commands is not None and self.commands != RANDOM:
+            files[_COMMANDS] = Path(self.commands).read_bytes()
+        return files
+
+
+def walk_part(settings: Settings, files: Files) -> Files:
+    """A task: some of the walks of a simulation.
+
+    Args:
+        settings: of the walks, and in `part` the number of the first and how many.
+        files: of the run, and of the plant and of commands if there are any.
+
+    Returns: `walks.safetensors` with the arrays of `to_arrays`.
+    """
+    about = {name: value for name, value in settings.items() if name != "part"}
+    walks = _opened(json.dumps(about, sort_keys=True), tuple(sorted(files.items())))
+    arrays = to_arrays(walks.walk(**settings["part"]))
+    return {_ARRAYS: packed(arrays, {})}
+
+
+@lru_cache(maxsize=1)
+def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
+    """The run of these files, opened: once for all parts of a simulation that a worker walks."""
+    told, contents = json.loads(about), dict(files)
+    with tempfile.TemporaryDirectory(prefix="neuralgaits-") as made:
+        base = Path(made)
+        for name, content in contents.items():
+            (base / name).parent.mkdir(exist_ok=True)
+            (base / name).write_bytes(content)
+        run = open_run(base / "run")
+        commands = RANDOM if told["random"] else None
+        if _COMMANDS in contents:
+            commands = str(base / _COMMANDS)
+        orders = orders_of(run.trained.commands, told["command"], commands, told["seed"])
+        run = at_first(run, orders.first)
+        # What is read when it is first asked for is asked for now.
+        _ = run.residuals
+    plant = None
+    if _PLANT in contents:
+        plant = robot_from_text(contents[_PLANT].decode(), told["plant"])
+    return TrainedWalks(
+        run=run,
+        library=engine_for(run, told["controller"], told["engine"]).library,
+        plant=plant,
+        controller=told["controller"],
+        steps=told["steps"],
+        start=told["start"],
+        push=told["push"],
+        disturbance=Disturbance(**told["disturb"]),
+        seed=told["seed"],
+        orders=orders,
+        threads=1,
+    )
+
+
+def at_first(run: Run, first: Any) -> Run:
+    """A family at what it is told first: where its walks start is a state of that gait."""
+    commands = run.trained.commands
+    if not commands:
+        return run
+    return run.at(**dict(zip((c.name for c in commands), map(float, first), strict=True)))

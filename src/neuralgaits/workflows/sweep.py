@@ -1,0 +1,383 @@
+"""Sweeps: train, prove and walk every combination of robots, specs, speeds and seeds.
+
+Each row is a task of its own, on processes of this machine or on a Ray cluster. A finished row is
+a run folder, whole; what was stopped goes on with the rows that are missing.
+"""
+
+import json
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from neuralgaits._settings import check_budget, check_seed, check_steps
+from neuralgaits.barriers import specs as known_specs
+from neuralgaits.barriers.commanded import Interval, commands_of
+from neuralgaits.engine import Done, Engine, Job, engine_for
+from neuralgaits.errors import InputError, Interrupted, RunError
+from neuralgaits.records.swept import (
+    FORMAT,
+    PAGE,
+    ROW,
+    SUMMARY,
+    TABLE,
+    Speed,
+    SweepAsked,
+    SweepRow,
+    Swept,
+)
+from neuralgaits.report.sweep_page import page
+from neuralgaits.robots import load_robot
+from neuralgaits.robots.loader import robot_text
+from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
+from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.names import ROBOT, SPEC
+from neuralgaits.simulation.walk import law_named
+from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
+from neuralgaits.sweeps.folder import SweepFolder, sha256
+from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
+from neuralgaits.sweeps.table import to_csv
+from neuralgaits.workflows.certify import HIGHEST
+from neuralgaits.workflows.sweep_row import carry_out, row_of, speed_of
+
+WALKS, WALK_STEPS = 4, 25
+"""Walks under each disturbance, from anywhere in the region, and the steps asked of each."""
+MOST_ROWS = 1_000_000
+"""What is more is a slip of the finger."""
+_SHOWN = 80
+"""Characters of a setting in a message."""
+Tell = Callable[[SweepRow, int, int], None]
+"""(a row that is done, rows that are, all rows)."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A sweep and what came of it.
+
+    Attributes:
+        path: its folder.
+        rows: in the order of the table.
+        summary: what `sweep --json` prints.
+    """
+
+    path: Path
+    rows: Sequence[SweepRow]
+    summary: Swept
+
+
+def sweep(
+    robots: Sequence[str | Path] = (),
+    *,
+    specs: Sequence[str] | None = None,
+    speeds: Sequence[float | Interval | None] | None = None,
+    seeds: tuple[int, int] | None = None,
+    steps: int | None = None,
+    certify: int | None = None,
+    budget: float | None = None,
+    controllers: Sequence[str] | None = None,
+    disturbances: str | Path | Mapping[str, Any] | None = None,
+    walks: int | None = None,
+    workers: int | None = None,
+    ray: str | None = None,
+    engine: Engine | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    tell: Tell | None = None,
+    root: Path = RUNS_ROOT,
+) -> Sweep:
+    """Train, prove and walk every combination.
+
+    Args:
+        robots: names or paths.
+        specs: as in `train`; `walking` if None.
+        speeds: as in `train`: None for whatever comes, a speed, or a range of them (m/s).
+        seeds: the first, and the one after the last; seed 0 alone if None.
+        steps: gradient steps of each training; the recipe's if None.
+        certify: level to prove; None for no proof.
+        budget: seconds for each proof; with one, what is proved depends on the machine.
+        controllers: laws to walk under, by name; `pd` if None.
+        disturbances: `standard` (if None), `none`, a TOML file, or a mapping of names to
+            disturbances; see `sweeps.disturbances`.
+        walks: under each disturbance; 4 if None.
+        workers: processes of this machine, one a core if None; in a script, call this below
+            `if __name__ == "__main__":`.
+        ray: `local`, `auto` or HOST:PORT of a Ray cluster, in place of processes.
+        engine: to use instead of those two.
+        out: folder of the sweep; `runs/sweeps/<UTC time>-<first seed>` if None.
+        resume: go on with the sweep in `out`, if there is one. What else is given must be what
+            it was asked.
+        tell: called when a row is done.
+        root: folder of the runs.
+
+    Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt, with every
+        finished row in the folder.
+    """
+    began = time.perf_counter()
+    given = _given(specs, speeds, seeds, steps, certify, budget, controllers, disturbances, walks)
+    make = _folder(robots, given, out, resume, root)
+    # Before a folder is made, so that an engine that cannot be had leaves none.
+    with engine or engine_for(workers, ray) as at_work, _alone(make()) as folder:
+        every = list(combinations(folder.asked))
+        before = sum(folder.has(one.name) for one in every)
+        jobs = (_job(folder, one) for one in every if not folder.has(one.name))
+        try:
+            with closing(at_work.map(carry_out, jobs)) as done:
+                for number, row in enumerate(_kept(folder, done, every), before + 1):
+                    if tell is not None:
+                        tell(row, number, len(every))
+        except KeyboardInterrupt as stop:
+            raise Interrupted(_again(folder, workers, ray)) from stop
+        rows = _rows(folder, every)
+        write_text(folder.path / TABLE, to_csv(folder.asked, rows))
+        summary = Swept(
+            sweep=str(folder.path),
+            rows=len(rows),
+            failed=sum(row.failure is not None for row in rows),
+            lost=sum(not row.final for row in rows),
+            before=before,
+            table=str(folder.path / TABLE),
+            page=str(folder.path / PAGE),
+            engine=at_work.name,
+            workers=at_work.workers,
+            wall_s=time.perf_counter() - began,
+        )
+        write_text(folder.path / PAGE, page(folder.asked, rows, summary))
+        write_text(folder.path / SUMMARY, to_json(summary))
+    return Sweep(folder.path, rows, summary)
+
+
+def _given(
+    specs: Sequence[str] | None,
+    speeds: Sequence[float | Interval | None] | None,
+    seeds: tuple[int, int] | None,
+    steps: int | None,
+    certify: int | None,
+    budget: float | None,
+    controllers: Sequence[str] | None,
+    disturbances: str | Path | Mapping[str, Any] | None,
+    walks: int | None,
+) -> dict[str, Any]:
+    """What was given of a `SweepAsked`, checked as far as it can be without a robot."""
+    if seeds is not None:
+        first, end = seeds
+        if not first < end:
+            raise InputError(f"expected seeds A:B with A < B, found {first}:{end}")
+        check_seed(first)
+        check_seed(end - 1)
+    check_steps(steps)
+    check_budget(budget)
+    if certify is not None and certify not in range(1, HIGHEST + 1):
+        raise InputError(f"expected --certify 1 to {HIGHEST}, found {certify}")
+    if walks is not None and walks < 1:
+        raise InputError(f"expected at least 1 walk, found {walks}")
+    for controller in controllers or ():
+        law_named(controller)
+    refuse_same("controllers", controllers or ())
+    told = None if disturbances is None else disturbances_of(disturbances)
+    asked = {
+        "specs": None if specs is None else tuple(specs),
+        "speeds": None if speeds is None else tuple(_spread(speed) for speed in speeds),
+        "seeds": seeds,
+        "steps": steps,
+        "certify": certify,
+        "budget": budget,
+        "controllers": None if controllers is None else tuple(controllers),
+        "disturbances": told,
+        "walks": walks,
+    }
+    return {name: value for name, value in asked.items() if value is not None}
+
+
+def _spread(speed: float | Interval | None) -> Speed:
+    if speed is None:
+        return None
+    return tuple(map(float, speed)) if isinstance(speed, tuple) else (float(speed),)
+
+
+def _folder(
+    robots: Sequence[str | Path],
+    given: Mapping[str, Any],
+    out: str | Path | None,
+    resume: bool,
+    root: Path,
+) -> Callable[[], SweepFolder]:
+    """What opens the sweep that is there, or makes a new one, everything being checked."""
+    if resume and out is None:
+        raise InputError("expected --out DIR with --resume, found none: name the sweep's folder")
+    names = tuple(map(str, robots))
+    if resume and out is not None and (SweepFolder.there(Path(out)) or not names):
+        folder = SweepFolder.open(Path(out))
+        _refuse_other(folder, {"robots": names} | dict(given) if names else given)
+        return lambda: folder
+    if not names:
+        raise InputError(
+            "expected ROBOT, found none: name one or more, or a sweep to go on with by "
+            "--out DIR --resume"
+        )
+    usual: dict[str, Any] = {
+        "specs": ("walking",),
+        "speeds": (None,),
+        "seeds": (0, 1),
+        "steps": None,
+        "certify": None,
+        "budget": None,
+        "controllers": ("pd",),
+        "disturbances": None,
+        "walks": WALKS,
+    }
+    settings = usual | dict(given)
+    if settings["disturbances"] is None:
+        settings["disturbances"] = disturbances_of(STANDARD)
+    if settings["budget"] is not None and settings["certify"] is None:
+        raise InputError("expected a budget with --certify, found it alone: add --certify LEVEL")
+    inputs = _inputs(names, settings)
+    asked = SweepAsked(
+        format=FORMAT,
+        robots=names,
+        walk_steps=WALK_STEPS,
+        sha256={name: sha256(content) for name, content in inputs.items()},
+        **settings,
+    )
+    if (rows := count(asked)) > MOST_ROWS:
+        raise InputError(f"expected at most {MOST_ROWS} rows, found {rows}: take fewer seeds")
+    place = None if out is None else Path(out)
+    return lambda: SweepFolder.create(asked, inputs, out=place, root=root)
+
+
+@contextmanager
+def _alone(folder: SweepFolder) -> Iterator[SweepFolder]:
+    """A folder that nobody else works in, without what was half written."""
+    with folder.alone():
+        folder.clear()
+        yield folder
+
+
+def _inputs(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, bytes]:
+    """Copies of robots, and of specs that stand in files, all of which can be read.
+
+    Raises: InputError, RobotError or SpecError.
+    """
+    refuse_same("robots", names)
+    refuse_same("specs", settings["specs"])
+    inputs = {}
+    for spec in settings["specs"]:
+        if spec not in known_specs.DESCRIPTIONS and not known_specs.source_path(spec).is_file():
+            # Says what is wrong with the name.
+            known_specs.load(spec, load_robot(names[0]))
+    for number, name in enumerate(names):
+        inputs[_robot_file(number)] = robot_text(name)[0].encode()
+        robot = load_robot(name)
+        for spec in settings["specs"]:
+            for speed in settings["speeds"]:
+                told = speed_of(speed)
+                spread = told if isinstance(told, tuple) else None
+                one = None if isinstance(told, tuple) else told
+                known_specs.load(spec, robot, commands_of(speed=spread), one)
+    for number, spec in enumerate(settings["specs"]):
+        if spec not in known_specs.DESCRIPTIONS:
+            inputs[_spec_file(number)] = known_specs.source_path(spec).read_bytes()
+    return inputs
+
+
+def _robot_file(number: int) -> str:
+    return f"robot-{number}.xml"
+
+
+def _spec_file(number: int) -> str:
+    return f"spec-{number}.py"
+
+
+def _refuse_other(folder: SweepFolder, given: Mapping[str, Any]) -> None:
+    """Raises: InputError if what is given is not what the sweep was asked."""
+    for name, value in given.items():
+        asked = getattr(folder.asked, name)
+        if plain(asked) != plain(value):
+            raise InputError(
+                f"expected the {name} that the sweep in {folder.path} was asked, {_short(asked)}, "
+                f"found {_short(value)}: leave them out, or sweep into another --out"
+            )
+
+
+def _short(value: Any) -> str:
+    return json.dumps(plain(value), ensure_ascii=False)[:_SHOWN]
+
+
+def _job(folder: SweepFolder, one: Combination) -> Job:
+    """The task of a row: all it needs, and nothing of this machine's disk."""
+    asked = folder.asked
+    spec = asked.specs[one.spec]
+    own = _spec_file(one.spec) in asked.sha256
+    files = {ROBOT: folder.input(_robot_file(one.robot))}
+    if own:
+        files[SPEC] = folder.input(_spec_file(one.spec))
+    settings = {
+        "name": one.name,
+        "robot": Path(asked.robots[one.robot]).stem,
+        "spec": spec,
+        "speed": None if one.speed is None else list(one.speed),
+        "seed": one.seed,
+        "spec_file": spec.rpartition(":")[0] if own else None,
+        "place": str(folder.place(one.name)),
+        "steps": asked.steps,
+        "certify": asked.certify,
+        "budget": asked.budget,
+        "controllers": list(asked.controllers),
+        "disturbances": plain(asked.disturbances),
+        "walks": asked.walks,
+        "walk_steps": asked.walk_steps,
+    }
+    return Job(one.name, settings, files)
+
+
+def _kept(
+    folder: SweepFolder, done: Iterator[Done], every: Sequence[Combination]
+) -> Iterator[SweepRow]:
+    """Put rows into the folder as they come."""
+    by_name = {one.name: one for one in every}
+    for one in done:
+        files = dict(one.files)
+        if one.failure is None:
+            row = _with(row_of(files.pop(ROW)), tries=one.tries)
+        else:
+            job = by_name[one.name]
+            row = SweepRow(
+                name=one.name,
+                robot=Path(folder.asked.robots[job.robot]).stem,
+                spec=folder.asked.specs[job.spec],
+                speed=job.speed,
+                seed=job.seed,
+                failure=one.failure.kind,
+                reason=one.failure.reason,
+                tries=one.tries,
+            )
+        folder.keep(row, files)
+        yield row
+
+
+def _with(row: SweepRow, **other: Any) -> SweepRow:
+    """A row with other values."""
+    own = {field.name: getattr(row, field.name) for field in fields(row)}
+    return SweepRow(**(own | other))
+
+
+def _rows(folder: SweepFolder, every: Sequence[Combination]) -> list[SweepRow]:
+    """All rows, in the order of the table. Raises: RunError if one has vanished."""
+    rows = []
+    for one in every:
+        row = folder.row(one.name)
+        if row is None:
+            raise RunError(
+                f"expected the row {one.name} in {folder.path}, found none: it was taken away; "
+                "--resume makes it again"
+            )
+        rows.append(row)
+    return rows
+
+
+def _again(folder: SweepFolder, workers: int | None, ray: str | None) -> str:
+    words: list[Any] = ["sweep", "--out", named(folder.path), "--resume"]
+    for flag, value in (("--workers", workers), ("--ray", ray)):
+        words += [] if value is None else [flag, value]
+    return command(*words)

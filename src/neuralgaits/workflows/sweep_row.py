@@ -1,0 +1,199 @@
+"""One row of a sweep, as a task: train, prove, walk. Settings and files in, a run's files out."""
+
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.engine import Files, Settings
+from neuralgaits.errors import NeuralGaitsError
+from neuralgaits.records.record import build
+from neuralgaits.records.simulated import WalkFigures
+from neuralgaits.records.swept import ROW, UNDISTURBED, RowTimes, RowWalks, Speed, SweepRow
+from neuralgaits.records.trained import Trained
+from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.runs import to_json
+from neuralgaits.runs.names import ROBOT, SPEC
+from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.orders import on_slope, orders_of
+from neuralgaits.simulation.trained_walks import TrainedWalks
+from neuralgaits.workflows.certify import certify
+from neuralgaits.workflows.shared_walks import at_first
+from neuralgaits.workflows.simulate import simulate
+from neuralgaits.workflows.train import train
+
+START = "region"
+"""Where walks start: anywhere in what the gait was trained on."""
+
+
+def carry_out(settings: Settings, files: Files) -> Files:
+    """Make the run of a row in a folder of its own, which is gone afterwards.
+
+    Args:
+        settings: those of a `SweepRow`'s first fields, and: `spec_file`, the path that a spec of a
+            file was given by; `place`, where the run folder will be; `steps`, `certify`, `budget`,
+            `controllers`, `disturbances`, `walks`, `walk_steps` of a `SweepAsked`.
+        files: `robot.xml`, and `spec.py` of a spec that stands in a file.
+
+    Returns: the run's files by their paths in its folder, and `row.json`.
+    """
+    with tempfile.TemporaryDirectory(prefix="neuralgaits-row-") as made:
+        base = Path(made)
+        row = _Row(settings, files, base)
+        found = row.all_parts()
+        contents = {
+            str(path.relative_to(row.run)): path.read_bytes()
+            for path in sorted(row.run.rglob("*"))
+            if path.is_file()
+        }
+        moved = {str(row.run): settings["place"], str(base / SPEC): settings["spec_file"] or ""}
+        contents = {name: _moved(name, content, moved) for name, content in contents.items()}
+    return contents | {ROW: to_json(found).encode()}
+
+
+class _Row:
+    """The parts of a row, one after the other, and what is known of it so far."""
+
+    def __init__(self, settings: Settings, files: Files, base: Path):
+        self.settings, self.files, self.base = settings, files, base
+        self.run = base / "run"
+        self.known: dict[str, Any] = {
+            name: settings[name] for name in ("name", "robot", "spec", "seed")
+        }
+        self.known["speed"] = None if settings["speed"] is None else tuple(settings["speed"])
+        self.times: dict[str, float] = {}
+
+    def all_parts(self) -> SweepRow:
+        """Train, prove, walk, until one says no."""
+        self.run.mkdir()
+        part, trained = "train", None
+        try:
+            trained = self._timed("train", self._train)
+            if self.settings["certify"] is not None:
+                part = "prove"
+                self._timed("prove", lambda: self._prove(trained))
+            part = "walk"
+            self._timed("walk", lambda: self._walk(trained))
+        except NeuralGaitsError as error:
+            line = " ".join(str(error).replace(str(self.base), "").split())
+            self.known |= {"failure": "refused", "reason": f"{part}: {line}"}
+        return SweepRow(**self.known, wall_s=RowTimes(**self.times))
+
+    def _timed(self, part: str, do: Callable[[], Any]) -> Any:
+        began = time.perf_counter()
+        try:
+            return do()
+        finally:
+            self.times[part] = time.perf_counter() - began
+
+    def _train(self) -> Run:
+        settings = self.settings
+        robot = robot_from_text(self.files[ROBOT].decode(), settings["robot"])
+        spec = settings["spec"]
+        if SPEC in self.files:
+            (self.base / SPEC).write_bytes(self.files[SPEC])
+            spec = f"{self.base / SPEC}:{spec.rpartition(':')[2]}"
+        trained = train(
+            robot,
+            spec,
+            seed=settings["seed"],
+            steps=settings["steps"],
+            speed=speed_of(settings["speed"]),
+            out=self.run,
+            root=self.base,
+        )
+        done: Trained = trained.summary
+        self.known |= {
+            "steps": done.steps,
+            "loss": done.loss,
+            "conditions": len(done.conditions),
+            "broken": len(done.broken),
+        }
+        return trained
+
+    def _prove(self, run: Run) -> None:
+        found = certify(run, level=self.settings["certify"], budget=self.settings["budget"]).summary
+        self.known |= {
+            "verdict": found.verdict,
+            "proved_level": found.proved_level,
+            "margin": found.least_margin,
+            "boxes": found.boxes,
+        }
+
+    def _walk(self, run: Run) -> None:
+        settings, orders = self.settings, orders_of(run.trained.commands)
+        here = at_first(run, orders.first)
+        course = TrainedWalks(
+            run=here,
+            library=engine_of_trained(here).library,
+            plant=None,
+            controller="",
+            steps=settings["walk_steps"],
+            start=START,
+            push=0.0,
+            disturbance=Disturbance(),
+            seed=settings["seed"],
+            orders=orders,
+            threads=1,
+        )
+        walked = []
+        for controller in settings["controllers"]:
+            under = replace(course, controller=controller)
+            for name, given in ((UNDISTURBED, {}), *settings["disturbances"].items()):
+                disturbance = on_slope(Disturbance(**given), orders)
+                one = replace(under, disturbance=disturbance).walk(0, settings["walks"])
+                walked.append(_walks(controller, name, summary(one)))
+        self.known["walks"] = tuple(walked)
+        # What the run itself keeps of walks, as after `simulate`.
+        simulate(
+            run,
+            controller=settings["controllers"][0],
+            steps=settings["walk_steps"],
+            start=START,
+            seed=settings["seed"],
+            episodes=settings["walks"],
+        )
+
+
+def _walks(controller: str, disturbance: str, found: WalkFigures) -> RowWalks:
+    """What a row says of walks."""
+    return RowWalks(
+        controller=controller,
+        disturbance=disturbance,
+        walks=len(found.fell),
+        stayed=found.stayed,
+        fewest_steps=min(found.steps_walked),
+        speed_m_s=found.speed_m_s,
+        cost_of_transport=found.cost_of_transport,
+        peak_torque_nm=found.peak_torque_nm,
+        min_normal_force_n=found.min_normal_force_n,
+    )
+
+
+def speed_of(speed: Speed | list[float]) -> float | tuple[float, float] | None:
+    """A row's speed as `train` takes it."""
+    if speed is None:
+        return None
+    return speed[0] if len(speed) == 1 else (speed[0], speed[1])
+
+
+def row_of(content: bytes) -> SweepRow:
+    """`row.json` of a task's files."""
+    from neuralgaits.runs import from_json
+
+    return build(SweepRow, from_json(content))
+
+
+def _moved(name: str, content: bytes, places: dict[str, str]) -> bytes:
+    """A file of the run, the paths in its JSON being those of where the run will be."""
+    if not name.endswith(".json"):
+        return content
+    text = content.decode()
+    for old, new in places.items():
+        text = text.replace(to_json(old).strip()[1:-1], to_json(new).strip()[1:-1])
+    return text.encode()
