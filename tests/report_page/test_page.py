@@ -13,11 +13,13 @@ import pytest
 from neuralgaits.certificate.reading import hashes
 from neuralgaits.cli.words import read as read_words
 from neuralgaits.report.drawn import Missing
+from neuralgaits.report.page import words
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.markup import Html, number, tag, text
 from neuralgaits.report.page.proof import certificate
+from neuralgaits.report.page.training import training
 from neuralgaits.report.page.walking import animation, simulations
 
 HOSTILE = "\"><img src=x onerror=alert(1)></script><script>alert('&')</script>"
@@ -371,3 +373,47 @@ def test_escaping_happens_once():
 )
 def test_numbers_as_a_person_writes_them(value, said):
     assert number(value) == said
+
+
+def test_the_tightest_conditions_are_shown_and_the_others_folded(contents, shipped):
+    """The five with the smallest margins in scales; every one that is broken."""
+    page = training(contents(shipped))
+    shown, rest = page.split("<details>")
+    assert "The 5 tightest of 27 conditions" in shown and "22 others" in rest
+    summary = json.loads((shipped / "summary.json").read_text())["conditions"]
+    ordered = sorted(summary, key=lambda name: summary[name]["min_margin"])
+    assert re.findall(r"<b>([^<]+)</b>", shown) == ordered[:5]
+    assert re.findall(r"<b>([^<]+)</b>", rest) == ordered[5:]
+
+    def broken(summary):
+        for entry in summary["conditions"].values():
+            entry |= {"max_violation": 0.125, "min_margin": -0.125}
+
+    _change(shipped, "summary.json", broken)
+    assert "<details>" not in training(contents(shipped))
+
+
+def test_a_proved_table_begins_with_what_is_not_proved(contents, shipped):
+    def undecided(summary):
+        entry = summary["conditions"]["impulse"]
+        entry |= {"verdict": "undecided", "proved_fraction": 0.5, "margin": None}
+
+    _change(shipped, "certificate/summary.json", undecided)
+    page = certificate(contents(shipped))
+    assert re.findall(r"<td data-head=\"condition\"><b>([^<]+)</b>", page)[0] == "impulse"
+
+
+@pytest.mark.parametrize(
+    ("described", "said"),
+    [
+        ({"kind": "Fence", "side": "lower"}, "the region's width in a step"),
+        ({"kind": "Pointwise", "quantity": {"function": "friction_forward"}}, "1 N"),
+        (
+            {"kind": "Barrier", "alpha": 10.0, "quantity": {"function": "torso_angle"}},
+            "1 rad × 1/s",
+        ),
+        ({"kind": "Pointwise", "user": "mine.py"}, "1"),
+    ],
+)
+def test_a_scale_has_a_unit_where_it_is_known(described, said):
+    assert words.scale(described, 1.0) == said

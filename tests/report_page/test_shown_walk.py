@@ -58,6 +58,12 @@ def test_a_walk_that_meets_other_chances_is_not_called_a_repetition(shipped, cha
     assert ("not repeating" in first.origin) == ("link" in changed)
 
 
+def test_a_walk_on_a_terrain_is_shown_on_level_ground_and_says_so(shipped):
+    asked = _simulated(shipped, terrain="stones", command={"speed": 0.7})
+    assert asked.origin == "walks on level ground, unlike the last simulation of this run"
+    assert asked.command is None
+
+
 def test_of_walks_that_stayed_up_a_handful_of_steps_is_shown(shipped):
     asked = _simulated(shipped, fell=[False], plant="amber3m", controller="pd")
     assert (asked.episode, asked.steps, asked.plant) == (0, STEPS, None)

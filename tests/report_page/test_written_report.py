@@ -238,3 +238,19 @@ def test_an_unfinished_run_has_a_report(shipped, tmp_path):
     assert done.figures == [] and done.path.is_file()
     command = f"neuralgaits train --resume {shipped}"
     assert done.summary["missing"] == [{"what": "the end of the training", "command": command}]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_what_is_cut_says_that_it_can_be_moved(opened, width):
+    page = opened(width)
+    page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    page.wait_for_timeout(200)
+    boxes = page.evaluate(
+        """[...document.querySelectorAll('.scroll')].map((box) => [
+          box.scrollWidth > box.clientWidth + 1, !box.previousElementSibling.hidden])"""
+    )
+    assert all(cut == told for cut, told in boxes)
+    assert any(told for _, told in boxes) == (width < 700)
+    # Conditions are cards on a telephone: none of their words is cut.
+    cut = "[...document.querySelectorAll('.cards')].some((t) => t.scrollWidth > t.clientWidth + 1)"
+    assert not page.evaluate(cut)

@@ -17,11 +17,11 @@ def test_nothing_is_written_to_a_page_that_has_ended(monkeypatch):
             late.append(type(message).__name__)
         push(buffer, message)
 
-    def slow(panel, words):
+    def slow(panel, *words):
         begun.set()
         # The page is being closed meanwhile.
         threading.Event().wait(1.0)
-        tell(panel, words)
+        tell(panel, *words)
 
     monkeypatch.setattr(AsyncMessageBuffer, "push", watched)
     monkeypatch.setattr(Panel, "tell_how_sure", slow)

@@ -10,16 +10,18 @@ import urllib.request
 
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.retrace import answer
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.viewer.sureness import how_sure
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.check_proof import program_differences
 from neuralgaits.workflows.view import view
 
 PROOF = demo.FOLDER / "certificate" / "proof.json"
-LARGEST_BYTES = 400_000
+LARGEST_BYTES = {demo.FOLDER: 400_000, demo.TOLD: 100_000}
 
 
 def test_its_proof_is_about_its_robot_weights_and_spec():
@@ -31,9 +33,20 @@ def test_its_proof_is_about_its_robot_weights_and_spec():
     assert [one["level"] for one in theorems if one["claimed"]] == [2, 3]
 
 
-def test_it_is_small_and_knows_no_machine():
-    files = [file for file in demo.FOLDER.rglob("*") if file.is_file()]
-    assert sum(file.stat().st_size for file in files) < LARGEST_BYTES
+def test_the_gait_that_is_told_its_speed_has_a_range_and_no_proof():
+    run = open_run(demo.TOLD)
+    (speed,) = run.trained.commands
+    assert (speed.name, speed.low, speed.high) == ("speed", 0.55, 0.9)
+    assert run.summary["conditions"]
+    assert all(found.max_violation == 0.0 for found in run.summary.conditions.values())
+    sure = how_sure(run)
+    assert not sure.certified and "Nothing is proved of this gait" in sure.words
+
+
+@pytest.mark.parametrize("folder", LARGEST_BYTES)
+def test_it_is_small_and_knows_no_machine(folder):
+    files = [file for file in folder.rglob("*") if file.is_file()]
+    assert sum(file.stat().st_size for file in files) < LARGEST_BYTES[folder]
     for file in files:
         if file.suffix in (".json", ".py", ".xml", ".csv"):
             assert "/home" not in file.read_text()
@@ -42,8 +55,12 @@ def test_it_is_small_and_knows_no_machine():
 
 def test_a_package_without_it_says_so(monkeypatch, tmp_path):
     monkeypatch.setattr(demo, "FOLDER", tmp_path)
-    with pytest.raises(RunError, match=r"expected the shipped run .* `neuralgaits view latest`"):
-        demo.demo()
+    monkeypatch.setattr(demo, "TOLD", tmp_path)
+    for speed in (False, True):
+        with pytest.raises(
+            RunError, match=r"expected the shipped run .* `neuralgaits view latest`"
+        ):
+            demo.demo(speed=speed)
 
 
 @pytest.mark.parametrize(

@@ -140,8 +140,11 @@ def test_a_broken_region_is_red():
 def test_the_words_claim_what_the_certificate_says(shipped):
     sure = how_sure(shipped)
     assert sure.certified
-    assert sure.words.startswith("**Proved at level 3**")
+    assert sure.words.startswith("Proved, to level 3 of 4: ")
     assert "may fall" in sure.words
+    # Exact bounds stand in the theorem's own words, which are folded away.
+    assert re.search(r"\de-\d", sure.words) is None
+    assert sure.theorem.startswith("- Level 2: T is every state") and "Level 3" in sure.theorem
 
 
 def test_words_of_a_run_without_a_proof_claim_nothing(shipped, tmp_path):
@@ -160,9 +163,9 @@ def test_words_of_a_run_without_a_proof_claim_nothing(shipped, tmp_path):
     answer |= {"verdict": "proved", "proof": None, "levels": [], "conditions": open_conditions}
     summary.write_text(json.dumps(answer | {"sha256": hashes(folder)}))
     undecided = how_sure(open_run(folder))
-    assert undecided.certified and undecided.words.startswith("**Undecided at level 3**")
-    assert "holds at every state" not in undecided.words
-    assert "27 of 27 conditions undecided: torso-lower, " in undecided.words
+    assert undecided.certified and "Not proved: undecided at level 3" in undecided.words
+    assert "at every state" not in undecided.words
+    assert r"27 of 27 conditions undecided \(torso-lower, " in undecided.words
     # A summary alone proves nothing, whatever it says.
     forged = json.loads((shipped.path / "certificate" / "summary.json").read_text())
     summary.write_text(json.dumps(forged | {"sha256": hashes(folder)}))

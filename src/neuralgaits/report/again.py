@@ -5,6 +5,7 @@ built-in, else by the run's own copy, since the file that was given may have cha
 """
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -88,10 +89,10 @@ def longer(folder: RunFolder) -> str:
 
 
 def _told(asked: Asked) -> list[str]:
-    """Flags of a speed or of ranges of commands."""
+    """Flags of a speed, of ranges of commands or of a box of robots."""
     if asked.speed is not None:
         return [f"--speed={asked.speed!r}"]
-    words = []
+    words = [] if not asked.parameters else ["--parameters", box(asked.parameters)]
     for name, told in asked.commands.items():
         ends = (_typed(name, x) for x in (told.low, told.high))
         words.append(f"--{name.replace('_', '-')}={':'.join(repr(float(x)) for x in ends)}")
@@ -109,10 +110,41 @@ def _parent(folder: RunFolder, told: str) -> Path | None:
     return next((place for place in places if (place / "config.json").is_file()), None)
 
 
-def certifying(run: Path, level: int, disturbance: tuple[float, ...] = ()) -> str:
-    """Proves a run up to a level."""
-    bounds = ["--disturbance", ",".join(repr(bound) for bound in disturbance)]
-    return command("certify", named(run), "--level", level, *(bounds if disturbance else []))
+def box(parameters: Mapping[str, float]) -> str:
+    """A box of robots as the command line takes it, every number exactly; `none` for no box."""
+    units = {"com": "m"}
+    sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
+    return ",".join(sizes) or "none"
+
+
+def certifying(
+    run: Path,
+    level: int,
+    disturbance: tuple[float, ...] = (),
+    within: Mapping[str, tuple[float, float]] | None = None,
+    parameters: Mapping[str, float] | None = None,
+) -> str:
+    """Proves a run up to a level.
+
+    Args:
+        run: folder.
+        level: to prove.
+        disturbance: that it bears.
+        within: some ranges of its commands; all of them if None.
+        parameters: box of robots; the run's own if None.
+    """
+    line: list[Any] = ["certify", named(run), "--level", level]
+    if disturbance:
+        line += ["--disturbance", ",".join(repr(bound) for bound in disturbance)]
+    if within:
+        ranges = (
+            f"{name}={':'.join(repr(_typed(name, end)) for end in ends)}"
+            for name, ends in within.items()
+        )
+        line += ["--within", ",".join(ranges)]
+    if parameters is not None:
+        line += ["--parameters", box(parameters)]
+    return command(*line)
 
 
 def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
@@ -140,6 +172,8 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
         line += ["--command", ",".join(told)]
     if done.commands is not None:
         line += ["--commands", done.commands]
+    if done.terrain is not None:
+        line += ["--terrain", done.terrain]
     if changed := words.disturbances(done.disturb):
         line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
     return command(*line)

@@ -150,7 +150,7 @@ def _force(axes: Axes, data: GaitData) -> None:
             (share * top, top),
             (-share * top, top),
         ]
-        label = f"asked for: |T| ≤ {share:.2g} N" + (f", N ≥ {least:.0f} N" if least else "")
+        label = f"asked for: |T| ≤ {share:.2g} × N" + (f", N ≥ {least:.0f} N" if least else "")
         axes.add_patch(Polygon(corners, facecolor=ALLOWED, edgecolor=BLUE, label=label, zorder=1))
     else:
         _no_condition(axes, "contact")

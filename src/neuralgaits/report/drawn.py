@@ -21,6 +21,10 @@ class Drawn:
     path_png: Path
     path_svg: Path
 
+    def _repr_png_(self) -> bytes:
+        """Itself, for a notebook. Raises: OSError if its file is gone."""
+        return self.path_png.read_bytes()
+
 
 @dataclass(frozen=True)
 class Missing:

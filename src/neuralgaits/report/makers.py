@@ -109,6 +109,9 @@ def _margins_region(source: Source) -> Made:
 
 def _certificate_map(source: Source) -> Made:
     path = source.run.path / MAP
+    if source.run.asked.parameters:
+        line = again.certifying(source.run.path, 1, parameters={})
+        raise Absent("boxes of states of many robots have too many sides to be drawn", line)
     if source.certificate.reason is not None or not source.certificate.map_fits:
         missing = f"{path.name} is missing in the certificate, or another one's"
         reason = source.certificate.reason or missing
@@ -126,6 +129,9 @@ def _full_order_set(source: Source) -> Made:
     if source.run.asked.commands:
         line = again.certifying(source.run.path, source.run.asked.last_level)
         raise Absent("level 4 is not about gaits with commands", line)
+    if source.run.asked.parameters:
+        line = again.certifying(source.run.path, 4, parameters={})
+        raise Absent("level 4 is about one robot, and the run's proof about a box of them", line)
     if certificate.full is None:
         raise Absent(certificate.no_full, again.certifying(source.run.path, 4))
     return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)

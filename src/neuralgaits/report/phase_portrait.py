@@ -115,7 +115,7 @@ def _safe_set(axes: Axes, data: GaitData) -> list:
     z1, z2 = data["plane/z1"], data["plane/z2"]
     name = "safe set $C_Z$"
     if np.nanmin(least) >= 0.0:
-        return [Line2D([], [], linestyle="none", label=f"{name}: all of the picture")]
+        return []
     axes.contourf(z1, z2, least, [-np.inf, 0.0], colors="none", hatches=["////"], zorder=1.2)
     axes.contour(z1, z2, least, [0.0], colors=ORANGE, linewidths=1.6, linestyles="-.", zorder=2)
     return [

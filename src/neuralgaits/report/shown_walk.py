@@ -104,7 +104,9 @@ def asked_of(run: Run) -> Asked:
         # Pushes, floors and noise are drawn by the number of an episode, and this one is the first.
         drawn = push or any(getattr(disturbance, name) for name in _DRAWN)
         other = done.link is not None or law not in LAWS or done.commands is not None
-        if other or (episode and drawn):
+        if done.terrain is not None:
+            origin = "walks on level ground, unlike the last simulation of this run"
+        elif other or (episode and drawn):
             origin = (
                 "starts as a walk of the last simulation of this run did, not repeating its course"
             )
@@ -122,7 +124,7 @@ def asked_of(run: Run) -> Asked:
             seed=done.seed,
             episode=episode,
             origin=origin,
-            command=done.command,
+            command=None if done.terrain is not None else done.command,
         )
     except (TypeError, ValueError, NeuralGaitsError):
         # A plant that is no longer where it was, or a summary of another version.

@@ -5,13 +5,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from neuralgaits.viewer import scheme
 from neuralgaits.viewer.walker import Margins
 
 FULL = 1.0
 """Margin of a full bar, in scales of its condition."""
 TIGHT = 0.05
 """Margin below which a bar warns: what training aims at."""
-_GOOD, _TIGHT, _BROKEN, _FADED = "#2e8b57", "#e08a00", "#c0392b", "#9aa5ad"
+_GOOD, _TIGHT, _BROKEN, _FADED = "#2e7d53", "#b06a00", "#c0392b", "#6b7780"
+_BRIGHT = {_GOOD: "#6fd09a", _TIGHT: "#f0b35b", _BROKEN: "#ff8f83", _FADED: "#a3b0bb"}
+"""The same on a dark background."""
 _ROW = (
     '<div style="display:flex;align-items:center;gap:6px;height:17px;opacity:{opacity}" '
     'title="{hint}">'
@@ -20,7 +23,7 @@ _ROW = (
     'overflow:hidden"><span style="display:block;height:9px;width:{width:.0f}%;'
     'background:{colour}"></span></span>'
     '<span style="flex:0 0 44px;text-align:right;font-variant-numeric:tabular-nums;'
-    'color:{colour}">{value}</span></div>'
+    '{ink}">{value}</span></div>'
 )
 _KEY = (
     '<div style="opacity:.7;margin-top:5px;line-height:1.35">Share of the condition\'s scale that '
@@ -49,6 +52,7 @@ def _row(name: str, value: float, inside: bool) -> str:
         name=html.escape(name),
         hint=hint,
         colour=colour,
+        ink=scheme.colour(colour, _BRIGHT[colour]),
         width=width,
         value=text,
         opacity="1" if inside else ".45",

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import viser
 
-from neuralgaits.viewer import bars
+from neuralgaits.viewer import bars, scheme
 from neuralgaits.viewer.player import SPEED, Picture, Player
 from neuralgaits.viewer.walker import Limits, Told, Walker
 
@@ -33,6 +33,8 @@ _ANSWER_FRAMES = 240
 """How long an answer stands: six seconds."""
 TYPED_S = 1.0
 """Time without a keystroke after which a number is taken for typed [s]."""
+_QUIET, _GOOD = scheme.colour("#5b6770", "#a3b0bb"), scheme.colour("#2e7d53", "#6fd09a")
+_BAD, _SAID = scheme.colour("#c0392b", "#ff8f83"), scheme.colour("#7a3e9d", "#cf9df0")
 _STATUS_EVERY = 10
 """Frames from one line of status to the next."""
 
@@ -67,8 +69,9 @@ class Panel:
         self._sliders: dict[str, tuple[viser.GuiSliderHandle, Limits]] = {}
         self._limited: list[tuple[viser.GuiSliderHandle, Limits]] = []
         gui = server.gui
+        gui.add_html(scheme.FOLLOW)
         gui.add_markdown(title)
-        self._status = gui.add_html(_line("getting ready: compiling the controller", "#5b6770"))
+        self._status = gui.add_html(_line("getting ready: compiling the controller", _QUIET))
         self._add_time(gui)
         if commands:
             self._add_commands(gui, commands)
@@ -76,8 +79,13 @@ class Panel:
         self._add_plant(gui, settings)
         with gui.add_folder("Margins at the robot's state"):
             self._bars = gui.add_html(_note("no margins yet"))
-        with gui.add_folder("How sure are we?", expand_by_default=False):
+        with gui.add_folder("How sure we are", expand_by_default=False):
             self._sure = gui.add_markdown("reading the certificate")
+            self._theorem = gui.add_folder(
+                "The theorem in its own words", expand_by_default=False, visible=False
+            )
+            with self._theorem:
+                self._statements = gui.add_markdown("")
 
     def show(self, picture: Picture) -> None:
         """Bring status and bars up to date."""
@@ -95,9 +103,11 @@ class Panel:
         """Show a message for a while."""
         self._answer, self._answer_left = answer, _ANSWER_FRAMES
 
-    def tell_how_sure(self, words: str) -> None:
-        """Say what is known of the gait, in Markdown."""
+    def tell_how_sure(self, words: str, theorem: str = "") -> None:
+        """Say what is known of the gait, in Markdown; folded, the theorem's own words."""
         self._sure.content = words
+        self._statements.content = theorem
+        self._theorem.visible = bool(theorem)
 
     def explain_margins(self, why: str) -> None:
         """Say why there are no bars."""
@@ -221,13 +231,13 @@ class Panel:
             text = f"Fell: {shown.fall}, after {shown.steps} steps. "
             left = picture.reset_in
             text += "Press Reset." if left is None else f"Reset in {left:.0f} s."
-            lines = _line(text, "#c0392b", strong=True)
+            lines = _line(text, _BAD, strong=True)
         elif picture.paused:
-            lines = _line(f"Paused · {facts}", "#5b6770")
+            lines = _line(f"Paused · {facts}", _QUIET)
         else:
             slow = f" · plays at ×{picture.pace:.2f}" if self._lags(picture) else ""
-            lines = _line(f"Walks · {facts}{slow}", "#2e8b57")
-        said = _line(self._answer, "#7a3e9d") if self._answer_left else ""
+            lines = _line(f"Walks · {facts}{slow}", _GOOD)
+        said = _line(self._answer, _SAID) if self._answer_left else ""
         return lines + said
 
     def _lags(self, picture: Picture) -> bool:
@@ -238,7 +248,7 @@ def _line(text: str, colour: str, *, strong: bool = False) -> str:
     weight = 700 if strong else 500
     return (
         f'<div style="padding:3px 10px;font-size:13px;line-height:1.35;font-weight:{weight};'
-        f'color:{colour}">{html.escape(text)}</div>'
+        f'{colour}">{html.escape(text)}</div>'
     )
 
 

@@ -18,11 +18,14 @@ from mjviser import ViserMujocoScene
 
 from neuralgaits._types import Float
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.bones import THICKNESS, bones
+from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
 from neuralgaits.viewer.walker import Shown
 
 _TILE, _SECTION = 0.25, 1.0
 """Lines of the floor [m]."""
+_CELLS, _SECTIONS, _PLANE = (190, 196, 202), (140, 148, 156), (128, 136, 146)
 _TRAIL = 40
 """Points of the trail: some steps."""
 _TRAIL_EVERY = 4
@@ -32,11 +35,6 @@ _ARROW_S = 0.5
 _ARROW_M_N = 0.0022
 """Length of the arrow for each newton [m/N]."""
 _POINT, _LINE, _PUSH = (214, 39, 40), (240, 120, 40), (214, 39, 40)
-_FOV = math.radians(40.0)
-_USUAL_ASPECT = 1.2
-"""Width by height of a window, where it is not known."""
-_PHONE_PX, _PHONE_SHARE = 600, 0.4
-"""Windows narrower than this have the controls over their lower part; what is left of them."""
 _LIFT = 0.004
 """Point and trail before the board, so that they are seen [m]."""
 
@@ -63,11 +61,12 @@ class Stage:
             infinite_grid=True,
             cell_size=_TILE,
             section_size=_SECTION,
-            cell_color=(222, 226, 230),
-            section_color=(186, 194, 202),
+            # Greys that can be told from a light background and from a dark one.
+            cell_color=_CELLS,
+            section_color=_SECTIONS,
             section_thickness=1.2,
-            plane_color=(243, 244, 246),
-            plane_opacity=1.0,
+            plane_color=_PLANE,
+            plane_opacity=0.08,
             shadow_opacity=0.25,
             fade_distance=30.0,
         )
@@ -84,7 +83,8 @@ class Stage:
         self._arrow_until = -1.0
         self._board: _Board | None = None
         self._fallen = False
-        self._frame_camera(server)
+        board = self._board_width * HEIGHT_PX / WIDTH_PX
+        Framing(1.12 * (self._board_bottom + board), 1.1 * self._board_width).follow(server)
 
     def hang(self, portrait: Portrait, clicked: Callable[[viser.ClientHandle, np.ndarray], None]):
         """Hang the portrait on the board; `clicked` gets who clicked and the state."""
@@ -148,29 +148,6 @@ class Stage:
     def _board_bottom(self) -> float:
         # Above the head of a robot with a torso as long as its thigh.
         return 1.85 * self._leg
-
-    def _frame_camera(self, server: viser.ViserServer) -> None:
-        """Robot and board in view, whatever the shape of the window."""
-        board = self._board_width * HEIGHT_PX / WIDTH_PX
-        top, wide = 1.12 * (self._board_bottom + board), 1.1 * self._board_width
-        middle, half = 0.45 * top, math.tan(0.5 * _FOV)
-
-        def pose(aspect: float, share: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-            """Position and target, the scene in the upper `share` of the window."""
-            tall = max(top / share, wide / aspect)
-            away = 0.5 * tall / half
-            position = (-0.06 * away, -away, middle + 0.06 * away)
-            return position, (0.0, 0.0, middle - 0.5 * (1.0 - share) * tall)
-
-        camera = server.initial_camera
-        camera.fov = _FOV
-        camera.position, camera.look_at = pose(_USUAL_ASPECT, 1.0)
-
-        @server.on_client_connect
-        def _(client: viser.ClientHandle) -> None:
-            width, height = client.camera.image_width, max(client.camera.image_height, 1)
-            share = _PHONE_SHARE if width < _PHONE_PX else 1.0
-            client.camera.position, client.camera.look_at = pose(width / height, share)
 
 
 class _Board:
@@ -248,4 +225,14 @@ def _alone(robot: PlanarBiped):
     for geom in list(spec.geoms):
         if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
             spec.delete(geom)
+    drawn = bones(spec.compile(), robot.layout)
+    bodies = {body.id: body for body in spec.bodies}
+    for bone in drawn:
+        bodies[bone.body].add_geom(
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            fromto=bone.ends.ravel(),
+            size=[THICKNESS * robot.leg_length, 0.0, 0.0],
+            rgba=bone.colour,
+            mass=0.0,
+        )
     return spec.compile()

@@ -1,10 +1,10 @@
-"""How sure we are of a run's gait, in a few lines of Markdown, and whether its proof is its own."""
+"""How sure we are of a run's gait, in the report's words, and whether its proof is its own."""
 
 from typing import NamedTuple
 
-from neuralgaits._digits import at_least
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.reading import read_certificate
+from neuralgaits.certificate.reading import ProvedPart, read_certificate
+from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import PROOF, Certified
 from neuralgaits.runs.commands import command, named
 from neuralgaits.viewer import markdown
@@ -19,6 +19,8 @@ class Sureness(NamedTuple):
     """Markdown."""
     map_fits: bool = False
     """Whether the map of boxes was made with the proof."""
+    theorem: str = ""
+    """Markdown: the statements of its proof file word by word; empty if there are none."""
 
 
 def how_sure(run: Run) -> Sureness:
@@ -40,31 +42,61 @@ def how_sure(run: Run) -> Sureness:
             f"**There is no certificate of this gait**: {markdown.text(str(found.reason))}. "
             f"{again} looks for a new one.",
         )
-    return Sureness(True, "\n\n".join(_lines(run, found.summary)), found.map_fits)
+    told = "\n\n".join(_lines(run, found.summary, found.part))
+    return Sureness(True, told, found.map_fits, _theorem(found.summary))
 
 
-def _lines(run: Run, answer: Certified) -> list[str]:
-    lines = [f"**{answer.verdict.capitalize()} at level {answer.level}**"]
-    level, count, least = answer.proved_level, len(answer.conditions), answer.least_margin
-    if level and least is not None:
-        lines.append(
-            f"Each of {count} conditions holds at every state of its region, by "
-            f"{at_least(least, 3)} of its scale or more."
-        )
-    for word in ("refuted", "undecided"):
-        if names := answer.named(word):
-            listed = markdown.text(", ".join(names))
-            lines.append(f"{len(names)} of {count} conditions {word}: {listed}.")
-    for entry in answer.levels:
-        lines += [f"{markdown.text(sentence)}." for sentence in entry.words[:2]]
-    about = "This is about the zero dynamics of the rigid model"
-    if level == 4:
-        about += ", and at level 4 about the whole of it under an exact controller without delay"
-    lines.append(
-        f"{about}; not about MuJoCo, pushes, slopes or other masses: what you see here is a "
-        "simulation, and may fall."
+_OF_PART = {
+    2: "from every one of them the zero dynamics walk for ever, whatever of these commands follow "
+    "each other",
+    3: "any two walks under the same of these commands converge",
+}
+"""Levels 2 and 3 of a gait with commands, for readers."""
+
+
+def _of_part(part: ProvedPart, count: int) -> str:
+    """What is proved of some of the commands; `count` conditions the gait has."""
+    said = f"{len(part.conditions)} of {count} conditions hold at every state of their regions"
+    levels = (_OF_PART[entry.level] for entry in part.levels if entry.level in _OF_PART)
+    told = markdown.text("; ".join((said, *levels)))
+    where = markdown.text("; ".join(part.told))
+    return f"**Proved of some commands only: {where}.** There {told}. Of others nothing is proved."
+
+
+def _lines(run: Run, answer: Certified, part: ProvedPart | None) -> list[str]:
+    """The report's words; what is seen here is another matter."""
+    level = answer.proved_level
+    told = in_plain_words.proved(answer) if level else _not_proved(answer)
+    lines = [markdown.text(told)]
+    if part is not None and part.conditions:
+        lines = [_of_part(part, len(answer.conditions))]
+        level = max((entry.level for entry in part.levels), default=0)
+    seen = (
+        "What you see here is a MuJoCo simulation of the whole robot, with whatever you do to "
+        "it: it may fall."
     )
+    if level:
+        claims = f"It claims nothing about {in_plain_words.NOT_CLAIMED}."
+        rests = markdown.text(f"{in_plain_words.left_open(level, answer.robots)} {claims} {seen}")
+        lines.append(f"**What that leaves open.** {rests}")
+    else:
+        lines.append(seen)
     if answer.proof:
         check = command("check-proof", named(run.path / PROOF), "--run", named(run.path))
-        lines.append(f"{markdown.code(check)} checks it again.")
+        lines.append(f"{markdown.code(check)} checks the proof file again.")
     return lines
+
+
+def _not_proved(answer: Certified) -> str:
+    return (
+        f"Not proved: {answer.verdict} at level {answer.level}. {in_plain_words.not_proved(answer)}"
+    )
+
+
+def _theorem(answer: Certified) -> str:
+    """The statements of the levels as the proof file has them, a list."""
+    return "\n".join(
+        f"- Level {entry.level}: {markdown.text(sentence)}."
+        for entry in answer.levels
+        for sentence in entry.words
+    )

@@ -1,10 +1,10 @@
 """The first paragraphs of the page: what the robot does, why it stays up, how sure we are."""
 
-from neuralgaits.records.certified import Certified, Verdict
+from neuralgaits.records import in_plain_words
 from neuralgaits.records.shown import ShownWalk
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import words
-from neuralgaits.report.page.markup import Html, bound, join, number, paragraph, tag
+from neuralgaits.report.page.markup import Html, join, number, paragraph, tag
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs.names import RESIDUAL
 
@@ -98,10 +98,15 @@ def _counted(done: Simulated) -> str:
 
 
 def _why(saved: Saved) -> str:
+    known = (
+        "two numbers alone: how far the hip is ahead of the foot on the ground, and with how much "
+        "momentum the body turns over that foot"
+    )
+    if saved.asked.parameters:
+        known = "one number alone: how far the hip is ahead of the foot on the ground"
     common = (
-        "A small neural network says where every joint should be, from two numbers alone: how far "
-        "the hip is ahead of the foot on the ground, and with how much momentum the body turns "
-        "over that foot. No clock is involved: the legs wait for the body. "
+        f"A small neural network says where every joint should be, from {known}. No clock is "
+        "involved: the legs wait for the body. "
     )
     level = saved.proved_level
     if saved.summary is None:
@@ -130,13 +135,11 @@ def _how_sure(saved: Saved) -> str:
             "gait."
         )
     if level == 0:
-        return f"Not proved. {_open(certificate)} {_sampled(saved)} Samples are evidence only."
+        told = in_plain_words.not_proved(certificate)
+        return f"Not proved. {told} {_sampled(saved)} Samples are evidence only."
     return (
-        f"Proved, to level {level} of {words.LAST_LEVEL}: {words.PROVED[level]} Every one of the "
-        f"{len(certificate.conditions)} conditions was shown at every state of its region, "
-        f"rounding errors included, with at least {_least(certificate)} of its typical size to "
-        f"spare.{_borne(saved)} So its proof file states; this page has not checked it again, "
-        "other programs can."
+        f"{in_plain_words.proved(certificate)}{_borne(saved)} So its proof file states; this page "
+        "has not checked it again, other programs can."
     )
 
 
@@ -152,7 +155,8 @@ def _borne(saved: Saved) -> str:
 
 
 def _left_open(saved: Saved) -> str:
-    rests = "; ".join(words.assumptions(saved.proved_level))
+    robots = None if saved.certificate is None else saved.certificate.robots
+    rests = in_plain_words.left_open(saved.proved_level, robots)
     model = ""
     if RESIDUAL in saved.folder.copies:
         model = " The model is the robot file's, corrected by what was learned from logs."
@@ -161,25 +165,8 @@ def _left_open(saved: Saved) -> str:
         if saved.simulation is not None
         else ""
     )
-    claims = f"It claims nothing about {words.NOT_CLAIMED}."
-    return f"The proof assumes that {rests}.{model} {claims}{seen}"
-
-
-def _least(certificate: Certified) -> str:
-    least = certificate.least_margin
-    return "–" if least is None else f"{bound(100.0 * least, digits=2)} %"
-
-
-def _open(certificate: Certified) -> str:
-    told, count = [], len(certificate.conditions)
-    words_of: tuple[tuple[Verdict, str], ...] = (
-        ("refuted", "broken at a state that was found"),
-        ("undecided", "undecided"),
-    )
-    for verdict, say in words_of:
-        if names := certificate.named(verdict):
-            told.append(f"{len(names)} of {count} conditions {say} ({', '.join(names)})")
-    return "; ".join(told) + "." if told else "No condition could be read."
+    claims = f"It claims nothing about {in_plain_words.NOT_CLAIMED}."
+    return f"{rests}{model} {claims}{seen}"
 
 
 def _sampled(saved: Saved) -> str:

@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from neuralgaits.records import in_plain_words
 from neuralgaits.report import again
 from neuralgaits.report.drawn import Drawn, Missing
 from neuralgaits.report.page import words
@@ -43,7 +44,7 @@ def _failures(contents: Contents) -> Iterator[str]:
     for name, measured in saved.measured.items():
         if measured.broken:
             most = number(measured.max_violation)
-            yield f"Training left {name} violated on samples, by up to {most} in its own unit."
+            yield f"Training left {name} violated on samples, by up to {most} of its scale."
     for name, entry in saved.conditions.items():
         point = entry.counterexample
         if point is not None:
@@ -107,7 +108,7 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
             yield "a certificate", command("certify", saved.name)
     elif (level := saved.certificate.level) < saved.asked.last_level:
         line = again.certifying(saved.folder.path, level + 1)
-        yield f"level {level + 1}: {words.LEVELS[level + 1]}", line
+        yield f"level {level + 1}: {in_plain_words.LEVELS[level + 1]}", line
     for figure in contents.figures:
         if isinstance(figure, Missing):
             yield f"figure “{figure.title}”: {figure.reason}", figure.command
@@ -123,7 +124,9 @@ def reproduction(contents: Contents) -> Html:
     lines = ["" if trained is None else trained]
     if saved.certificate is not None:
         level = saved.certificate.level
-        lines.append(again.certifying(copy, level, saved.disturbance))
+        within, own = saved.certificate.within, saved.certificate.parameters
+        other = None if own == saved.asked.parameters else own
+        lines.append(again.certifying(copy, level, saved.disturbance, within, other))
     if saved.simulation is not None:
         lines.append(again.simulating(saved.folder, saved.simulation, copy) or "")
     lines.append(command("report", named(copy)))

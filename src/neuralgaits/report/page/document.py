@@ -40,7 +40,8 @@ def document(contents: Contents) -> str:
     Its policy lets the browser run this page's own script and show its own images, and connect
     to nothing, whatever the run's texts hold.
     """
-    style, script = _asset("page.css"), _asset("scene.js") + _asset("player.js")
+    style = _asset("page.css")
+    script = _asset("hints.js") + _asset("scene.js") + _asset("player.js")
     pictures = {
         figure.name: _picture(figure) for figure in contents.figures if isinstance(figure, Drawn)
     }

@@ -55,7 +55,12 @@ def section(name: str, title: str, *parts: Any) -> Html:
 
 
 def table(
-    caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]], *, numbers: str = ""
+    caption: str,
+    head: Sequence[str],
+    rows: Iterable[Sequence[Any]],
+    *,
+    numbers: str = "",
+    cards: bool = False,
 ) -> Html:
     """A table; see `scrolling`.
 
@@ -64,22 +69,46 @@ def table(
         head: of the columns.
         rows: of cells.
         numbers: one letter a column, `n` for numbers, which are set to the right.
+        cards: on a narrow screen each row is a card, its cells below one another with their heads.
     """
     kinds = ["number" if kind == "n" else None for kind in numbers.ljust(len(head))]
     top = tag(
         "tr", *(tag("th", h, scope="col", class_=k) for h, k in zip(head, kinds, strict=True))
     )
+    names = list(head) if cards else [None] * len(head)
     body = [
-        tag("tr", *(tag("td", cell, class_=k) for cell, k in zip(row, kinds, strict=True)))
+        tag(
+            "tr",
+            *(
+                tag("td", cell, class_=kind, data_head=name or None)
+                for cell, kind, name in zip(row, kinds, names, strict=True)
+            ),
+        )
         for row in rows
     ]
-    whole = tag("table", tag("caption", caption), tag("thead", top), tag("tbody", *body))
+    whole = tag(
+        "table",
+        tag("caption", caption),
+        tag("thead", top),
+        tag("tbody", *body),
+        class_="cards" if cards else None,
+    )
     return scrolling(caption, whole)
 
 
 def scrolling(name: str, wide: Html) -> Html:
-    """Something that may be wider than a narrow screen: it scrolls sideways, by keys too."""
-    return tag("div", wide, class_="scroll", tabindex=0, role="region", aria_label=name)
+    """Something that may be wider than a narrow screen: it scrolls sideways, by keys too.
+
+    `assets/hints.js` shows the sentence above it where something is cut.
+    """
+    hint = tag("p", "Wider than this screen: move it sideways.", class_="hint", hidden=True)
+    box = tag("div", wide, class_="scroll", tabindex=0, role="region", aria_label=name)
+    return join([hint, box])
+
+
+def folded(said: str, *parts: Any) -> Html:
+    """Parts behind a line that opens them."""
+    return tag("details", tag("summary", said), *parts)
 
 
 def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:

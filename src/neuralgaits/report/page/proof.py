@@ -2,6 +2,7 @@
 
 import shlex
 
+from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import (
     LEVELS,
     PROOF,
@@ -15,7 +16,9 @@ from neuralgaits.report.page.markup import (
     Html,
     bound,
     facts,
+    folded,
     items,
+    join,
     number,
     paragraph,
     section,
@@ -24,6 +27,7 @@ from neuralgaits.report.page.markup import (
     tag,
 )
 from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.report.page.training import TIGHTEST
 from neuralgaits.runs.commands import command, named
 
 _LEVEL_FIGURES = {
@@ -56,8 +60,8 @@ def certificate(contents: Contents) -> Html:
         tag("h3", "Condition by condition (level 1)"),
         _conditions(found),
         tag("h3", "What it assumes"),
-        items(words.assumptions(found.level)),
-        paragraph(f"It claims nothing about {words.NOT_CLAIMED}."),
+        items(in_plain_words.assumptions(found.level, found.robots)),
+        paragraph(f"It claims nothing about {in_plain_words.NOT_CLAIMED}."),
         tag(
             "details",
             tag("summary", "The same in the words of check-proof"),
@@ -89,7 +93,7 @@ def _ladder(found: Certified) -> Html:
     """A row a level."""
     answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
     rows = [
-        (level, words.LEVELS[level], words.verdict(answers.get(level, "not asked")))
+        (level, in_plain_words.LEVELS[level], words.verdict(answers.get(level, "not asked")))
         for level in LEVELS
     ]
     head = ("level", "states that", "verdict")
@@ -129,7 +133,12 @@ def _rounded(constant: Constant) -> str:
 
 def _conditions(found: Certified) -> Html:
     rows = []
-    for name, entry in found.conditions.items():
+    tightness = {"refuted": 0, "undecided": 1}
+    ordered = sorted(
+        found.conditions.items(),
+        key=lambda row: (tightness.get(row[1].verdict, 2), row[1].margin or 0.0),
+    )
+    for name, entry in ordered:
         point, detail = entry.counterexample, ""
         if point is not None:
             z = ", ".join(number(value, 6) for value in point.z)
@@ -138,10 +147,16 @@ def _conditions(found: Certified) -> Html:
             detail = f"{number(entry.undecided_boxes)} boxes left"
         share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
         margin, boxes = bound(entry.margin), number(entry.boxes)
-        rows.append((name, words.verdict(entry.verdict), margin, share, boxes, detail))
+        rows.append((tag("b", name), words.verdict(entry.verdict), margin, share, boxes, detail))
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
-    caption = "Margins in units of a condition's scale; every state of its region has at least it"
-    return table(caption, head, rows, numbers="  nnn")
+    failed = sum(entry.verdict != "proved" for entry in found.conditions.values())
+    shown = max(TIGHTEST, failed)
+    caption = "Margins in scales, as above; every state of a condition's region has at least its"
+    parts = [table(caption, head, rows[:shown], numbers="  nnn", cards=True)]
+    if rest := rows[shown:]:
+        told = f"{len(rest)} others, with more room"
+        parts.append(folded(told, table(told, head, rest, numbers="  nnn", cards=True)))
+    return join(parts)
 
 
 def _files(saved: Saved, found: Certified) -> list[Html]:
@@ -150,15 +165,20 @@ def _files(saved: Saved, found: Certified) -> list[Html]:
     rows = [(tag("code", PROOF), tag("code", saved.hashes[PROOF]))]
     line = command("check-proof", named(saved.folder.path / PROOF), "--run", saved.name)
     proof = saved.folder.path.resolve() / PROOF
+    derives, asked = "derives the robot's dynamics again", ["build/proofcheck", str(proof)]
+    if found.robots is not None:
+        # Its own formulas know one robot.
+        derives = "here bounds the arithmetic in the file, which it does not derive again"
+        asked.insert(1, "--program")
     return [
         paragraph(
             "The proof file holds the statements, the boxes and the arithmetic they are about. "
             "check-proof bounds every box anew in another arithmetic; proofcheck is a C++ "
-            "program that shares no code with this one and derives the robot's dynamics again."
+            f"program that shares no code with this one and {derives}."
         ),
         table("Proof file", ("file", "sha256"), rows),
         shell([line]),
         paragraph("In the folder with the source of this program, where its Makefile is:"),
-        shell(["make proofcheck", shlex.join(["build/proofcheck", str(proof)])]),
+        shell(["make proofcheck", shlex.join(asked)]),
         paragraph(f"{number(found.boxes)} boxes, {number(found.wall_s)} s.", class_="quiet"),
     ]

@@ -1,9 +1,11 @@
 """The part of the page about what was trained: robot, spec, conditions with their numbers."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 from neuralgaits.records.asked import Stated
+from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.trained import Violations
 from neuralgaits.report import again
@@ -11,6 +13,7 @@ from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
     facts,
+    folded,
     join,
     number,
     paragraph,
@@ -113,6 +116,8 @@ def _settings(saved: Saved) -> list[tuple[str, Any]]:
         ("gradient steps", number(asked.steps)),
         ("learning rate", None if rate is None else number(rate)),
     ]
+    if asked.parameters:
+        rows.append(("for robots off the file by", box_in_words(asked.parameters)))
     if asked.samples:
         told = ", ".join(f"{count} in {name}" for name, count in asked.samples.items())
         rows.append(("samples a step", told))
@@ -124,10 +129,13 @@ def _settings(saved: Saved) -> list[tuple[str, Any]]:
     return rows
 
 
+TIGHTEST = 5
+"""Conditions that are shown; the others are folded away."""
+
+
 def _conditions(saved: Saved) -> list[Html]:
-    measured = saved.measured
-    rows = [_row(one, measured.get(one.name)) for one in saved.asked.conditions]
-    if not rows:
+    measured, asked = saved.measured, saved.asked.conditions
+    if not asked:
         return [paragraph("The run does not say which conditions it was trained for.")]
     broken = [name for name, entry in measured.items() if entry.broken]
     if not measured:
@@ -135,18 +143,49 @@ def _conditions(saved: Saved) -> list[Html]:
     elif broken:
         said = (
             f"Measured on random samples that training has not seen: {len(broken)} of "
-            f"{len(measured)} conditions are broken at some of them. A margin is what is left, in "
-            "units of the condition's scale; a negative one is a violation."
+            f"{len(measured)} conditions are broken at some of them, where their margin is "
+            "negative."
         )
     else:
         said = (
             f"Measured on random samples that training has not seen: all {len(measured)} hold at "
-            "all of them. A margin is what is left, in units of the condition's scale. This is "
-            "evidence; what is proved stands further down."
+            "all of them. This is evidence; what is proved stands further down."
         )
-    head = ("condition", "where", "smallest margin seen", "mean violation", "scale")
-    caption = f"{len(rows)} conditions of spec {saved.asked.spec}"
-    return [paragraph(said), table(caption, head, rows, numbers="  nnn")]
+    ordered = sorted(asked, key=lambda one: _least(measured.get(one.name)))
+    rows = [_row(one, measured.get(one.name)) for one in ordered]
+    shown = max(TIGHTEST, len(broken)) if measured else 0
+    tables = []
+    if shown and rows[:shown]:
+        caption = f"The {len(rows[:shown])} tightest of {len(rows)} conditions"
+        tables.append(_table(f"{caption} of spec {saved.asked.spec}", rows[:shown]))
+    if rest := rows[shown:]:
+        count = f"{len(rest)} others, with more room" if shown else f"All {len(rest)} conditions"
+        tables.append(folded(count, _table(f"{count}: spec {saved.asked.spec}", rest)))
+    return [paragraph(said), paragraph(_explained(ordered)), *tables]
+
+
+def _least(found: Violations | None) -> float:
+    return math.inf if found is None else found.min_margin
+
+
+def _table(caption: str, rows: list[tuple[Any, ...]]) -> Html:
+    head = ("condition", "where", "smallest margin seen, in scales", "one scale is")
+    return table(caption, head, rows, numbers="  nn", cards=True)
+
+
+def _explained(asked: list[Stated]) -> str:
+    """What the words of the table mean: those that stand in it."""
+    said = (
+        "A margin is how far a condition is from failing. It is counted in scales: a scale is a "
+        "typical size of what the condition looks at, so that a margin of a force and one of a "
+        "length can be compared."
+    )
+    if any(one.region.startswith("fence") for one in asked):
+        said += (
+            " The slow and the fast edge are the borders of the region: the least and the most "
+            "momentum that the gait is made for, at each place of the step."
+        )
+    return said
 
 
 def _told(entry: Mapping[str, Any]) -> str:
@@ -158,11 +197,11 @@ def _told(entry: Mapping[str, Any]) -> str:
 
 
 def _row(one: Stated, measured: Violations | None) -> tuple[Any, ...]:
-    scale = float(one.scale or 1.0)
+    size = words.scale(one.data, one.scale or 1.0)
     name = join([tag("b", one.name), Html("<br>"), tag("span", _told(one.data), class_="quiet")])
     where = words.region(one.region)
     if measured is None:
-        return name, where, "–", "–", number(scale)
-    least, mean = measured.min_margin / scale, measured.mean_violation / scale
+        return name, where, "–", size
+    least = measured.min_margin
     held = "good" if least >= 0.0 else "bad"
-    return name, where, tag("span", number(least), class_=held), number(mean), number(scale)
+    return name, where, tag("span", number(least), class_=held), size

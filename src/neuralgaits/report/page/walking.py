@@ -171,14 +171,19 @@ def simulations(saved: Saved) -> Html:
         rows.append(("length of a step on that orbit", f"{number(orbit.step_length_m)} m"))
     changed = ", ".join(words.changes(done.disturb)) or "nothing"
     push = f", push {number(done.push)} N s" if done.push else ""
+    ground = "" if done.terrain is None else f", terrain {done.terrain}"
+    off = done.foothold_error_m
+    if off is not None and off.mean is not None and off.worst is not None:
+        told = f"{number(off.mean)} m in the mean, {number(off.worst)} m at worst"
+        rows.append(("feet from the middle of their stones", told))
     return section(
         "simulations",
         "Simulations",
         paragraph(
             f"The whole robot in MuJoCo, controller {done.controller}: {done.stayed} of "
             f"{len(done.fell)} walks stayed up to their last step. Started from {done.start}, "
-            f"plant {done.plant}, changed: {changed}{push}, seed {done.seed}. Simulations are "
-            "samples: they show what happened, not what must happen."
+            f"plant {done.plant}, changed: {changed}{push}{ground}, seed {done.seed}. "
+            "Simulations are samples: they show what happened, not what must happen."
         ),
         _walks(done),
         facts("Means and extremes over these walks", rows),

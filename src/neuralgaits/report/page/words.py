@@ -83,51 +83,6 @@ GLOSSARY = (
 )
 """Ten entries for a reader who has never heard of them."""
 
-LEVELS = {
-    1: "every condition holds at every state of its region",
-    2: "every trajectory that starts in the walking set walks for ever",
-    3: "one periodic orbit attracts the whole walking set",
-    4: "the whole robot walks for ever, joints that are off their targets included",
-}
-"""What each level states, as in docs/guarantees.md."""
-LAST_LEVEL = max(LEVELS)
-PROVED = {
-    1: "every condition holds at every state of its region. That is about single states: nothing "
-    "follows yet for whole walks.",
-    2: "as long as the joints follow the network exactly, the robot walks for ever from every "
-    "state of the walking set.",
-    3: "as long as the joints follow the network exactly, the robot walks for ever from every "
-    "state of the walking set, and comes nearer and nearer to one motion that repeats.",
-    4: "as long as the motors do at once exactly what the controller asks, the whole robot walks "
-    "for ever from every state of a set in which joints may be a little off their targets. With "
-    "joints exactly on target, it comes nearer and nearer to one motion that repeats.",
-}
-"""What the highest proved level means for a reader who knows none of the words."""
-_RIGID = (
-    "links are rigid; the foot on the ground is a point that neither slips nor rolls; an impact is "
-    "sudden and without bounce; masses and lengths are those of the robot file; the network's "
-    "weights are those stored in the run"
-)
-_EXACT = "joints are exactly where the network wants them"
-_LINEARISED = (
-    "motors do without delay exactly what the controller asks (exact input-output linearisation in "
-    "continuous time)"
-)
-NOT_CLAIMED = (
-    "control in ticks of a computer, delays, motors at their limits, ground that gives way as in "
-    "MuJoCo, or the real machine"
-)
-
-
-def assumptions(level: int) -> tuple[str, ...]:
-    """What a proof up to this level rests on, in plain words."""
-    if level <= 1:
-        return _RIGID, _EXACT
-    following = f"{_EXACT}, and are so again after each impact"
-    if level < LAST_LEVEL:
-        return _RIGID, following
-    return _RIGID, f"at levels 1 to 3: {following}", f"at level {LAST_LEVEL}: {_LINEARISED}"
-
 
 def verdict(word: str) -> Html:
     """A verdict in its colour; the word says it too."""
@@ -228,6 +183,45 @@ def _named(described: Mapping[str, Any]) -> tuple[str, str]:
     if name is None:
         return f"{described.get('user', 'a quantity')}, written by the user", ""
     return str(name).replace("_", " "), ""
+
+
+_SLACKS = {
+    "friction_forward": "N",
+    "friction_backward": "N",
+    "impulse_cone_forward": "N s",
+    "impulse_cone_backward": "N s",
+    "knee_bend": "rad",
+    "foot_above_arc": "m",
+    "torque_reserve": "× usable torque",
+}
+"""Units of quantities that are what is left of a limit."""
+_WHOLE = {
+    "Fence": "the region's width in a step",
+    "Inlet": "the region's width",
+    "TubeWidth": "the region's middle",
+}
+"""What conditions without a quantity are measured in."""
+
+
+def scale(described: Mapping[str, Any], size: float) -> str:
+    """How much a scale of a condition is, with its unit as far as it is known."""
+    if whole := _WHOLE.get(described.get("kind", "")):
+        return whole if size == 1.0 else f"{number(size)} × {whole}"
+    return f"{number(size)} {_unit(described)}".rstrip()
+
+
+def _unit(described: Mapping[str, Any]) -> str:
+    kind, inner = described.get("kind"), _object(described.get("quantity"))
+    while inner.get("function") in ("after_reset", "at_least", "at_most"):
+        inner = _object(inner.get("of"))
+    name = inner.get("function", "")
+    unit = _SLACKS.get(name) or WORDS.get(name, ("", ""))[1]
+    if kind == "Barrier" and unit:
+        # What a rate is compared with.
+        alpha = described.get("alpha")
+        order = len(alpha) if isinstance(alpha, list) else 1
+        return f"{unit} × 1/s" + ("" if order == 1 else "²")
+    return unit
 
 
 def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:

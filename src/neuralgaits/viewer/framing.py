@@ -1,0 +1,77 @@
+"""The camera of each visitor: robot and board in view, whatever the shape of the window."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+
+FOV = math.radians(40.0)
+_USUAL_ASPECT = 1.2
+"""Width by height of a window, where it is not known."""
+_PHONE_PX, _PHONE_SHARE = 600, 0.4
+"""Windows narrower than this have the controls over their lower part; what is left of them."""
+_SAME_M = 1e-3
+"""Two places of a camera that are one [m]: they come back in single precision."""
+
+Pose = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""Position and target [m]."""
+
+
+class Framing:
+    """Where a camera sees all of the scene.
+
+    Attributes:
+        top: height of the scene [m].
+        wide: its width [m].
+    """
+
+    def __init__(self, top: float, wide: float):
+        self.top, self.wide = top, wide
+
+    def of_window(self, width: int, height: int) -> Pose:
+        """For a window in pixels; the usual one if its size is not known yet."""
+        known = width > 0 and height > 0
+        aspect = width / height if known else _USUAL_ASPECT
+        share = _PHONE_SHARE if known and width < _PHONE_PX else 1.0
+        middle = 0.45 * self.top
+        tall = max(self.top / share, self.wide / aspect)
+        away = 0.5 * tall / math.tan(0.5 * FOV)
+        position = (-0.06 * away, -away, middle + 0.06 * away)
+        # The scene is in the upper share of the window.
+        return position, (0.0, 0.0, middle - 0.5 * (1.0 - share) * tall)
+
+    def follow(self, server: viser.ViserServer) -> None:
+        """Frame the scene for each visitor, and again when the window turns, until they move."""
+        first = self.of_window(0, 0)
+        server.initial_camera.fov = FOV
+        server.initial_camera.position, server.initial_camera.look_at = first
+
+        @server.on_client_connect
+        def _(client: viser.ClientHandle) -> None:
+            camera = client.camera
+            # A page may still be at its own first view, and go to the server's after this one.
+            ours = [np.array(camera.position), np.array(first[0])]
+
+            def frame() -> None:
+                pose = self.of_window(camera.image_width, camera.image_height)
+                if ours and _is_one_of(camera.position, ours) and not _same(camera, pose):
+                    ours.append(np.array(pose[0]))
+                    camera.position, camera.look_at = pose
+
+            @camera.on_update
+            def _(_: viser.CameraHandle) -> None:
+                if not _is_one_of(camera.position, ours):
+                    # The visitor's own view from now on.
+                    ours.clear()
+                frame()
+
+            frame()
+
+
+def _same(camera: viser.CameraHandle, pose: Pose) -> bool:
+    return _is_one_of(camera.position, [np.array(pose[0])])
+
+
+def _is_one_of(place: Sequence[float] | np.ndarray, known: list[np.ndarray]) -> bool:
+    return any(np.max(np.abs(np.asarray(place) - one)) < _SAME_M for one in known)
