@@ -7,12 +7,12 @@ from pathlib import Path
 import jax
 import numpy as np
 
+from neuralgaits._environment import prepare
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.cli import environment
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.workflows.train import train
 
-environment.prepare()
+prepare()
 # What benchmarks have from the tests: robots, forged files, walks looked at by force.
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 # JAX reads the environment when it is imported, which a benchmark may have done already.

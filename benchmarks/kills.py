@@ -242,11 +242,12 @@ def small(words: Words, folder: Path, said: Path) -> None:
     os.chdir(folder)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
-    from neuralgaits.cli import environment, main
+    from neuralgaits._environment import prepare
+    from neuralgaits.cli import main
     from neuralgaits.rounds import walks as episode_walks
     from neuralgaits.workflows import episodes, export, fit
 
-    environment.prepare()
+    prepare()
     if words[0] in ("fit", "episodes"):
         fit.FitConfig = partial(fit.FitConfig, steps=200)  # pyright: ignore
         episode_walks.STARTS, episode_walks.STEPS, episode_walks.SPEED_STEPS = 2, 8, 8

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from common import show
 
-from neuralgaits.cli import environment
+from neuralgaits._environment import prepare
 
 SECONDS = 6.0
 """How long frames are counted."""
@@ -40,7 +40,7 @@ def from_a_shell(cache: Path | None) -> tuple[float, float, float]:
     own = {} if cache is None else {"JAX_COMPILATION_CACHE_DIR": str(cache)}
     code = (
         "import json, sys, time\n"
-        "from neuralgaits.cli import environment; environment.prepare()\n"
+        "from neuralgaits._environment import prepare; prepare()\n"
         "from neuralgaits.workflows.demo import demo\n"
         "view = demo(); print(json.dumps(view.url), flush=True)\n"
         "while view.gait.live.time == 0.0: time.sleep(0.005)\n"
@@ -116,7 +116,7 @@ def main() -> None:
         served, walks, spent = from_a_shell(Path(folder))
     show("demo, nothing compiled: first frame served", f"{served:.1f} s")
     show("demo, nothing compiled: walks", f"{walks:.1f} s, {spent:.1f} s of processor", "<= 10 s")
-    environment.prepare()
+    prepare()
     from neuralgaits.workflows.demo import FOLDER
     from neuralgaits.workflows.view import view
 

@@ -1,0 +1,30 @@
+"""The biped as a Gymnasium environment. Importing this registers `neuralgaits/Biped-v0`.
+
+Needs the `gym` extra. The same plant, disturbances, pushes, floors and falls as `simulate`; what is
+learned in it is up to whoever learns. Nothing here knows of gaits or of barrier conditions.
+"""
+
+from importlib.util import find_spec
+
+from neuralgaits.errors import InputError
+
+if find_spec("gymnasium") is None:
+    raise InputError(
+        "gym_env needs gymnasium, which is not installed: pip install 'neuralgaits[gym]'"
+    )
+
+from gymnasium.envs.registration import register, registry
+
+from neuralgaits.gym_env.biped_env import BipedEnv
+from neuralgaits.gym_env.reward import Reward
+
+__all__ = ["ID", "BipedEnv", "Reward"]
+
+ID = "neuralgaits/Biped-v0"
+EPISODE_STEPS = 500
+"""Decisions of an episode that does not end by a fall: 10 s."""
+
+if ID not in registry:
+    register(
+        ID, entry_point="neuralgaits.gym_env.biped_env:BipedEnv", max_episode_steps=EPISODE_STEPS
+    )

@@ -1,0 +1,229 @@
+"""A planar biped that is asked for a speed, as a Gymnasium environment."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, SupportsFloat, get_args
+
+import gymnasium
+import jax
+import numpy as np
+from gymnasium import spaces
+
+from neuralgaits._types import Float
+from neuralgaits.control import Pd
+from neuralgaits.errors import InputError
+from neuralgaits.gait.posture import walking_posture
+from neuralgaits.gym_env.body import PERIOD_S, Body, Joints
+from neuralgaits.gym_env.first_states import FirstStates
+from neuralgaits.gym_env.reward import Reward, reward_of
+from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.simulation.disturbance import Disturbance, parse
+from neuralgaits.simulation.falls import Ending
+from neuralgaits.simulation.plant import build
+
+Action = Literal["target", "torque"]
+Disturbed = str | Mapping[str, float] | Disturbance
+TICKS = 20
+"""Ticks of a decision: 50 decisions a second."""
+SLOWEST = 0.5
+"""Episodes begin at this share of the speed asked for, or above."""
+# What observations are clipped to, far beyond what a walk needs: finite, as learners want them.
+_ANGLE, _RATE, _VELOCITY, _FORCE, _TIME, _SPEED = np.pi, 50.0, 10.0, 20.0, 10.0, 3.0
+
+
+class BipedEnv(gymnasium.Env):
+    """Walk at the speed that is asked for, without falling.
+
+    The plant is the one that `simulate` walks on: same disturbances, pushes, floors, touchdowns and
+    falls. An episode ends by a fall, standing still for long being one; `gymnasium.make` cuts it
+    after 10 s.
+
+    Observation, float32 [2 m + 9], m motors: pitch (rad) and its rate (rad/s); joint angles [m] and
+    rates [m], leg 0 from the lowest up and then leg 1; velocity of the hip, (x, z) (m/s); normal
+    force on foot 0 and 1 (weights); the stance leg, -1 or 1; time since its touchdown (s); the
+    speed asked for (m/s).
+
+    Action, [m] in -1..1, joints as above. `target`: joint angles between the bounds of a walking
+    posture, 0 its mid-step, held by the gains of `control.Pd` without feed-forward. `torque`:
+    shares of the limits.
+
+    Reward: `Reward`; its parts are in `info["reward"]`. `info` has also `speed` (m/s), `steps`
+    (touchdowns so far) and `ending` (why it fell, or None).
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012
+
+    def __init__(
+        self,
+        robot: str | PlanarBiped = "amber3m",
+        *,
+        action: Action = "target",
+        speed: float | tuple[float, float] = (0.5, 0.9),
+        disturb: Disturbed | Sequence[Disturbed | None] | None = None,
+        push: float | tuple[float, float] = 0.0,
+        reward: Reward | dict[str, float] | None = None,
+        ticks: int = TICKS,
+        render_mode: str | None = None,
+    ):
+        """Build the plant.
+
+        Args:
+            robot: by name, a file, or loaded.
+            action: what actions mean.
+            speed: asked for (m/s), or a range that each episode draws from.
+            disturb: of the plant, as for `simulate`; of several, each episode draws one.
+            push: forward impulse of one push an episode (N s), or a range to draw from.
+            reward: weights, see `Reward`.
+            ticks: of 1 ms, of a decision.
+            render_mode: None; there are no others.
+
+        Raises: InputError, RobotError with one line.
+        """
+        if action not in get_args(Action):
+            raise InputError(
+                f"action: expected one of {', '.join(get_args(Action))}, found {action!r}"
+            )
+        if render_mode is not None:
+            raise InputError(f"render_mode: expected None, found {render_mode!r}: it draws nothing")
+        if not isinstance(ticks, int) or not 1 <= ticks <= 1000:
+            raise InputError(f"ticks: expected a whole number from 1 to 1000, found {ticks!r}")
+        self.render_mode = render_mode
+        self._speed = _range("speed", speed, 0.0, _SPEED)
+        self._push = _range("push", push, -1e3, 1e3)
+        self._reward, self._ticks, self._torques = reward_of(reward), ticks, action == "torque"
+        if disturb is None or isinstance(disturb, str | Mapping | Disturbance):
+            disturb = [disturb]
+        disturbances = [parse(one) for one in disturb]
+        if not disturbances:
+            raise InputError("disturb: expected at least one disturbance to draw, found none")
+        # A robot's numbers are double precision, whatever a learner has told JAX.
+        with jax.enable_x64(True):
+            self.robot = load_robot(robot) if isinstance(robot, str) else robot
+            self._plants = [build(self.robot, one) for one in disturbances]
+            self.body = Body(self.robot, self._plants[0])
+            self._first = FirstStates(self.robot)
+            law, posture = Pd().fitted(self.robot), walking_posture(self.robot)
+        self._stiffness = self.body.by_joint(np.asarray(law.stiffness))
+        self._damping = self.body.by_joint(np.asarray(law.damping))
+        self._low = self.body.by_joint(posture.lower)
+        self._high = self.body.by_joint(posture.upper)
+        # Between both legs of mid-step, the same for either.
+        q, _ = self._first.at(0.5, 0.0)
+        self._middle = self.body.by_joint(0.5 * (q + self.robot.relabel @ q)[1:])
+        m = self.body.joints
+        self.action_space = spaces.Box(-1.0, 1.0, (m,), np.float32)
+        sizes = [_ANGLE, _RATE] + [_ANGLE] * m + [_RATE] * m + [_VELOCITY] * 2
+        high = np.array([*sizes, _FORCE, _FORCE, 1.0, _TIME, _SPEED], dtype=np.float32)
+        low = -high
+        low[[-5, -4, -2, -1]] = 0.0
+        self.observation_space = spaces.Box(low, high, dtype=np.float32)
+        self._asked = self._speed[0]
+        self._before = np.zeros(m)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode somewhere in a rough step.
+
+        Args:
+            seed: of everything random.
+            options: `speed` asked for (m/s), and `state`, x = (q, dq) of a robot on leg 0 to begin
+                in (rad, rad/s) [2n], in place of drawn ones.
+
+        Returns: observation, info.
+        """
+        super().reset(seed=seed)
+        options, draw = dict(options or {}), self.np_random
+        if stray := sorted(set(options) - {"speed", "state"}):
+            raise InputError(f"reset options: expected speed, state, found {stray}")
+        self._asked = draw.uniform(*self._speed)
+        if "speed" in options:
+            self._asked = _range("speed", options["speed"], 0.0, _SPEED)[0]
+        push = draw.uniform(*self._push)
+        plant = self._plants[int(draw.integers(len(self._plants)))]
+        leg, share, pace = int(draw.integers(2)), draw.uniform(), draw.uniform(SLOWEST, 1.0)
+        q, dq = self._first.at(share, pace * self._asked)
+        if "state" in options:
+            leg, (q, dq) = 0, np.split(self._checked_state(options["state"]), 2)
+        seed_of_body = int(draw.integers(2**31))
+        self.body.stand(plant, q, dq, leg, push=push, seed=seed_of_body)
+        self._before = np.zeros(self.body.joints)
+        return self._observed(), self._info(Ending.RUNNING, {}, 0.0)
+
+    def step(
+        self, action: np.ndarray
+    ) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Decide once. Returns: observation, reward, terminated, truncated (never here), info."""
+        action = np.asarray(action, dtype=np.float64)
+        if action.shape != self.action_space.shape or not np.isfinite(action).all():
+            raise InputError(
+                f"action: expected {self.body.joints} finite numbers, found {action.tolist()}"
+            )
+        action = np.clip(action, -1.0, 1.0)
+        law = self._law(action)
+        hip, work = self.body.hip[0], self.body.work
+        for _ in range(self._ticks):
+            self.body.tick(law)
+        time, ending = self._ticks * PERIOD_S, self.body.ending()
+        speed, power = (self.body.hip[0] - hip) / time, (self.body.work - work) / time
+        finite = ending is not Ending.NOT_FINITE
+        parts = self._reward.parts(
+            speed=float(speed) if finite else 0.0,
+            asked=float(self._asked),
+            power=float(power) / self.body.weight if finite else 0.0,
+            pitch=self.body.pitch if finite and self.robot.torso is not None else 0.0,
+            change=float(np.mean((action - self._before) ** 2)),
+            fell=ending.fell,
+        )
+        self._before = action
+        info = self._info(ending, parts, float(speed))
+        return self._observed(), sum(parts.values()), ending.fell, False, info
+
+    def _law(self, action: Joints):
+        """Torques that an action means, from measured angles and rates."""
+        if self._torques:
+            constant = action * self.body.limit
+            return lambda angles, rates: constant
+        reach = np.where(action < 0.0, self._middle - self._low, self._high - self._middle)
+        target = self._middle + action * reach
+        return lambda angles, rates: self._stiffness * (target - angles) - self._damping * rates
+
+    def _observed(self) -> np.ndarray:
+        body = self.body
+        told = [2.0 * body.leg - 1.0, body.since, self._asked]
+        seen = np.nan_to_num(np.concatenate([body.measured(), told]))
+        space = self.observation_space
+        assert isinstance(space, spaces.Box)
+        return np.clip(seen, space.low, space.high).astype(np.float32)
+
+    def _info(self, ending: Ending, parts: dict[str, float], speed: float) -> dict[str, Any]:
+        return {
+            "reward": parts,
+            "speed": speed,
+            "steps": self.body.steps,
+            "ending": ending.reason,
+        }
+
+    def _checked_state(self, state: Any) -> Float[np.ndarray, " two_n"]:
+        x = np.asarray(state, dtype=np.float64)
+        if x.shape != (2 * self.robot.n,) or not np.isfinite(x).all():
+            raise InputError(
+                f"reset options: expected a finite state of {2 * self.robot.n} numbers, "
+                f"found shape {x.shape}"
+            )
+        return x
+
+
+def _range(name: str, given: Any, lowest: float, highest: float) -> tuple[float, float]:
+    """One value, or (low, high), as a range."""
+    try:
+        values = np.asarray(given, dtype=np.float64).reshape(-1)
+    except (TypeError, ValueError):
+        values = np.zeros(0)
+    if values.size not in (1, 2) or not (
+        np.isfinite(values).all() and lowest <= values[0] <= values[-1] <= highest
+    ):
+        raise InputError(
+            f"{name}: expected a number or (low, high) within {lowest:g} to {highest:g}, "
+            f"found {given!r}"
+        )
+    return float(values[0]), float(values[-1])

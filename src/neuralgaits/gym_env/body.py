@@ -1,0 +1,237 @@
+"""A robot in MuJoCo, tick by tick, with torques from outside: what an environment drives.
+
+Plain NumPy. A tick and its thresholds are those of `simulate`: 1 ms, two MuJoCo steps, the same
+touchdowns, falls, pushes and floors.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from collections import deque
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from neuralgaits._types import Float
+from neuralgaits.control.measurement import leg_joints
+from neuralgaits.control.stance import StanceConfig
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.mjcf_state import Sensors
+from neuralgaits.simulation.falls import Ending, FallConfig
+from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant
+from neuralgaits.simulation.push import Push
+from neuralgaits.simulation.terrain import Terrain
+
+PERIOD_S = SUBSTEPS * TIMESTEP_S
+"""Time that passes in a tick [s]."""
+Joints = Float[np.ndarray, " m"]
+Torques = Callable[[Joints, Joints], Joints]
+"""From measured joint angles and rates (rad, rad/s) to torques (N m). All [m]."""
+_ENDLESS = 2**31 - 1
+
+
+class Body:
+    """One robot and what happens to it.
+
+    Joints are in the order leg 0 from the lowest up, then leg 1; the one hip of a robot without a
+    torso comes once. Angles have the signs of the theory.
+
+    Attributes:
+        plant: that it is now.
+        data: MuJoCo's state.
+        leg: stance leg.
+        since: time since the last touchdown, or since the start [s].
+        steps: touchdowns so far.
+        weight: of the robot [N].
+        work: mechanical work so far, the integral of sum |torque rate| [J].
+    """
+
+    def __init__(self, robot: PlanarBiped, plant: Plant, falls: FallConfig | None = None):
+        """Compiled, and not standing yet: see `stand`."""
+        self._robot = robot
+        self._falls = FallConfig() if falls is None else falls
+        self._stance = StanceConfig()
+        self.weight = float(robot.mass * robot.gravity)
+        # Once each: the hip of a robot without a torso is in the rows of both legs.
+        actuators = plant.wires.actuators.ravel()
+        self._kept = np.sort(np.unique(actuators, return_index=True)[1])
+        by_leg = leg_joints(robot, np.arange(robot.n - 1.0), np.asarray(0))
+        self._order = np.asarray(by_leg).ravel()[self._kept].astype(int)
+        self._rng = np.random.default_rng(0)
+        self._take(plant)
+
+    def _take(self, plant: Plant) -> None:
+        self.plant, wires = plant, plant.wires
+        self.data = mujoco.MjData(plant.model)
+        self._addresses = wires.joints.ravel()[self._kept]
+        self._motors = wires.actuators.ravel()[self._kept]
+        self._signs = np.array(wires.layout.leg_joint_signs).ravel()[self._kept]
+        self._offsets = np.array(wires.layout.leg_joint_offsets).ravel()[self._kept]
+        self._gears = np.array(wires.layout.gears).ravel()[self._kept]
+        self.limit = self.by_joint(np.minimum(self._robot.torque_limit, plant.torque_limit))
+        self._feet = [plant.model.geom(name).id for name in wires.layout.feet]
+        self._touch = [int(plant.model.sensor(f"_touch_{leg}").adr[0]) for leg in (0, 1)]
+
+    @property
+    def joints(self) -> int:
+        """Number of motors, m."""
+        return len(self._kept)
+
+    def by_joint(self, actuated: ArrayLike) -> Joints:
+        """Values of the actuated coordinates of a robot on leg 0, in the order of the joints."""
+        return np.asarray(actuated)[self._order]
+
+    def stand(
+        self,
+        plant: Plant,
+        q: Float[np.ndarray, " n"],
+        dq: Float[np.ndarray, " n"],
+        leg: int,
+        *,
+        push: float,
+        seed: int,
+    ) -> None:
+        """Begin anew on one leg, its foot on the floor at x = 0.
+
+        Args:
+            plant: the robot as it is disturbed.
+            q: coordinates (rad). [n]
+            dq: rates (rad/s). [n]
+            leg: stance leg.
+            push: forward impulse of the one push, see `simulation.push` (N s).
+            seed: of pushes, floors and sensor noise.
+        """
+        if plant is not self.plant:
+            self._take(plant)
+        mujoco.mj_resetData(plant.model, self.data)
+        lift = float(plant.robot.foot_radius) * np.hypot(1.0, plant.slope)
+        self.data.qpos[:], self.data.qvel[:] = plant.wires.to_mjcf(q, dq, leg, (0.0, float(lift)))
+        mujoco.mj_forward(plant.model, self.data)
+        disturbance = plant.disturbance
+        self._rng = np.random.default_rng([seed, 0, 3])
+        self._push = Push(push, _ENDLESS, seed, 1)
+        self._terrain = Terrain(disturbance.floor_height, seed, 1)
+        self._waiting = deque([np.zeros(self.joints)] * plant.delay_ticks)
+        self.leg, self.steps, self.since, self.work = leg, 0, 0.0, 0.0
+        self._landed = False
+
+    def tick(self, torques: Torques) -> bool:
+        """Let a tick pass. Returns: whether the swing foot touched down."""
+        data, plant = self.data, self.plant
+        asked = torques(*self._measured_joints())
+        torque = np.minimum(np.maximum(asked, -self.limit), self.limit)
+        self._waiting.append(torque)
+        torque = self._waiting.popleft()
+        data.ctrl[self._motors] = torque / self._gears
+        if self._push.force:
+            force = self._push.at(data.time, np.array([self._landed]), np.array([self.steps]))
+            data.qfrc_applied[plant.wires.root[0]] = force[0]
+        rates = self._signs * data.qvel[self._addresses]
+        # As in `simulate`, where every tick is a rollout of its own: the same walk to a bit.
+        data.qacc_warmstart[:] = 0.0
+        mujoco.mj_step(plant.model, data, SUBSTEPS)
+        self.work += PERIOD_S * float(np.abs(torque) @ np.abs(rates))
+        self.since += PERIOD_S
+        self._landed = self._touched_down()
+        if self._landed:
+            self.leg, self.since, self.steps = 1 - self.leg, 0.0, self.steps + 1
+        if self._terrain.uneven:
+            self._lay()
+        return self._landed
+
+    def _touched_down(self) -> bool:
+        """As `control.stance` has it."""
+        data, config, swing = self.data, self._stance, 1 - self.leg
+        loaded = data.sensordata[self._touch[swing]] > config.force_share * self.weight
+        if not loaded or (self.steps and self.since < config.lockout_s):
+            return False
+        ahead = data.geom_xpos[self._feet[swing]][0] - data.geom_xpos[self._feet[self.leg]][0]
+        return bool(ahead > config.advance_share * np.sum(self._robot.hip))
+
+    def _lay(self) -> None:
+        """Move the floor under the swing foot, where a new level is due."""
+        stance, swing = (self.data.geom_xpos[self._feet[leg]] for leg in (self.leg, 1 - self.leg))
+        across = swing - stance
+        changed = self._terrain.advance(
+            np.array([self._landed]),
+            np.array([self.leg]),
+            np.array([self.hip[0] - stance[0]]),
+            np.array([across[2] - self.plant.slope * across[0]]),
+        )
+        if changed:
+            positions = self.plant.floor_positions(self._terrain.levels)
+            self.data.mocap_pos[:] = positions.reshape(-1, 3)
+
+    @property
+    def _sensors(self) -> Sensors:
+        return self.plant.wires.sensors(self.data.qpos, self.data.qvel)
+
+    @property
+    def hip(self) -> Float[np.ndarray, "2"]:
+        """Hip in the world, (x, z) (m). [2]."""
+        sensors, layout = self._sensors, self.plant.wires.layout
+        return sensors.base + layout.hip_arm(sensors.pitch - layout.root_angle, np)[0]
+
+    @property
+    def pitch(self) -> float:
+        """Angle of the root link, without noise (rad)."""
+        return float(self._sensors.pitch)
+
+    def _measured_joints(self) -> tuple[Joints, Joints]:
+        angles = self._signs * self.data.qpos[self._addresses] + self._offsets
+        rates = self._signs * self.data.qvel[self._addresses]
+        return self._seen(angles), self._seen_rates(rates)
+
+    def _seen(self, angles: np.ndarray) -> np.ndarray:
+        disturbance = self.plant.disturbance
+        if disturbance.encoder_noise:
+            draws = self._rng.standard_normal(angles.shape)
+            angles = angles + disturbance.encoder_noise * draws
+        if disturbance.encoder_step:
+            angles = disturbance.encoder_step * np.round(angles / disturbance.encoder_step)
+        return angles
+
+    def _seen_rates(self, rates: np.ndarray) -> np.ndarray:
+        deviation = self.plant.disturbance.rate_noise
+        return rates + deviation * self._rng.standard_normal(rates.shape) if deviation else rates
+
+    def measured(self) -> Float[np.ndarray, " s"]:
+        """What the robot's sensors say.
+
+        Returns: pitch and its rate (rad, rad/s); joint angles [m], rates [m]; velocity of the hip,
+        (x, z) (m/s); normal force on foot 0 and 1 in weights. [2 m + 6]
+        """
+        sensors = self._sensors
+        layout = self.plant.wires.layout
+        swept = layout.hip_arm(sensors.pitch - layout.root_angle, np)[1]
+        angles, rates = self._measured_joints()
+        return np.concatenate(
+            [
+                self._seen(np.atleast_1d(sensors.pitch)),
+                self._seen_rates(np.atleast_1d(sensors.dpitch)),
+                angles,
+                rates,
+                sensors.base_velocity + swept * sensors.dpitch,
+                self.data.sensordata[self._touch] / self.weight,
+            ]
+        )
+
+    def ending(self) -> Ending:
+        """Whether it has fallen, as `simulation.falls` has it."""
+        robot, falls = self._robot, self._falls
+        length = float(np.sum(robot.hip))
+        states = (self.data.qpos, self.data.qvel)
+        # MuJoCo puts a state that diverged back to its file's and counts that.
+        if self.data.warning.number.any() or not all(np.isfinite(s).all() for s in states):
+            return Ending.NOT_FINITE
+        hip = self.hip
+        floor = self._terrain.levels[0, self.leg] + self.plant.slope * hip[0]
+        if hip[1] - floor < falls.hip_share * length:
+            return Ending.LOW_HIP
+        if robot.torso is not None and abs(self.pitch) > falls.torso_rad:
+            return Ending.TORSO
+        if self.since > falls.stall * np.sqrt(length / float(robot.gravity)):
+            return Ending.STALLED
+        return Ending.RUNNING

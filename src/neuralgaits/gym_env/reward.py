@@ -1,0 +1,80 @@
+"""What a decision is worth: how near the hip's speed is to the one asked for, less what it cost."""
+
+import math
+from dataclasses import asdict, dataclass, fields
+
+from neuralgaits.errors import InputError
+
+
+@dataclass(frozen=True)
+class Reward:
+    """Weights of the parts of a reward. Of one decision: the sum of `parts`.
+
+    Attributes:
+        speed: of exp(-((v - asked) / width)^2), v the hip's mean forward speed in the decision.
+        width: of that [m/s]. Within a step of a walk v swings by about 0.15 m/s.
+        alive: for not having fallen.
+        effort: of mechanical power, the mean of sum |torque rate|, in units of weight times 1 m/s.
+        lean: of the squared angle of the torso [1/rad^2].
+        change: of the mean squared change of the action since the last decision.
+        fall: taken away once, at a fall.
+    """
+
+    speed: float = 1.0
+    width: float = 0.25
+    alive: float = 0.2
+    effort: float = 0.3
+    lean: float = 0.5
+    change: float = 0.02
+    fall: float = 1.0
+
+    def __post_init__(self):
+        """Refuse weights that are no finite numbers of at least zero, and a width of zero."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            least = 1e-6 if field.name == "width" else 0.0
+            if not (isinstance(value, int | float) and math.isfinite(value) and value >= least):
+                raise InputError(
+                    f"reward {field.name}: expected a finite number of at least {least:g}, "
+                    f"found {value!r}"
+                )
+
+    def parts(
+        self,
+        *,
+        speed: float,
+        asked: float,
+        power: float,
+        pitch: float,
+        change: float,
+        fell: bool,
+    ) -> dict[str, float]:
+        """Each part of the reward of a decision, signed.
+
+        Args:
+            speed: mean forward speed of the hip (m/s).
+            asked: the command (m/s).
+            power: mechanical power in units of weight times 1 m/s.
+            pitch: of the torso (rad).
+            change: mean squared change of the action.
+            fell: whether the episode ended so.
+        """
+        miss = (speed - asked) / self.width
+        return {
+            "speed": self.speed * math.exp(-miss * miss),
+            "alive": 0.0 if fell else self.alive,
+            "effort": -self.effort * power,
+            "lean": -self.lean * pitch * pitch,
+            "change": -self.change * change,
+            "fall": -self.fall if fell else 0.0,
+        }
+
+
+def reward_of(given: "Reward | dict[str, float] | None") -> Reward:
+    """A reward from weights by name. Raises: InputError for a name that does not exist."""
+    if isinstance(given, Reward):
+        return given
+    known = asdict(Reward())
+    if stray := sorted(set(given or {}) - set(known)):
+        raise InputError(f"reward: expected weights of {', '.join(known)}, found {stray}")
+    return Reward(**(given or {}))
