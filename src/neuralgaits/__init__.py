@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.refine import refine
     from neuralgaits.workflows.report import write_report
     from neuralgaits.workflows.simulate import simulate
+    from neuralgaits.workflows.sweep import sweep
     from neuralgaits.workflows.train import train
     from neuralgaits.workflows.view import view
 
@@ -55,6 +56,7 @@ _HOMES = {
     "refine": "neuralgaits.workflows.refine",
     "simulate": "neuralgaits.workflows.simulate",
     "specs": "neuralgaits.barriers",
+    "sweep": "neuralgaits.workflows.sweep",
     "train": "neuralgaits.workflows.train",
     # `report` is the room of figures and pages.
     "view": "neuralgaits.workflows.view",
@@ -82,6 +84,7 @@ __all__ = [
     "refine",
     "simulate",
     "specs",
+    "sweep",
     "train",
     "view",
     "write_report",

@@ -35,7 +35,7 @@ def test_the_exit_code_is_the_verdict(run, capfd: Captured) -> None:
     assert result["verdict"] == verdict
     assert json.loads((path / "certificate" / "summary.json").read_text()) == result
     assert err == ""
-    assert main(["certify", str(path), "--budget", "5"]) == code
+    assert main(["certify", str(path), "--budget", "3600"]) == code
     out, err = capfd.readouterr()
     assert ("proved" in err) == (name == "small")
     # A condition is refuted, whatever level was asked for.
@@ -68,6 +68,9 @@ def test_ctrl_c_is_130_and_says_how_to_go_on(run, capfd: Captured, monkeypatch) 
         (["--budget", "-1"], "budget"),
         (["--disturbance", "1"], "A,B"),
         (["--disturbance", "1,-2"], ">= 0"),
+        (["--within", "speed"], "NAME=LOW:HIGH"),
+        (["--within", "speed=0.7:nan"], "NAME=LOW:HIGH"),
+        (["--within", "speed=0.7:0.8,speed=0.7:0.9"], "each name once"),
         ([], "run folder"),
     ],
 )

@@ -11,6 +11,7 @@ import pytest
 
 import neuralgaits
 from neuralgaits import errors
+from neuralgaits._cache import cache_folder
 from neuralgaits.cli import main as entry
 from neuralgaits.cli import misspelt, verbs, words
 from neuralgaits.cli.main import main
@@ -201,10 +202,10 @@ def test_environment_keeps_what_the_user_set(
 ) -> None:
     environment = {"JAX_COMPILATION_CACHE_DIR": "mine", "XDG_CACHE_HOME": str(tmp_path)}
     monkeypatch.setattr(os, "environ", dict(environment))
-    entry.environment.prepare()
+    entry.prepare()
     assert os.environ["JAX_COMPILATION_CACHE_DIR"] == "mine"
     assert os.environ["JAX_ENABLE_X64"] == "1"
-    assert entry.environment.cache_folder() == tmp_path / "neuralgaits"
+    assert cache_folder() == tmp_path / "neuralgaits"
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Every command that the program prints can be typed: for a robot of its own and for the user's."""
 
 import json
+import math
 import shlex
 import shutil
 from dataclasses import replace
@@ -9,10 +10,12 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.cli.arguments import Train
+from neuralgaits.cli import verbs
+from neuralgaits.cli.arguments import Certify, Train
 from neuralgaits.cli.main import main
+from neuralgaits.cli.words import read
 from neuralgaits.records.simulated import SUMMARY, Simulated
-from neuralgaits.report.again import simulating
+from neuralgaits.report.again import certifying, simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.viewer.sureness import how_sure
@@ -172,3 +175,18 @@ def test_a_frictionless_simulation_is_repeated_without_friction(own, at):
     done = Simulated.read(place.run / SUMMARY)
     changed = replace(done, disturb=dict(done.disturb or {}) | {"friction": 0.0})
     assert "--disturb friction=0.0" in (simulating(folder, changed, place.run) or "")
+    laid = replace(done, terrain="stairs,rise=-0.05", command={"speed": 0.7})
+    line = simulating(folder, laid, place.run) or ""
+    assert "--terrain stairs,rise=-0.05" in line and "--command speed=0.7" in line
+    check([line])
+
+
+def test_a_proof_of_narrower_ranges_is_asked_for_again():
+    within = {"slope": (math.radians(-1.0), math.radians(2.0)), "speed": (0.7, 0.72)}
+    line = certifying(Path("a run"), 2, (), within)
+    verb = read(shlex.split(line)[1:])
+    assert isinstance(verb, Certify)
+    asked = verbs._ranges(verb.within)
+    assert set(asked) == set(within)
+    for name, ends in within.items():
+        assert asked[name] == pytest.approx(ends)

@@ -9,7 +9,7 @@ from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import Trained, Violations
 
 ASKED = {"plant": "amber3m", "controller": "pd", "start": "centre", "seed": 0, "episodes": 2}
-HOLDS = Violations(mean_violation=0.0, max_violation=0.0, min_margin=0.5)
+HOLDS = Violations(mean_violation=0.0, max_violation=0.0, min_margin=0.5, scale=2.0)
 
 
 def test_a_fall_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
@@ -54,7 +54,7 @@ def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) ->
 
 
 def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    conditions = {"torso-upper": Violations(0.0, 1.5e-7, -1.5e-7), "step-length": HOLDS}
+    conditions = {"torso-upper": Violations(0.0, 1.5e-7, -1.5e-7, 2.0), "step-length": HOLDS}
     screen.show_training(
         Trained(run="runs/a", steps=9, loss=0.0, conditions=conditions, wall_s=1.0)
     )
@@ -64,6 +64,20 @@ def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) ->
     assert "step-length" not in out
     assert "1.5e-07" in out
     assert "neuralgaits simulate runs/a" in out
+    assert 'without("torso-upper") in a spec of your own' in out
+
+
+def test_a_run_that_fails_says_how_to_train_it_again(
+    small_run, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    broken = {"torso-upper": Violations(0.0, 1.5e-7, -1.5e-7, 2.0)}
+    screen.show_training(
+        Trained(run=str(small_run.path), steps=2, loss=0.0, conditions=broken, wall_s=1.0)
+    )
+    out = capsys.readouterr().out
+    assert "train longer" in out and "--steps 4" in out
+    assert "another seed" in out and "--seed 1" in out
 
 
 def test_conditions_that_hold_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:

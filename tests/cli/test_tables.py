@@ -100,6 +100,7 @@ TRAINED = {
             "mean_violation": 0.01 * k,
             "max_violation": 0.1 * k,
             "min_margin": -0.1 * k,
+            "scale": 2.0,
         }
         for k in range(CONDITIONS)
     },

@@ -35,14 +35,25 @@ class Output:
 
 
 @dataclass(frozen=True)
+class Workers:
+    """What carries out many tasks."""
+
+    workers: Annotated[int | None, arg(metavar="N")] = None
+    """Processes of this machine, one thread each."""
+    ray: Annotated[str | None, arg(metavar="ADDRESS|local")] = None
+    """A Ray cluster instead: HOST:PORT of its head, auto on a machine that is part of one, or local
+    for one of this machine; needs the ray extra."""
+
+
+@dataclass(frozen=True)
 class Train:
     """Train a gait for a robot."""
 
     robot: OwnRobot = None
     """Name of a built-in robot, or path of an MJCF file; the run's own with --resume."""
     spec: Annotated[str | None, arg(metavar="SPEC")] = None
-    """What the gait must satisfy: walking (if not given), walking-mlp, paper, authors, or
-    FILE.py:NAME."""
+    """What the gait must satisfy: walking (if not given), walking-mlp, paper, paper-walks,
+    authors, or FILE.py:NAME."""
     init: Annotated[Literal["posture", "random"] | None, arg(metavar="{posture,random}")] = None
     """Start from a walking posture (if not given), or from random weights as the paper does."""
     hidden: Annotated[str | None, arg(metavar="N,N")] = None
@@ -60,6 +71,9 @@ class Train:
     """Range of heights of the next foothold to be told [m], as in --step-height=-0.02:0.02."""
     slope: Annotated[str | None, arg(metavar="A:B")] = None
     """Range of slopes of the ground to be told [degrees], as in --slope=-5:5."""
+    parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
+    """A box of robots that one policy is to walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:
+    errors of every link's mass, centre of mass and inertia, and of every rotor."""
     certify: Flag = False
     """Prove the conditions (level 1) after training; where that fails, train on with samples of
     the boxes that are left, until the proof stands."""
@@ -103,10 +117,15 @@ class Simulate:
     commands: Annotated[str | None, arg(metavar="FILE.csv|random")] = None
     """What it is told step by step: a row a step, step,speed[m/s],..., or new commands at each
     touchdown."""
+    terrain: Annotated[str | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")] = None
+    """Solid blocks in place of the floor, seen by the robot one step ahead: stones, stairs or
+    slopes, as in stones,width=0.1 or stairs,rise=-0.05, or a row a stone,
+    stone,x[m],z[m],width[m]. For a gait that is told step lengths, or slopes."""
     seed: Annotated[int, arg(metavar="N")] = 0
-    """Seed of random starts and disturbances."""
+    """Seed of random starts, terrain and disturbances."""
     episodes: Annotated[int, arg(metavar="N")] = 1
     """Number of walks."""
+    at_work: Annotated[Workers, arg(name="")] = Workers()
     log: Annotated[Path | None, arg(metavar="FILE.csv")] = None
     """Write the first walk's log; of further walks, FILE-1.csv, FILE-2.csv, ... beside it."""
     video: Annotated[Path | None, arg(metavar="FILE.mp4")] = None
@@ -120,17 +139,24 @@ class Certify:
 
     run: Run
     """Run folder, or latest."""
-    level: Annotated[int, arg(metavar="N")] = 3
+    level: Annotated[int | None, arg(metavar="N")] = None
     """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
     3: and that one orbit attracts all of it, 4: and that the robot walks on at full order, with
-    outputs off zero and across impacts."""
+    outputs off zero and across impacts. 3 if not given; 2, which is the most, with parameters."""
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
     """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
     the run's residual may still be off by."""
+    parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...|none")] = None
+    """Box of robots to prove levels 1 and 2 for, as in mass=2%,com=5mm,inertia=5%; that of the
+    run if not given; none: the robot of the file alone."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""
+    within: Annotated[str | None, arg(metavar="NAME=LOW:HIGH,...")] = None
+    """Of a gait that takes commands, prove it for these ranges only, as in speed=0.70:0.72 or
+    slope=-1:1 [degrees]; the run as a whole stays undecided."""
     resume: Flag = False
     """Go on with the boxes of the last certificate."""
+    at_work: Annotated[Workers, arg(name="")] = Workers()
     output: Annotated[Output, arg(name="")] = Output()
 
 
@@ -216,6 +242,39 @@ class Episodes:
 
 
 @dataclass(frozen=True)
+class Sweep:
+    """Train, prove and walk many combinations: robots, specs, speeds and seeds."""
+
+    robots: Annotated[Positional[tuple[str, ...]], arg(metavar="[ROBOT...]")] = ()
+    """Names of built-in robots, or paths of MJCF files; the sweep's own with --resume."""
+    specs: Annotated[str | None, arg(metavar="S,...")] = None
+    """Specs, as of train; walking if not given."""
+    speeds: Annotated[str | None, arg(metavar="V|A:B,...")] = None
+    """Speeds to walk at [m/s], or ranges of them, as of train --speed."""
+    seeds: Annotated[str | None, arg(metavar="A:B")] = None
+    """Seeds A, A+1, ... up to B-1, or one; 0 if not given."""
+    steps: Annotated[int | None, arg(metavar="N")] = None
+    """Gradient steps of each training; the spec's own number if not given."""
+    certify: Annotated[int | None, arg(metavar="LEVEL")] = None
+    """Prove each run up to this level, 1 to 4; no proof if not given."""
+    budget: Annotated[float | None, arg(metavar="SECONDS")] = None
+    """With --certify: time for each proof. What is proved then depends on the machine."""
+    controllers: Annotated[str | None, arg(metavar="C,...")] = None
+    """Laws to walk under: pd (if not given), fblin, paper."""
+    disturbances: Annotated[str | None, arg(metavar="FILE|standard|none")] = None
+    """What to walk under beside nothing: the standard eighteen (if not given), or those of a TOML
+    file; see docs/scale.md."""
+    walks: Annotated[int | None, arg(metavar="N")] = None
+    """Walks of 25 steps under each disturbance; 4 if not given."""
+    at_work: Annotated[Workers, arg(name="")] = Workers()
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Folder of the sweep; runs/sweeps/<time>-<first seed> if not given."""
+    resume: Flag = False
+    """Go on with the sweep in --out, if there is one: rows that are there stay."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Export:
     """Write the gait for a robot, as C or ONNX, and compare what was written with Python."""
 
@@ -268,6 +327,8 @@ class View:
 class Demo:
     """The same with a gait that came with the package, and its proof: no training."""
 
+    speed: Flag = False
+    """Another gait, which is told how fast to walk by a slider; nothing is proved of it."""
     page: Annotated[Page, arg(name="")] = Page()
     output: Annotated[Output, arg(name="")] = Output()
 

@@ -10,27 +10,41 @@ import os
 import re
 import shlex
 import sys
+import threading
 import traceback
 from collections.abc import Iterator
+from typing import NoReturn
 
-from neuralgaits.cli import environment
+from neuralgaits._environment import prepare
 from neuralgaits.errors import Interrupted, MismatchError, NeuralGaitsError, NonFiniteError
 
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
-_LONG = ("train", "refine", "episodes", "certify")
+_LONG = ("train", "refine", "episodes", "certify", "sweep")
 """Verbs whose work is worth going on with."""
+UNFINISHED = ("player", "portrait")
+"""Threads of a live page, which its end does not wait for."""
 
 
 def run() -> None:
     """Console script: `neuralgaits VERB ...`."""
-    environment.prepare()
+    prepare()
     for stream in ("stdout", "stderr"):
         if getattr(sys, stream) is None:  # Closed by the caller, as by 2>&-.
             setattr(sys, stream, open(os.devnull, "w"))
     # Compiled code runs in this process: if it crashes, its place is said.
     with contextlib.suppress(RuntimeError, ValueError, OSError):
         faulthandler.enable()
-    sys.exit(main(sys.argv[1:]))
+    _leave(main(sys.argv[1:]))
+
+
+def _leave(code: int) -> NoReturn:
+    """End the process. Python would abort where a thread of a page is still in compiled code."""
+    if any(one.daemon and one.name in UNFINISHED for one in threading.enumerate()):
+        with contextlib.suppress(OSError, ValueError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+    sys.exit(code)
 
 
 def main(arguments: list[str]) -> int:

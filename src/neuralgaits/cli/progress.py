@@ -202,3 +202,23 @@ class _Waiting(_OnTerminal):
 def waiting(what: str, quiet: bool = False) -> _OnTerminal:
     """A sign of life while something without steps to count runs; silent without a terminal."""
     return _Waiting(what, quiet)
+
+
+class SweepProgress(_OnTerminal):
+    """A callback `(line, done, all)` for a sweep, open while it runs: a line that stays a row."""
+
+    def __init__(self, quiet: bool = False) -> None:
+        super().__init__(
+            TextColumn("rows"),
+            BarColumn(_BAR),
+            TextColumn("{task.completed}/{task.total}"),
+            TimeElapsedColumn(),
+            quiet=quiet,
+        )
+        self._task = self._bar.add_task("", total=None)
+
+    def __call__(self, line: str, done: int, every: int) -> None:
+        """Show what became of a row, and how many are done."""
+        if self._drawn:
+            self._bar.update(self._task, completed=done, total=every)
+        self.say(f"{done}/{every} {line}")

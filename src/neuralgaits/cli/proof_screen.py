@@ -45,7 +45,9 @@ def show_proof(result: Certified) -> None:
         # What is refuted is a condition; nothing above stands on it.
         asked = f" at level 1, level {result.level} was asked"
     show_sentence(verdict(result.verdict), f"{asked}{reason}")
-    facts = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
+    facts: list[tuple[str, Any]] = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
+    if result.robots is not None:
+        facts.append(("robots", f"all within {result.robots} of the file's"))
     facts += [("proof", result.proof), ("map", result.map)]
     show_facts(facts)
 

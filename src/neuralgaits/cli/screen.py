@@ -3,15 +3,18 @@
 import math
 from collections import Counter
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from rich.text import Text
 
 from neuralgaits.cli.tables import ROWS, number, show_facts, show_sentence, show_table, verdict
+from neuralgaits.errors import RunError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
 from neuralgaits.records.simulated import LinkFigures, Simulated
 from neuralgaits.records.trained import Trained, TrainingProof
+from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
 
 _FIGURES = (
@@ -41,9 +44,10 @@ def show_training(result: Trained) -> None:
             (name, number(entry.mean_violation), number(entry.max_violation))
             for name, entry in worst
         ]
-        show_table(("condition", "mean violation", "max violation"), rows[:ROWS])
+        show_table(("condition", "mean violation", "max violation, in scales"), rows[:ROWS])
         if len(rows) > ROWS:
             show_sentence(f"and {len(rows) - ROWS} more, by {rows[ROWS][2]} at most")
+        show_facts(_to_mend(result, worst[0][0]))
     else:
         held = _held(len(result.conditions))
         show_sentence(Text("trained", "green"), f": {held} on fresh samples")
@@ -54,9 +58,29 @@ def show_training(result: Trained) -> None:
         asked, found = result.commands["speed"], result.orbit_speeds_m_s
         orbits = "no orbit" if found is None else f"orbits at {found[0]:.3g} to {found[1]:.3g}"
         facts.append(("speed", f"asked {asked.low:g} to {asked.high:g} m/s, {orbits}"))
+    if result.step_size < 1.0:
+        facts.append(("steps", f"{result.step_size:.2g} of the usual size: larger ones met NaN"))
     facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
     facts += [("run", result.run), ("next", command("simulate", named(result.run)))]
     show_facts(facts)
+
+
+def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
+    """What to do about conditions that fail; of a run that is not there, what needs none."""
+    # Imported here: few commands need it.
+    from neuralgaits.report import again
+
+    commands: list[tuple[str, str | None]] = []
+    try:
+        folder = RunFolder.open(Path(result.run))
+        commands = [
+            ("train longer", again.longer(folder)),
+            ("another seed", again.another_seed(folder)),
+        ]
+    except RunError:
+        pass
+    loosen = f'without("{worst}") in a spec of your own, see docs/did_not_train.md'
+    return [(name, line) for name, line in commands if line] + [("or loosen", loosen)]
 
 
 def _proof_of_training(proof: TrainingProof) -> Text:
@@ -104,9 +128,15 @@ def show_walks(result: Simulated) -> None:
         if error.mean is not None and error.worst is not None
     ]
     show_table(("command", "missed by, mean", "worst"), missed)
+    off = result.foothold_error_m
+    if off is not None and off.mean is not None and off.worst is not None:
+        show_sentence(
+            f"feet came down {number(1e3 * off.mean)} mm from the middle of their stones in the "
+            f"mean, {number(1e3 * off.worst)} mm at worst"
+        )
     if result.link is not None:
         _link(result.link)
-    asked = ("plant", "controller", "engine", "start", "push", "run")
+    asked = ("plant", "controller", "engine", "terrain", "start", "push", "run")
     facts = [(name, known[name]) for name in asked if known[name] is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]
     told = [f"{name}={number(value)}" for name, value in (result.command or {}).items()]

@@ -19,6 +19,7 @@ from neuralgaits.cli.arguments import (
     Report,
     Robots,
     Simulate,
+    Sweep,
     Train,
     View,
 )
@@ -30,13 +31,25 @@ from neuralgaits.cli.learning_verbs import (
 )
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.report_verb import carry_out_report
+from neuralgaits.cli.sweep_verb import carry_out_sweep
 from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
 from neuralgaits.cli.words import Verb
 from neuralgaits.errors import InputError, Interrupted
 
 _COMMANDS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
 """Flags of commands, and their units."""
-_TRAINING = ("spec", "seed", "init", "hidden", "steps", "certify", "budget", "out", *_COMMANDS)
+_TRAINING = (
+    "spec",
+    "seed",
+    "init",
+    "hidden",
+    "steps",
+    "certify",
+    "budget",
+    "out",
+    *_COMMANDS,
+    "parameters",
+)
 """Settings of a training that a resumed run has of its own."""
 
 
@@ -59,6 +72,8 @@ def carry_out(verb: Verb) -> Outcome:
             return carry_out_refine(verb)
         case Episodes():
             return carry_out_episodes(verb)
+        case Sweep():
+            return carry_out_sweep(verb)
         case Export():
             return _export(verb)
         case Report():
@@ -93,6 +108,10 @@ def _train(verb: Train) -> Outcome:
     for name in _COMMANDS:
         if name in given:
             given[name] = _interval(name, given[name])
+    if "parameters" in given:
+        from neuralgaits.robots.parameters import parse_box
+
+        given["parameters"] = parse_box(given["parameters"])
     if verb.resume is not None:
         given = {"resume": _unfinished(verb.resume, given, verb.output.json)}
     from neuralgaits.cli.progress import TrainingProgress
@@ -125,6 +144,24 @@ def _interval(name: str, text: str) -> float | tuple[float, float]:
     if name == "slope":
         values = [math.radians(value) for value in values]
     return values[0] if len(values) == 1 else (values[0], values[1])
+
+
+def _ranges(text: str | None) -> dict[str, tuple[float, float]]:
+    """Read `NAME=LOW:HIGH,...`; degrees become radians. Raises: InputError."""
+    found: dict[str, tuple[float, float]] = {}
+    for part in [] if text is None else text.split(","):
+        name, _, ends = (word.strip() for word in part.partition("="))
+        try:
+            low, high = (float(end) for end in ends.split(":"))
+        except ValueError:
+            low = high = math.nan
+        if not name or name in found or not math.isfinite(high - low):
+            raise InputError(
+                f"expected --within as NAME=LOW:HIGH,... with each name once, found {text!r}: "
+                "write speed=0.70:0.72"
+            )
+        found[name] = (math.radians(low), math.radians(high)) if name == "slope" else (low, high)
+    return found
 
 
 def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
@@ -169,6 +206,9 @@ def _simulate(verb: Simulate) -> Outcome:
             engine=verb.engine,
             command=verb.command,
             commands=verb.commands,
+            terrain=verb.terrain,
+            workers=verb.at_work.workers,
+            ray=verb.at_work.ray,
         )
     if done.summary.engine_note is not None and not verb.output.json:
         print(done.summary.engine_note, file=sys.stderr)
@@ -189,6 +229,10 @@ def _certify(verb: Certify) -> Outcome:
                 budget=verb.budget,
                 resume=verb.resume,
                 progress=progress,
+                within=_ranges(verb.within),
+                parameters=_box(verb.parameters),
+                workers=verb.at_work.workers,
+                ray=verb.at_work.ray,
             )
         except SearchInterrupted as stop:
             raise Interrupted(_resumed_proof(verb)) from stop
@@ -198,12 +242,30 @@ def _certify(verb: Certify) -> Outcome:
     )
 
 
+def _box(text: str | None) -> dict[str, float] | None:
+    """The box of robots of a flag; None if it was not given. Raises: InputError."""
+    if text is None or text == "none":
+        return None if text is None else {}
+    from neuralgaits.robots.parameters import parse_box
+
+    return parse_box(text)
+
+
 def _resumed_proof(verb: Certify) -> str:
     """Goes on with the boxes that a search has left, for the same statement."""
     from neuralgaits.runs.commands import command
 
-    line: list[Any] = ["certify", verb.run, "--level", verb.level, "--resume"]
-    for flag, value in (("--disturbance", verb.disturbance), ("--budget", verb.budget)):
+    line: list[Any] = ["certify", verb.run, "--resume"]
+    given = {
+        "--level": verb.level,
+        "--disturbance": verb.disturbance,
+        "--parameters": verb.parameters,
+        "--within": verb.within,
+        "--budget": verb.budget,
+        "--workers": verb.at_work.workers,
+        "--ray": verb.at_work.ray,
+    }
+    for flag, value in given.items():
         line += [] if value is None else [flag, value]
     return command(*line)
 

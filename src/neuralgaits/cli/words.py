@@ -19,6 +19,7 @@ from neuralgaits.cli.arguments import (
     Report,
     Robots,
     Simulate,
+    Sweep,
     Train,
     View,
 )
@@ -32,6 +33,7 @@ Verb = (
     | Fit
     | Refine
     | Episodes
+    | Sweep
     | Export
     | Report
     | View

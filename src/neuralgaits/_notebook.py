@@ -1,0 +1,23 @@
+"""What a notebook shows of an object: a heading and a small table, all text escaped."""
+
+import html
+from collections.abc import Iterable, Sequence
+
+_CELL = 'style="text-align:left"'
+
+
+def table(title: str, rows: Iterable[Sequence[object]], head: Sequence[str] = ()) -> str:
+    """HTML of a table; colours are the notebook's own.
+
+    Args:
+        title: one line above it.
+        rows: of cells.
+        head: of the columns; none for names and values.
+    """
+    top = f"<thead><tr>{_cells('th', head)}</tr></thead>" if head else ""
+    body = "".join(f"<tr>{_cells('td', row)}</tr>" for row in rows)
+    return f"<p><b>{html.escape(title)}</b></p><table>{top}<tbody>{body}</tbody></table>"
+
+
+def _cells(kind: str, row: Sequence[object]) -> str:
+    return "".join(f"<{kind} {_CELL}>{html.escape(str(cell))}</{kind}>" for cell in row)
