@@ -45,7 +45,7 @@ html_show_copyright = False
 
 def _outside(app: Sphinx, docname: str, source: list[str]) -> None:
     """Links to pages outside this folder become files to download: they are no pages here."""
-    source[0] = re.sub(r"\]\((\.\./[^)#\s]+\.md)(#[^)\s]*)?\)", r"](path:\1)", source[0])
+    source[0] = re.sub(r"\]\((\.\./[^)#\s]+\.(?:md|ipynb))(#[^)\s]*)?\)", r"](path:\1)", source[0])
 
 
 def setup(app: Sphinx) -> None:

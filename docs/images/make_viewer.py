@@ -14,7 +14,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
-from neuralgaits.cli import environment
+from neuralgaits._environment import prepare
 
 WIDTH, HEIGHT = 1280, 760
 """Size of the window in pixels."""
@@ -32,7 +32,7 @@ def main() -> None:
     chromium = shutil.which("chromium")
     if chromium is None:
         sys.exit("expected chromium, found none: install it, as in `apt-get install chromium`")
-    environment.prepare()
+    prepare()
     from neuralgaits.workflows.demo import demo
 
     with demo() as live, sync_playwright() as driver:

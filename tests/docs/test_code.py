@@ -17,6 +17,8 @@ def run(page, place) -> dict:
         (place / name).write_text(text, encoding="utf-8")
     names: dict = {"__name__": page.stem}
     code = pages.blocks(page, "python")
+    if any("gymnasium" in block.text for block in code):
+        pytest.importorskip("gymnasium", reason="needs the gym extra: gymnasium")
     for words in pages.commands(page):
         # What a command on the page writes is there when the code below reads it.
         out = words[words.index("--out") + 1] if "--out" in words else None

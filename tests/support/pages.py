@@ -72,7 +72,12 @@ def commands(page: Path) -> list[list[str]]:
 
 def links(page: Path) -> list[str]:
     """Targets of the links to other places of this project."""
-    prose = re.sub(r"`[^`\n]*`", "", _FENCE.sub("", read(page)))
+    return links_of(read(page))
+
+
+def links_of(text: str) -> list[str]:
+    """The same of Markdown."""
+    prose = re.sub(r"`[^`\n]*`", "", _FENCE.sub("", text))
     return [link for link in _LINK.findall(prose) if not re.match(r"[a-z]+:", link)]
 
 

@@ -76,3 +76,10 @@ def explosive(robot):
         Pointwise("root", "tube", 1.0, lambda p: 1.0 + jnp.sqrt(1.1 - p.outputs.y[0])),
     )
     return replace(spec, weights={"push": 100.0})
+
+
+def hopeless(robot):
+    """The same with steps so large that smaller ones are too large as well."""
+    spec = explosive(robot)
+    rate = 60.0 * spec.recipe.learning_rate
+    return replace(spec, recipe=replace(spec.recipe, learning_rate=rate))
