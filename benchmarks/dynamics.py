@@ -18,7 +18,7 @@ import numpy as np
 from common import show
 
 from neuralgaits.robots import PlanarBiped, built_in, load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 
 # The independent road to the same matrices, and the random robots, are those of the tests.
 from support.floating_base import FloatingBase

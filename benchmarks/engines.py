@@ -20,7 +20,7 @@ from mujoco import rollout
 import neuralgaits
 from neuralgaits.analysis.run import open_run
 from neuralgaits.simulation.native_walk import engine_of_run
-from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import Walk, walk
 
 RUN = Path(neuralgaits.__file__).parent / "demo_run"

@@ -15,7 +15,7 @@ from plants import TAIL, fallen
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
+from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.workflows.episodes import Episodes, episodes
 
 SHIFT_M = float(os.environ.get("SHIFT", -0.02))

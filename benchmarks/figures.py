@@ -9,7 +9,7 @@ from common import show, trained
 
 from neuralgaits.analysis.gait_data import gait_data
 from neuralgaits.analysis.run import open_run
-from neuralgaits.report.drawn import Drawn
+from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.simulate import simulate

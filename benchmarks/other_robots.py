@@ -14,7 +14,7 @@ from random_robot import random_robot
 
 from neuralgaits.errors import NeuralGaitsError
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.simulate import simulate
 

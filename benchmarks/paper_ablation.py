@@ -20,7 +20,7 @@ import jax
 import numpy as np
 from common import ROOT, show
 
-from neuralgaits.simulation import plant as mujoco_plant
+from neuralgaits.simulation.setup import plant as mujoco_plant
 
 TIMESTEP_MS = float(os.environ.get("TIMESTEP_MS", 0.5))
 # Before anything reads them. A tick is 1 ms, or one step that is longer.
@@ -33,7 +33,7 @@ from neuralgaits.control import PAPER, AbstractLaw, Fblin, Pd
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.starts import momentum_range
+from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.walk import walk
 from neuralgaits.training import Trainer, start_from_posture
 

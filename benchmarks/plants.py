@@ -11,10 +11,10 @@ from common import seeds, show, trained
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
 
 STARTS = int(os.environ.get("STARTS", 10))

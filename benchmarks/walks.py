@@ -10,9 +10,9 @@ import os
 import numpy as np
 from common import seeds, show, trained
 
-from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import Walk, walk
 
 LONG = int(os.environ.get("STEPS", 1000))

@@ -23,7 +23,7 @@ from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from neuralgaits.gym_env import ID, BipedEnv
-from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
+from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 
 SPEED = 0.7
 """Asked for in the trials [m/s]."""

@@ -19,8 +19,8 @@ from PIL import Image
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.plant import Plant
-from neuralgaits.simulation.starts import full_states
+from neuralgaits.simulation.setup.plant import Plant
+from neuralgaits.simulation.setup.starts import full_states
 from neuralgaits.simulation.walk import walk
 
 WIDTH, HEIGHT, FINER = 1200, 400, 2

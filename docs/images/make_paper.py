@@ -27,8 +27,8 @@ from matplotlib.figure import Figure
 
 from neuralgaits.barriers import Gait
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.report.figure import png
-from neuralgaits.report.style import BLACK, BLUE, GREY, LIGHT, RED, new_figure, styled
+from neuralgaits.report.drawing.figure import png
+from neuralgaits.report.drawing.style import BLACK, BLUE, GREY, LIGHT, RED, new_figure, styled
 from neuralgaits.robots import PlanarBiped, load_robot
 
 SEED = int(os.environ.get("FROM", 0))

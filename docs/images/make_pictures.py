@@ -15,8 +15,8 @@ from PIL import Image
 
 from neuralgaits.analysis.gait_data import gait_data
 from neuralgaits.analysis.run import open_run
-from neuralgaits.report.drawn import Drawn
-from neuralgaits.report.figure import png
+from neuralgaits.report.drawing.drawn import Drawn
+from neuralgaits.report.drawing.figure import png
 from neuralgaits.workflows.figures import figures
 
 FOLDER = Path(__file__).parent

@@ -9,8 +9,8 @@ from matplotlib.patches import Arc
 
 from neuralgaits.analysis.data import GaitData
 from neuralgaits.analysis.skeleton import hip_index
-from neuralgaits.report import skeleton
-from neuralgaits.report.style import (
+from neuralgaits.report.drawing import skeleton
+from neuralgaits.report.drawing.style import (
     BLACK,
     BLUE,
     GREY,

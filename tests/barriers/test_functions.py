@@ -8,7 +8,7 @@ import pytest
 from neuralgaits.barriers import functions as f
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.quantities import WITH_SETTINGS
 from support.random_biped import random_biped
 

@@ -13,7 +13,7 @@ import pytest
 from neuralgaits.barriers import specs
 from neuralgaits.barriers.regions import Gait
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 
 POINTS = np.random.default_rng(2).uniform(size=(12, 2))
 POWER = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
 ROBOTS = ("amber3m", "torso-3", "legs-1", "legs-2")

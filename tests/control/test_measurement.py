@@ -8,8 +8,8 @@ from neuralgaits.control.measurement import (
     stance_foot_velocity,
     stance_joints,
 )
-from neuralgaits.simulation.plant import build
-from neuralgaits.simulation.wiring import measure
+from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.ticks.wiring import measure
 
 
 def measured(robot, q, dq, leg, foot_velocity):

@@ -6,7 +6,7 @@ import numpy as np
 
 from neuralgaits.control.momentum import momentum_about_foot, zero_state
 from neuralgaits.robots.dynamics import angular_momentum
-from neuralgaits.simulation.plant import build
+from neuralgaits.simulation.setup.plant import build
 
 
 def test_momentum_is_that_of_mujoco_whatever_the_foot_does(robot, rng):

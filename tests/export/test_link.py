@@ -10,12 +10,12 @@ from neuralgaits import logs
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
 from neuralgaits.export.source import gait_files
-from neuralgaits.simulation.channel import Channel
-from neuralgaits.simulation.connect import SOURCES
-from neuralgaits.simulation.link import Link
-from neuralgaits.simulation.link_config import LinkConfig, parse_link
-from neuralgaits.simulation.remote import Remote
-from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.linked.channel import Channel
+from neuralgaits.simulation.linked.config import LinkConfig, parse_link
+from neuralgaits.simulation.linked.connect import SOURCES
+from neuralgaits.simulation.linked.remote import Remote
+from neuralgaits.simulation.linked.wire import Link
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.simulate import simulate

@@ -10,8 +10,8 @@ from neuralgaits.barriers import specs
 from neuralgaits.barriers.regions import CommandedTube
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
-from neuralgaits.gait.commanded import CommandedPolicy
 from neuralgaits.gait.commands import Command, Pair, pair_at, plain_curves, values
+from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.robots import load_robot
 
 SPEED = Command("speed", 0.5, 0.9, 0.08)

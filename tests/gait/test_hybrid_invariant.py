@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics, output_jet
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.robots import dynamics, load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
 MOMENTA = 16

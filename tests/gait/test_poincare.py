@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from neuralgaits.analysis.flow import Mesh, swing
 from neuralgaits.analysis.orbit import motion_of, poincare
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support import published_gaits
 
 START_TOLERANCE = {"0.51": 1.2e-3, "0.67": 1.2e-3, "0.84": 2e-4}

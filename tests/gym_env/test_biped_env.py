@@ -26,10 +26,10 @@ from neuralgaits.gait.posture import walking_posture
 from neuralgaits.gym_env import BipedEnv, Reward
 from neuralgaits.gym_env.body import Body
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.simulation.falls import Ending, FallConfig, ending
-from neuralgaits.simulation.plant import build
-from neuralgaits.simulation.starts import full_states
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.setup.starts import full_states
+from neuralgaits.simulation.ticks.falls import Ending, FallConfig, ending
 from neuralgaits.simulation.walk import plant_states, walk
 
 

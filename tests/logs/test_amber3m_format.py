@@ -4,7 +4,7 @@ import pytest
 from neuralgaits import logs
 from neuralgaits.errors import InputError
 from neuralgaits.logs.zero_states import zero_states
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support import amber3m_files
 from support.random_biped import random_biped
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from neuralgaits.errors import InputError
-from neuralgaits.logs.column_file import joints_of, read_columns
-from neuralgaits.logs.units import ANGLE, FORCE, RATE, SPEED, TIME, TORQUE
+from neuralgaits.logs.formats.column_file import joints_of, read_columns
+from neuralgaits.logs.formats.units import ANGLE, FORCE, RATE, SPEED, TIME, TORQUE
 from neuralgaits.robots import load_robot
 from support.own_columns import RATES, SHORT
 

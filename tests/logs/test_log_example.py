@@ -51,8 +51,8 @@ def test_the_page_shows_these_files():
 
 
 def test_the_page_has_every_key_and_every_unit():
-    from neuralgaits.logs import units
-    from neuralgaits.logs.column_file import PLAIN
+    from neuralgaits.logs.formats import units
+    from neuralgaits.logs.formats.column_file import PLAIN
 
     text = pages.read(PAGE)
     keys = [*PLAIN, "joints", "rates", "contact", "torques", "desired", "desired_rates"]

@@ -11,11 +11,11 @@ import pytest
 from neuralgaits import logs
 from neuralgaits.control.momentum import momentum_about_foot
 from neuralgaits.errors import InputError
-from neuralgaits.logs import mapped_format
-from neuralgaits.logs.column_file import joints_of, read_columns
-from neuralgaits.logs.sheet import text_of
+from neuralgaits.logs.formats import mapped as mapped_format
+from neuralgaits.logs.formats.column_file import joints_of, read_columns
+from neuralgaits.logs.formats.sheet import text_of
 from neuralgaits.robots.dynamics import hip_velocity
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.mjcf_state import StateMap
 from support import own_columns
 from support.random_biped import random_biped

@@ -22,7 +22,10 @@ from neuralgaits.cli.words import read
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs.table import Log
-from neuralgaits.report import (
+from neuralgaits.report.certificate import certificate_of
+from neuralgaits.report.drawing.drawn import Drawn, Missing
+from neuralgaits.report.drawing.figure import png, svg, write
+from neuralgaits.report.figures import (
     certificate_map,
     full_order_set,
     gait_tiles,
@@ -31,12 +34,9 @@ from neuralgaits.report import (
     residual_field,
     return_map,
 )
-from neuralgaits.report.certificate import certificate_of
-from neuralgaits.report.drawn import Drawn, Missing
-from neuralgaits.report.figure import png, svg, write
-from neuralgaits.report.full_order_set import FullOrderSet
+from neuralgaits.report.figures.full_order_set import FullOrderSet
+from neuralgaits.report.figures.return_map import Proved
 from neuralgaits.report.makers import MAKERS, Absent, Source
-from neuralgaits.report.return_map import Proved
 from neuralgaits.workflows.figures import figures
 
 UNIT = re.compile(r"\[.+\]")

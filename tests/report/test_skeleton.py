@@ -5,7 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from neuralgaits.analysis.skeleton import TORSO_SHARE, hip_index, skeleton
-from neuralgaits.report.skeleton import draw
+from neuralgaits.report.drawing.skeleton import draw
 from neuralgaits.robots import load_robot
 from support.random_biped import random_biped
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.report.style import new_figure, settings
-from neuralgaits.report.two_pens import Sheet, second_pen, write_all
+from neuralgaits.report.drawing.style import new_figure, settings
+from neuralgaits.report.drawing.two_pens import Sheet, second_pen, write_all
 
 
 def _sheets(folder: Path) -> list[Sheet]:

@@ -10,8 +10,8 @@ import pytest
 
 from neuralgaits.report import animation
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.simulation.plant import build
+from neuralgaits.robots.mjcf.loader import robot_from_text
+from neuralgaits.simulation.setup.plant import build
 
 
 def _states(model, rng, count):

@@ -12,7 +12,7 @@ import pytest
 
 from neuralgaits.certificate.reading import hashes
 from neuralgaits.cli.words import read as read_words
-from neuralgaits.report.drawn import Missing
+from neuralgaits.report.drawing.drawn import Missing
 from neuralgaits.report.page import words
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction

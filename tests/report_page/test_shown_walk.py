@@ -10,7 +10,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.report.shown_walk import STEPS, Asked, asked_of
 from neuralgaits.robots import load_robot
 from neuralgaits.rounds.folder import EpisodeFolder
-from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import Disturbance
 from support.shipped_run import SHIPPED
 
 SIMULATED = {

@@ -8,7 +8,7 @@ from neuralgaits.barriers import functions, specs
 from neuralgaits.records import in_plain_words
 from neuralgaits.report.page import words
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import Disturbance
 
 
 @pytest.mark.parametrize("name", sorted(specs.DESCRIPTIONS))

@@ -3,7 +3,7 @@
 import pytest
 
 from neuralgaits.robots import PlanarBiped, built_in, load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import catalogue
 
 _RANDOM = catalogue(20)

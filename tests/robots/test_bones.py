@@ -11,7 +11,7 @@ import pytest
 
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.bones import bones
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.viewer import stage
 from support.pages import ROOT
 from support.random_biped import random_biped

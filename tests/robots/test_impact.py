@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.robots import PlanarBiped, dynamics, load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.mjcf_state import StateMap
 from support.batched import batched
 from support.floating_base import FloatingBase, plastic_impact, read_back

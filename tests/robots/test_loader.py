@@ -9,7 +9,7 @@ import pytest
 
 from neuralgaits.errors import InputError, NeuralGaitsError, RobotError
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
 # Without the keyframe, whose size would have to change with the joints.

@@ -6,7 +6,7 @@ import pytest
 
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.parameters import (
     RobotFamily,
     axes_of,

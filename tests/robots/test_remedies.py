@@ -7,8 +7,8 @@ import pytest
 from neuralgaits.cli.main import main
 from neuralgaits.errors import RobotError
 from neuralgaits.robots import load_robot, registry
-from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.simulation.plant import build
+from neuralgaits.robots.mjcf.loader import robot_from_text
+from neuralgaits.simulation.setup.plant import build
 
 AMBER = registry.model_file("amber3m").read_text(encoding="utf-8")
 LEG = """

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.robots.planarise import planarise
-from neuralgaits.simulation.plant import build
+from neuralgaits.robots.mjcf.loader import robot_from_text
+from neuralgaits.robots.mjcf.planarise import planarise
+from neuralgaits.simulation.setup.plant import build
 from support import pages, walkers
 
 FOLDER = pages.ROOT / "examples" / "robots"

@@ -15,9 +15,9 @@ from neuralgaits.runs import RunFolder
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import command_errors
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.orders import Orders, orders_of
-from neuralgaits.simulation.starts import full_states, momentum_range
-from neuralgaits.simulation.strides import Strides
+from neuralgaits.simulation.setup.orders import Orders, orders_of
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.ticks.strides import Strides
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.simulate import simulate
 from support.designs import FOOTHOLDS, SPEED, family_for

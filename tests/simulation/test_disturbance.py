@@ -1,8 +1,8 @@
 import pytest
 
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.disturbance import Disturbance, existing, parse
-from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
+from neuralgaits.simulation.setup.disturbance import Disturbance, existing, parse
+from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 
 
 def test_names_and_values_are_read():

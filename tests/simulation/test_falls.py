@@ -1,7 +1,7 @@
 import jax.numpy as jnp
 import pytest
 
-from neuralgaits.simulation.falls import Ending, FallConfig, ending
+from neuralgaits.simulation.ticks.falls import Ending, FallConfig, ending
 
 UPRIGHT = {
     "hip_height": 0.83,

@@ -13,10 +13,10 @@ import pytest
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.live import PERIOD_S, TILT_DEG_S, LiveWalk
-from neuralgaits.simulation.plant import build
-from neuralgaits.simulation.push import DURATION_S
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.setup.push import DURATION_S
 from neuralgaits.simulation.walk import walk
 
 LAW = Fblin()

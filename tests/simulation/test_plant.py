@@ -8,9 +8,9 @@ import pytest
 
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_from_text
-from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, build
+from neuralgaits.robots.mjcf.loader import robot_from_text
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, build
 from support.random_biped import random_biped
 
 

@@ -5,8 +5,8 @@ import pytest
 
 from neuralgaits import logs
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.episode_log import log_of
+from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.walk import walk
 
 STEP = 2.0 * np.pi / 4096.0

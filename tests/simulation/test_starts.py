@@ -7,7 +7,7 @@ from neuralgaits.analysis.orbit import motion_of
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
+from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 import numpy as np
 
-from neuralgaits.simulation.push import DURATION_S, STEPS_BEFORE, WINDOW_S, Push
-from neuralgaits.simulation.terrain import Terrain
+from neuralgaits.simulation.setup.push import DURATION_S, STEPS_BEFORE, WINDOW_S, Push
+from neuralgaits.simulation.setup.terrain import Terrain
 
 DOWN, UP = np.array([True]), np.array([False])
 LEG = np.array([0])

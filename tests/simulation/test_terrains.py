@@ -14,13 +14,13 @@ from neuralgaits.barriers import specs
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, command_named
 from neuralgaits.runs import RunFolder
-from neuralgaits.simulation.course import Course, Courses
-from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.orders import Orders
-from neuralgaits.simulation.plant import build
-from neuralgaits.simulation.starts import full_states, momentum_range
-from neuralgaits.simulation.terrains import courses_of
+from neuralgaits.simulation.setup.course import Course, Courses
+from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.setup.terrains import courses_of
+from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.simulate import simulate
 from support.designs import FOOTHOLDS, SPEED, family_for

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from neuralgaits.errors import InputError
-from neuralgaits.simulation import lockstep
-from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.ticks import lockstep
+from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk
 
 pytestmark = pytest.mark.slow

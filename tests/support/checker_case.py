@@ -36,7 +36,7 @@ from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
 EVERYWHERE = Box((0.0, 0.0), (1.0, 1.0))

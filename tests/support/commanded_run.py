@@ -11,8 +11,8 @@ from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.barriers import specs
 from neuralgaits.barriers.regions import CommandedGait, CommandedTube
 from neuralgaits.gait import HybridInvariantPolicy
-from neuralgaits.gait.commanded import CommandedPolicy
 from neuralgaits.gait.commands import Command
+from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.records.asked import Asked, Range
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.latest import finish

@@ -9,7 +9,7 @@ from neuralgaits.control import PAPER, Fblin, Pd
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.gait.commands import Command
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.starts import momentum_range
+from neuralgaits.simulation.setup.starts import momentum_range
 
 ORIGIN = Origin("0" * 64, "1" * 64, None, None, "walking", "test")
 LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}

@@ -11,7 +11,7 @@ import numpy as np
 
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.biped import PlanarBiped
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 
 LINKS = {"shin": ("shin_left", "shin_right"), "thigh": ("thigh_left", "thigh_right")}
 LINKS |= {"torso": ("torso",)}

@@ -19,7 +19,7 @@ from neuralgaits._types import Coordinates
 from neuralgaits.control.measurement import coordinates, leg_joints
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import Sensors, StateMap
-from neuralgaits.simulation.wiring import controls, measure
+from neuralgaits.simulation.ticks.wiring import controls, measure
 from support.batched import batched
 
 

@@ -26,8 +26,8 @@ from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.simulation.full_order import ExactOutputs, ExactWalk, walk_exactly
-from neuralgaits.simulation.starts import momentum_range
-from neuralgaits.simulation.tick import Record
+from neuralgaits.simulation.setup.starts import momentum_range
+from neuralgaits.simulation.ticks.tick import Record
 from neuralgaits.simulation.walk import walk
 
 WALKS, STEPS = 10_000, 3

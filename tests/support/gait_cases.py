@@ -9,7 +9,7 @@ import numpy as np
 
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, ZeroDynamics
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
 STATES = 24

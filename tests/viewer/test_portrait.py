@@ -10,7 +10,7 @@ import pytest
 from neuralgaits.analysis.quantities import Chart, Look, quantities
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.reading import hashes
-from neuralgaits.report import certificate_map
+from neuralgaits.report.figures import certificate_map
 from neuralgaits.viewer import markdown, phase_plane
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.phase_plane import portrait

@@ -19,11 +19,11 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError, NeuralGaitsError, NonFiniteError, RunError
 from neuralgaits.records.fitted import Fitted, Strides
 from neuralgaits.records.walked import EpisodesDone
-from neuralgaits.report import rounds as figure
+from neuralgaits.report.figures import rounds as figure
 from neuralgaits.robots import load_robot
 from neuralgaits.rounds import walks as episode_walks
 from neuralgaits.rounds.walks import Field, nominal_momentum, walk_round
-from neuralgaits.simulation.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.workflows import episodes as workflow
 from neuralgaits.workflows.episodes import episodes
 from support import own_columns

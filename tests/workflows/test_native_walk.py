@@ -21,16 +21,19 @@ from neuralgaits.control import Controller, Pd
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import from_json
-from neuralgaits.simulation import lockstep, native, native_library, native_walk
-from neuralgaits.simulation.disturbance import parse
-from neuralgaits.simulation.falls import Ending, FallConfig
+from neuralgaits.simulation import native_walk
 from neuralgaits.simulation.live import LiveWalk
-from neuralgaits.simulation.native_layout import address
-from neuralgaits.simulation.native_scene import scene_of
+from neuralgaits.simulation.native import library as native_library
+from neuralgaits.simulation.native import loop as native
+from neuralgaits.simulation.native.layout import address
+from neuralgaits.simulation.native.scene import scene_of
 from neuralgaits.simulation.native_walk import _design, compiler, engine_of, engine_of_run, sources
-from neuralgaits.simulation.plant import build
-from neuralgaits.simulation.push import Push
-from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.setup.disturbance import parse
+from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.ticks import lockstep
+from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.walk import LAWS, plant_states, walk
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED

@@ -11,10 +11,10 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.engine import Processes, Serial
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.orders import orders_of
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.orders import orders_of
 from neuralgaits.simulation.trained_walks import TrainedWalks
 from neuralgaits.workflows import shared_walks
 from neuralgaits.workflows import simulate as simulating

@@ -6,7 +6,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import NonFiniteError
-from neuralgaits.robots.loader import robot_text
+from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.workflows import sweep_row
 from neuralgaits.workflows.check_proof import check_proof
 from support import brief_spec

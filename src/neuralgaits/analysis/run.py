@@ -16,13 +16,13 @@ from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import RunError
 from neuralgaits.gait import AbstractPolicy, Residuals, ZeroDynamics
-from neuralgaits.gait.commanded import CommandedPolicy
 from neuralgaits.gait.commands import Command, Pair, values
+from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.records.asked import Asked, asked_of
 from neuralgaits.records.trained import Trained, trained_of
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 

@@ -20,8 +20,8 @@ from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import pendulum_height, start_tube, walking
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import walking_posture
-from neuralgaits.gait.commanded import CommandedPolicy
 from neuralgaits.gait.commands import Command, Commands, factors
+from neuralgaits.gait.policies.commanded import CommandedPolicy
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, poly2cheb
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
-from neuralgaits.gait.commanded import CommandedPolicy
 from neuralgaits.gait.commands import Commands, Pair, factors, pair_at
+from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped

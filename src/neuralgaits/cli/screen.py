@@ -239,7 +239,7 @@ def _held(count: int) -> str:
 
 def _disturbed(result: Simulated) -> Iterable[tuple[str, Any]]:
     """The disturbances that are not what they are by default."""
-    from neuralgaits.simulation.disturbance import Disturbance
+    from neuralgaits.simulation.setup.disturbance import Disturbance
 
     usual = vars(Disturbance())
     disturb = result.disturb or {}

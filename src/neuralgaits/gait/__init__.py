@@ -1,11 +1,11 @@
 """Policies, coordinates and the hybrid zero dynamics they induce."""
 
-from neuralgaits.gait.bezier import BezierPolicy
-from neuralgaits.gait.hybrid_invariant import HybridInvariantPolicy
-from neuralgaits.gait.mlp import MLPPolicy
 from neuralgaits.gait.network import Network
 from neuralgaits.gait.orbit import Orbit
 from neuralgaits.gait.point import Point
+from neuralgaits.gait.policies.bezier import BezierPolicy
+from neuralgaits.gait.policies.hybrid_invariant import HybridInvariantPolicy
+from neuralgaits.gait.policies.mlp import MLPPolicy
 from neuralgaits.gait.policy import (
     AbstractPolicy,
     OutputJet,

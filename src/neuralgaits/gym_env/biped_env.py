@@ -16,9 +16,9 @@ from neuralgaits.gym_env.body import PERIOD_S, Body, Joints
 from neuralgaits.gym_env.first_states import FirstStates
 from neuralgaits.gym_env.reward import Reward, reward_of
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.simulation.disturbance import Disturbance, parse
-from neuralgaits.simulation.falls import Ending
-from neuralgaits.simulation.plant import build
+from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.ticks.falls import Ending
 
 Action = Literal["target", "torque"]
 Disturbed = str | Mapping[str, float] | Disturbance

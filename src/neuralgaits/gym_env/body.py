@@ -19,10 +19,10 @@ from neuralgaits.control.measurement import leg_joints
 from neuralgaits.control.stance import StanceConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import Sensors
-from neuralgaits.simulation.falls import Ending, FallConfig
-from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant
-from neuralgaits.simulation.push import Push
-from neuralgaits.simulation.terrain import Terrain
+from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
+from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Time that passes in a tick [s]."""

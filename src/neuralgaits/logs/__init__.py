@@ -1,7 +1,7 @@
 """Walking logs: files in and out, and the strides, windows and touchdowns that are learned from."""
 
-from neuralgaits.logs.reading import Reading, read, read_all
-from neuralgaits.logs.si_format import write
+from neuralgaits.logs.formats.reading import Reading, read, read_all
+from neuralgaits.logs.formats.si import write
 from neuralgaits.logs.strides import SETTLING_S, Cut, Split, State, Stride, cut, split
 from neuralgaits.logs.table import Log
 from neuralgaits.logs.touchdowns import Touchdowns, touchdowns

@@ -8,9 +8,9 @@ from neuralgaits.certificate.levels.full_order.theorem import FullOrder
 from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.records.certified import Conclusion
-from neuralgaits.report.full_order_set import FullOrderSet
+from neuralgaits.report.figures.full_order_set import FullOrderSet
+from neuralgaits.report.figures.return_map import Proved
 from neuralgaits.report.proved import Certificate
-from neuralgaits.report.return_map import Proved
 
 
 def certificate_of(run: Run) -> Certificate:

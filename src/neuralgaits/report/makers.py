@@ -15,8 +15,8 @@ from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.errors import RunError
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.walked import ASKED, SUMMARY, EpisodesDone
-from neuralgaits.report import (
-    again,
+from neuralgaits.report import again
+from neuralgaits.report.figures import (
     barrier_sketches,
     certificate_map,
     full_order_set,

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from neuralgaits.report.full_order_set import FullOrderSet
-from neuralgaits.report.return_map import Proved
+from neuralgaits.report.figures.full_order_set import FullOrderSet
+from neuralgaits.report.figures.return_map import Proved
 
 
 @dataclass(frozen=True)

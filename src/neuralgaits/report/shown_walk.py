@@ -25,10 +25,10 @@ from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import plain
 from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.native_walk import engine_of_run
-from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
-from neuralgaits.simulation.starts import full_states, momentum_range
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import LAWS, Walk, walk
 
 STEPS = 12

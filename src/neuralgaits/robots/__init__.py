@@ -3,7 +3,7 @@
 from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.constants import BipedConstants, MjcfLayout
 from neuralgaits.robots.impact import Impact
-from neuralgaits.robots.loader import load_robot
+from neuralgaits.robots.mjcf.loader import load_robot
 from neuralgaits.robots.registry import built_in, describe
 
 __all__ = [

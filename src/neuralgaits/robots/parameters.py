@@ -22,7 +22,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots import derive
 from neuralgaits.robots.biped import PlanarBiped
-from neuralgaits.robots.loader import links_from_text
+from neuralgaits.robots.mjcf.loader import links_from_text
 
 Box = Mapping[str, float]
 """Half widths by kind of parameter: shares of the file's value, or metres."""

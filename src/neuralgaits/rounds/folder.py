@@ -17,7 +17,7 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.record import Record
 from neuralgaits.records.walked import ASKED, SUMMARY, WALKS, EpisodesAsked, Versioned
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import from_json, write_text
 from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.latest import LATEST

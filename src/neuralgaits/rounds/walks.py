@@ -24,12 +24,12 @@ from neuralgaits.logs.satisfaction import satisfaction
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.records.walked import Shares, WalkedRound
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import Engine, engine_of_run
-from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
-from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import walk
 
 STARTS, STEPS = 10, 200

@@ -4,7 +4,7 @@ import numpy as np
 
 from neuralgaits.logs import Log
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.tick import Record
+from neuralgaits.simulation.ticks.tick import Record
 
 
 def log_of(robot: PlanarBiped, record: Record, source: str) -> Log:

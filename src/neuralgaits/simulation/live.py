@@ -21,12 +21,12 @@ from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Limits, values
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.falls import Ending, FallConfig
 from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
-from neuralgaits.simulation.native_library import Library
-from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, build
-from neuralgaits.simulation.push import DURATION_S
-from neuralgaits.simulation.tick import Record, Verdict
+from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, build
+from neuralgaits.simulation.setup.push import DURATION_S
+from neuralgaits.simulation.ticks.falls import Ending, FallConfig
+from neuralgaits.simulation.ticks.tick import Record, Verdict
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Time that passes in a tick [s]."""

@@ -11,16 +11,16 @@ from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Limits
-from neuralgaits.simulation.batch import Batch, compile_batch, numbers, pack
-from neuralgaits.simulation.falls import FallConfig
-from neuralgaits.simulation.native_layout import pointer
-from neuralgaits.simulation.native_library import Library
-from neuralgaits.simulation.native_records import record_of
-from neuralgaits.simulation.native_scene import scene_of
-from neuralgaits.simulation.plant import Plant
-from neuralgaits.simulation.push import Push
-from neuralgaits.simulation.strides import width
-from neuralgaits.simulation.tick import Reading, Record, Scene, Verdict
+from neuralgaits.simulation.native.layout import pointer
+from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.records import record_of
+from neuralgaits.simulation.native.scene import scene_of
+from neuralgaits.simulation.setup.plant import Plant
+from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
+from neuralgaits.simulation.ticks.falls import FallConfig
+from neuralgaits.simulation.ticks.strides import width
+from neuralgaits.simulation.ticks.tick import Reading, Record, Scene, Verdict
 
 ENDLESS = int(np.iinfo(np.int32).max)
 """Steps of a walk that has no end."""

@@ -6,10 +6,10 @@ from neuralgaits._types import Array, Float
 from neuralgaits.gait import Orbit
 from neuralgaits.gait.commands import UNITS, Commands
 from neuralgaits.records.simulated import CommandError, ModelOrbit, WalkFigures
-from neuralgaits.simulation.course import Courses
-from neuralgaits.simulation.gauge import START_UP_STEPS
-from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S
-from neuralgaits.simulation.strides import Strides
+from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.ticks.gauge import START_UP_STEPS
+from neuralgaits.simulation.ticks.strides import Strides
 from neuralgaits.simulation.walk import Walk
 
 

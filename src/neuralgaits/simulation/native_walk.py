@@ -28,8 +28,8 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.native_library import Library, NativeError
-from neuralgaits.simulation.starts import momentum_range
+from neuralgaits.simulation.native.library import Library, NativeError
+from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 
 Choice = Literal["native", "jax"]
@@ -132,7 +132,7 @@ def sources(design: Design) -> dict[str, str]:
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = writing.shipped()
-    folder = resources.files("neuralgaits.simulation") / "c"
+    folder = resources.files("neuralgaits.simulation.native") / "c"
     loop = {name: (folder / name).read_text() for name in ("walk.c", "walk.h")}
     return own | loop | {name: shipped[name] for name in (*_HEADERS, "controller.c")}
 

@@ -12,17 +12,17 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.course import Courses
-from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.simulation.falls import Ending
-from neuralgaits.simulation.gauge import Extremes, Gauge, Milestone
-from neuralgaits.simulation.lockstep import Episodes
-from neuralgaits.simulation.native_library import Library
-from neuralgaits.simulation.native_scene import knows
+from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.scene import knows
 from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
-from neuralgaits.simulation.orders import Orders
-from neuralgaits.simulation.starts import full_states, momentum_range
-from neuralgaits.simulation.strides import Strides
+from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.ticks.falls import Ending
+from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
+from neuralgaits.simulation.ticks.lockstep import Episodes
+from neuralgaits.simulation.ticks.strides import Strides
 from neuralgaits.simulation.walk import Walk, law_named, walk
 
 

@@ -19,7 +19,7 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots.bones import THICKNESS, Bone, bones
 from neuralgaits.runs import write_bytes
-from neuralgaits.simulation.plant import SECOND_FLOOR_GROUP, SUBSTEPS, TIMESTEP_S, Plant
+from neuralgaits.simulation.setup.plant import SECOND_FLOOR_GROUP, SUBSTEPS, TIMESTEP_S, Plant
 
 FRAMES_PER_S = 50
 SIZE = (480, 640)

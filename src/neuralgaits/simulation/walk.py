@@ -16,20 +16,21 @@ from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation import lockstep, native
-from neuralgaits.simulation.batch import compile_batch
-from neuralgaits.simulation.course import Courses
-from neuralgaits.simulation.disturbance import Disturbance
-from neuralgaits.simulation.falls import FallConfig
-from neuralgaits.simulation.lockstep import Episodes, Noise, Watch
-from neuralgaits.simulation.native_library import Library
-from neuralgaits.simulation.native_scene import knows
-from neuralgaits.simulation.orders import Orders
-from neuralgaits.simulation.plant import SUBSTEPS, TIMESTEP_S, Plant, build
-from neuralgaits.simulation.push import Push
-from neuralgaits.simulation.remote import Remote
-from neuralgaits.simulation.terrain import Terrain
-from neuralgaits.simulation.tick import Scene
+from neuralgaits.simulation.linked.remote import Remote
+from neuralgaits.simulation.native import loop as native
+from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.scene import knows
+from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, build
+from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.ticks import lockstep
+from neuralgaits.simulation.ticks.batch import compile_batch
+from neuralgaits.simulation.ticks.falls import FallConfig
+from neuralgaits.simulation.ticks.lockstep import Episodes, Noise, Watch
+from neuralgaits.simulation.ticks.tick import Scene
 
 LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
 """Control laws by name: `paper` is the PD of the paper's deployment."""

@@ -14,8 +14,8 @@ from typing import Any
 from neuralgaits.errors import InputError
 from neuralgaits.records.swept import UNDISTURBED
 from neuralgaits.runs import plain
-from neuralgaits.simulation.disturbance import Disturbance, parse
-from neuralgaits.simulation.disturbance_set import DISTURBANCE_SET
+from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 
 STANDARD = "standard"
 

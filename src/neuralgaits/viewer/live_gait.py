@@ -10,10 +10,10 @@ from neuralgaits.analysis.quantities import ENDS, Chart, Look
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Limits as Ranges
-from neuralgaits.simulation.falls import Ending
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.starts import momentum_range
+from neuralgaits.simulation.setup.starts import momentum_range
+from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.viewer.walker import Limits, Margins, Shown, Told
 

@@ -345,7 +345,7 @@ def _written(
         verdicts[condition.name] = judge(condition.name, roots, margin)
         own += [pair for pair in roots if pair not in own]
     # Drawing takes longer to import than small proofs take.
-    from neuralgaits.report.map_of_boxes import write_map
+    from neuralgaits.report.figures.map_of_boxes import write_map
 
     more: dict[str, Any] = {
         "map": None

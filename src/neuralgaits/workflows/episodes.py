@@ -17,14 +17,14 @@ from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.walked import SUMMARY, EpisodesDone, Round, WalkedRound
-from neuralgaits.report.rounds import draw_file
+from neuralgaits.report.figures.rounds import draw_file
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.rounds.folder import EpisodeFolder, read, write
 from neuralgaits.rounds.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import CONFIG, FIT
-from neuralgaits.simulation.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.disturbance import Disturbance, parse
 from neuralgaits.simulation.walk import law_named
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.fit import fit

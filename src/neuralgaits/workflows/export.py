@@ -21,7 +21,7 @@ from neuralgaits.export.source import gait_files
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.names import ROBOT, WEIGHTS
-from neuralgaits.simulation.starts import momentum_range
+from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.walk import LAWS
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"

@@ -5,9 +5,9 @@ from pathlib import Path
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import certificate_of
-from neuralgaits.report.drawn import Drawn, Missing
+from neuralgaits.report.drawing.drawn import Drawn, Missing
+from neuralgaits.report.drawing.two_pens import Sheet, second_pen, write_all
 from neuralgaits.report.makers import MAKERS, Absent, Source
-from neuralgaits.report.two_pens import Sheet, second_pen, write_all
 
 FOLDER = "figures"
 

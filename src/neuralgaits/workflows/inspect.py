@@ -4,7 +4,7 @@ import numpy as np
 
 from neuralgaits.records.inspected import LinkFacts, MotorFacts, RobotFacts
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.loader import bodies_from_text, links_from_text
+from neuralgaits.robots.mjcf.loader import bodies_from_text, links_from_text
 
 
 def inspect(robot: PlanarBiped) -> RobotFacts:

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import load_robot, registry
-from neuralgaits.robots.loader import robot_text
-from neuralgaits.robots.planarise import planarise
+from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.robots.mjcf.planarise import planarise
 from neuralgaits.workflows.inspect import inspect
 from neuralgaits.workflows.robot_file import write_robot_file
 

@@ -11,12 +11,12 @@ from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.reported import Lack, Reported
 from neuralgaits.records.shown import ShownWalk
-from neuralgaits.report.drawn import Drawn, Missing
+from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import MOST_BYTES, document
 from neuralgaits.report.page.saved import Contents, Saved, read
 from neuralgaits.report.shown_walk import shown_walk
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, resolve, write_text
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.workflows.figures import figures

@@ -7,7 +7,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.errors import InputError
 from neuralgaits.records.installed import BuiltIn, Named
 from neuralgaits.robots import registry
-from neuralgaits.robots.loader import robot_text
+from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.workflows.robot_file import write_robot_file
 
 

@@ -15,13 +15,13 @@ import safetensors.numpy
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.engine import Engine, Files, Job, Settings
 from neuralgaits.errors import InputError
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import plain
 from neuralgaits.runs.arrays import packed
 from neuralgaits.runs.names import CONFIG, SUMMARY
-from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.native_walk import Choice
-from neuralgaits.simulation.orders import RANDOM, orders_of
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.orders import RANDOM, orders_of
 from neuralgaits.simulation.trained_walks import (
     TrainedWalks,
     engine_for,

@@ -21,15 +21,15 @@ from neuralgaits.runs import write_text
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
-from neuralgaits.simulation.connect import connected
-from neuralgaits.simulation.disturbance import Disturbance, parse
 from neuralgaits.simulation.episode_log import log_of
-from neuralgaits.simulation.link_config import LinkConfig, parse_link
+from neuralgaits.simulation.linked.config import LinkConfig, parse_link
+from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import Choice, Engine
-from neuralgaits.simulation.orders import on_slope, orders_of, parsed
-from neuralgaits.simulation.starts import full_states, momentum_range, periodic_orbit
-from neuralgaits.simulation.terrains import courses_of, told_by
+from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.orders import on_slope, orders_of, parsed
+from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
+from neuralgaits.simulation.setup.terrains import courses_of, told_by
 from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
 from neuralgaits.simulation.walk import Walk, walk
 from neuralgaits.workflows.export import steady_design_of

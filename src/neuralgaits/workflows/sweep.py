@@ -28,9 +28,9 @@ from neuralgaits.records.swept import (
     SweepRow,
     Swept,
 )
-from neuralgaits.report.sweep_page import page
+from neuralgaits.report.sweep.page import page
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_text
+from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import ROBOT, SPEC

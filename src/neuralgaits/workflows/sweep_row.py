@@ -14,13 +14,13 @@ from neuralgaits.records.record import build
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.records.swept import ROW, UNDISTURBED, RowTimes, RowWalks, Speed, SweepRow
 from neuralgaits.records.trained import Trained
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import to_json
 from neuralgaits.runs.names import ROBOT, SPEC
-from neuralgaits.simulation.disturbance import Disturbance
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.orders import on_slope, orders_of
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.orders import on_slope, orders_of
 from neuralgaits.simulation.trained_walks import TrainedWalks
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.shared_walks import at_first

@@ -76,7 +76,7 @@ def small_run(folder: Path) -> Path:
 def describe(folder: Path, text: str, function: str) -> str:
     """Give a run a spec of its own, as `train --spec` would have. Returns: its sha256."""
     from neuralgaits.barriers import specs
-    from neuralgaits.robots.loader import robot_from_text
+    from neuralgaits.robots.mjcf.loader import robot_from_text
 
     digest = spec_file(folder, text, function)
     config = json.loads((folder / "config.json").read_text())

@@ -31,7 +31,7 @@ from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import read_arrays, resolve, to_json
 from neuralgaits.runs.names import ROBOT, STATE

@@ -12,8 +12,8 @@ from neuralgaits.cli.verbs import _widths
 from neuralgaits.robots import load_robot
 from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import resolve, resolve_unfinished
-from neuralgaits.simulation.disturbance import parse
-from neuralgaits.simulation.link_config import parse_link
+from neuralgaits.simulation.linked.config import parse_link
+from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.workflows.check_proof import check_proof
 from support.fuzzing.alter import ODD, Draw, altered_bytes
 from support.fuzzing.doors import Reader

@@ -12,7 +12,7 @@ import numpy as np
 
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.provable import trace_spec
-from neuralgaits.robots.loader import robot_from_text
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.mutations.base import MODEL, Base, Mutation, altered, corners, grid, least, violated
 
 Draw = np.random.Generator

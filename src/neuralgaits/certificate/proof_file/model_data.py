@@ -19,7 +19,7 @@ from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import Program
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.derive import LegData, TorsoData
-from neuralgaits.robots.loader import links_from_text
+from neuralgaits.robots.mjcf.loader import links_from_text
 from neuralgaits.runs import plain
 
 _NETWORK_POLICY = ("lower", "upper", "input_scale", "input_shift")

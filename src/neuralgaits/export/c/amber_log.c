@@ -1,4 +1,4 @@
-/* See amber_log.h. Columns: neuralgaits.logs.amber3m_format. */
+/* See amber_log.h. Columns: neuralgaits.logs.formats.amber3m. */
 #include "amber_log.h"
 
 #if NG_HAS_AMBER_LOG

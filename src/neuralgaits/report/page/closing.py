@@ -7,7 +7,7 @@ from pathlib import Path
 
 from neuralgaits.records import in_plain_words
 from neuralgaits.report import again
-from neuralgaits.report.drawn import Drawn, Missing
+from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,

@@ -5,7 +5,7 @@ import hashlib
 from importlib import resources
 from pathlib import Path
 
-from neuralgaits.report.drawn import Drawn
+from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.page.answer import answer, title
 from neuralgaits.report.page.closing import failures, figures, glossary, missing, reproduction
 from neuralgaits.report.page.learning import learning

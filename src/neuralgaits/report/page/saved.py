@@ -17,7 +17,7 @@ from neuralgaits.records.simulated import SUMMARY as WALK
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import EndedInNan, Trained, Violations, trained_of
 from neuralgaits.records.walked import EpisodesDone, WalkedRound
-from neuralgaits.report.drawn import Drawn, Missing
+from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, learning, named
 from neuralgaits.runs.folder import file_hashes

@@ -19,7 +19,7 @@ from neuralgaits.barriers.functions import transversal_inertia
 from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 from neuralgaits.gait import AbstractPolicy, HybridInvariantPolicy, Point, ZeroDynamics
-from neuralgaits.gait.step_ends import END_POINT_MARGIN
+from neuralgaits.gait.policies.step_ends import END_POINT_MARGIN
 
 
 def margins(

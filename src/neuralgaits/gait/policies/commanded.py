@@ -1,0 +1,321 @@
+"""A family of policies: one for each pair of commands of a step, hybrid invariant across them all.
+
+The posture at the guard, its slopes and its place are polynomials of the command; the swing foot
+is put on its foothold exactly. A step begins as the real impact at the guard of the command before
+leaves the robot, and ends at the guard of the command after; the network knows both. So the zero
+dynamics manifold is invariant through the impact whatever command follows which.
+"""
+
+from typing import TYPE_CHECKING
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
+from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import (
+    Commands,
+    Ground,
+    Pair,
+    Step,
+    factors,
+    plain_curves,
+    powers,
+    scaled,
+)
+from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.network import Network
+from neuralgaits.gait.policies.hybrid_invariant import HybridInvariantPolicy
+from neuralgaits.gait.policies.step_ends import (
+    Foothold,
+    Guard,
+    Start,
+    inside,
+    on_foothold,
+    start_after,
+)
+from neuralgaits.gait.policies.step_policy import NumberedStep
+from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.posture import Posture, walking_posture
+from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.robots.dynamics import swing_foot
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+
+NEWTON_STEPS = 4
+"""That put the swing foot on its foothold: from a few centimetres off, 1e-12 m."""
+START_NEWTON_STEPS = 20
+"""The same from the nominal posture, which may be far off."""
+
+
+class CommandedPolicy(AbstractPolicy):
+    """Policies `at(robot, pair)`, each an ordinary policy of one step.
+
+    Attributes:
+        network: of the policies; inputs z, then the commands before and after, all scaled.
+        guard_outputs: coefficients of the desired outputs at the guard, in units of half the
+            output range around its middle before a smooth bound. [M, m]
+        guard_slopes: of their slopes d y_d / d z1 [rad/m]. [M, m]
+        guard_z1: of z1 at the guard [m]. [M]
+        lower, upper: output bounds [rad]. [m]
+        input_scale, input_shift: network input scaling of z. [2]
+        curves: cubics of the scaled commands, powers upwards: a speed that is asked for to the
+            place in the family that walks at it, see `training.calibration`. [p, 4]
+        told: what the gait is told, as `commands`.
+    """
+
+    network: Network
+    guard_outputs: Float[Array, "M m"]
+    guard_slopes: Float[Array, "M m"]
+    guard_z1: Float[Array, " M"]
+    lower: Float[Array, " m"]
+    upper: Float[Array, " m"]
+    input_scale: Float[Array, "2"]
+    input_shift: Float[Array, "2"]
+    curves: Float[Array, "p 4"]
+    told: Commands = eqx.field(static=True)
+
+    @classmethod
+    def init(
+        cls,
+        robot: "PlanarBiped",
+        commands: Commands,
+        *,
+        key: PRNGKeyArray,
+        hidden: tuple[int, ...] = (32, 32),
+        activation: str = "tanh",
+        posture: Posture | None = None,
+    ) -> "CommandedPolicy":
+        """Start near a nominal walking posture, the same for all commands but for their lengths.
+
+        Args:
+            robot: sets bounds and scales.
+            commands: at least one.
+            key: random key of the network.
+            hidden: widths of the hidden layers.
+            activation: of the network.
+            posture: nominal posture, `walking_posture(robot)` by default.
+        """
+        posture = walking_posture(robot) if posture is None else posture
+        m, p = robot.n - 1, len(commands)
+        network = Network.init((2 + 2 * p, *hidden, m), activation=activation, key=key)
+        small = 0.1 * network.weights[-1]
+        network = eqx.tree_at(
+            lambda net: (net.weights, net.biases),
+            network,
+            ((*network.weights[:-1], small), (*network.biases[:-1], posture.bend)),
+        )
+        terms = factors(p)
+        outputs, slopes = np.zeros((len(terms), m)), np.zeros((len(terms), m))
+        slopes[0] = posture.guard_slopes
+        z1 = np.zeros(len(terms))
+        z1[0] = posture.z_guard
+        for i, command in enumerate(commands):
+            middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
+            if command.name == "step_length":
+                z1[0], z1[1 + i] = 0.5 * middle, 0.5 * half
+            elif command.name == "speed":
+                # A walk at twice the speed takes steps about half as long again.
+                z1[1 + i] = 0.5 * posture.z_guard * half / middle
+        # From here on a few Newton steps are enough.
+        with jax.ensure_compile_time_eval():  # Runs are opened without computing weights.
+            guard = np.asarray(_start_guard(robot, z1[:1], posture, commands))
+        share = (guard - posture.lower) / (posture.upper - posture.lower)
+        outputs[0] = np.log(share / (1.0 - share))
+        return cls(
+            network=network,
+            guard_outputs=outputs,
+            guard_slopes=slopes,
+            guard_z1=z1,
+            lower=posture.lower,
+            upper=posture.upper,
+            input_scale=posture.input_scale,
+            input_shift=posture.input_shift,
+            curves=plain_curves(commands),
+            told=commands,
+        )
+
+    @property
+    def commands(self) -> Commands:
+        """What the gait is told at each touchdown."""
+        return self.told
+
+    def __call__(self, z: ZeroState) -> Actuated:
+        """A family has no outputs of its own. Raises: InputError."""
+        raise InputError(
+            "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
+        )
+
+    @property
+    def z1_range(self) -> tuple[Scalar, Scalar]:
+        """A family has no range of its own. Raises: InputError."""
+        raise InputError(
+            "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
+        )
+
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+    ) -> "CommandedPolicy":
+        """The family itself: each of its policies is matched when it is asked for."""
+        del robot, reset_residual
+        return self
+
+    def trainable(self) -> "CommandedPolicy":
+        """Network and guards may move, the rest is fixed."""
+        frozen = jax.tree.map(lambda _: False, self)
+        return eqx.tree_at(
+            lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.guard_z1),
+            frozen,
+            (jax.tree.map(lambda _: True, self.network), True, True, True),
+        )
+
+    def scaled(self, command: Float[Array, " p"]) -> Float[Array, " p"]:
+        """Where in the family a command is: in [-1, 1] or near it, 0 in the middle. [p]."""
+        return scaled(self.commands, self.curves, command)
+
+    def guard(self, robot: "PlanarBiped", command: Float[Array, " p"]) -> Guard:
+        """Where a step ends at this command, the swing foot on its foothold."""
+        basis = powers(self.scaled(command))
+        z1 = basis @ self.guard_z1
+        share = jax.nn.sigmoid(basis @ self.guard_outputs)
+        outputs = self.lower + (self.upper - self.lower) * share
+        outputs = on_foothold(robot, z1, outputs, _foothold(self.commands, command), NEWTON_STEPS)
+        return Guard(z1, outputs, basis @ self.guard_slopes)
+
+    def at(
+        self,
+        robot: "PlanarBiped",
+        pair: Pair,
+        reset_residual: AbstractResetResidual | None = None,
+        *,
+        exact: bool = False,
+    ) -> HybridInvariantPolicy:
+        """The policy of one step.
+
+        Args:
+            robot: whose impact it is matched to.
+            pair: commands of the step before and of this one.
+            reset_residual: corrects that impact.
+            exact: leave out the clip that keeps a training off the bounds of the outputs: one
+                smooth formula, and the same number for a trained gait.
+        """
+
+        def ends(command: Float[Array, " p"]) -> tuple[Guard, Start]:
+            guard = self.guard(robot, command)
+            return guard, start_after(robot, guard, reset_residual)
+
+        # Both at once: what is compiled, or bounded in a proof, is half as long.
+        both = jax.vmap(ends)(jnp.stack(pair))
+        (before, start), (after, then) = (
+            jax.tree.map(lambda leaf, i=i: leaf[i], both) for i in (0, 1)
+        )
+        ground = _ground(robot, self.commands, pair, before, after)
+        again = _ground(robot, self.commands, pair.steady, after, after)
+        # Whatever comes next, the impact at the end of this step is that of its own guard.
+        start = start._replace(momentum_ratio=then.momentum_ratio)
+        following = self._between(pair.steady, again, then, after, exact=exact)
+        policy = self._between(pair, ground, start, after, exact=exact)
+        return eqx.tree_at(lambda p: p.then, policy, following, is_leaf=lambda leaf: leaf is None)
+
+    @property
+    def step_size(self) -> int:
+        """Of `StepPolicy.numbers`."""
+        return 2 + 4 * len(self.lower) + len(self.network.biases[0])
+
+    def step_numbers(
+        self,
+        robot: "PlanarBiped",
+        pair: Pair,
+        reset_residual: AbstractResetResidual | None = None,
+    ) -> Float[Array, " s"]:
+        """`StepPolicy.numbers` of the exact policy of a step, see `at`."""
+        return self.at(robot, pair, reset_residual, exact=True).numbers
+
+    def of_step(self, numbers: Float[Array, " s"]) -> NumberedStep:
+        """The policy of the step with these numbers."""
+        weights, biases = self.network.weights, self.network.biases
+        m = len(self.lower)
+        return NumberedStep(
+            network=Network(
+                (weights[0][:, :2], *weights[1:]),
+                (numbers[2 + 4 * m :], *biases[1:]),
+                self.network.activation,
+            ),
+            lower=self.lower,
+            upper=self.upper,
+            input_scale=self.input_scale,
+            input_shift=self.input_shift,
+            z_start=numbers[0],
+            z_guard=numbers[1],
+            cubic=numbers[2 : 2 + 4 * m].reshape(4, m),
+        )
+
+    def _between(
+        self, pair: Pair, ground: Ground | None, start: Start, guard: Guard, *, exact: bool
+    ) -> HybridInvariantPolicy:
+        known = jnp.concatenate([self.scaled(command) for command in pair])
+        weights, biases = self.network.weights, self.network.biases
+        first = biases[0] + weights[0][:, 2:] @ known
+        policy = HybridInvariantPolicy(
+            network=Network(
+                (weights[0][:, :2], *weights[1:]), (first, *biases[1:]), self.network.activation
+            ),
+            guard_outputs=guard.outputs,
+            guard_slopes=guard.slopes,
+            lower=self.lower,
+            upper=self.upper,
+            input_scale=self.input_scale,
+            input_shift=self.input_shift,
+            z_guard=guard.z1,
+            z_start=start.z1,
+            cubic=jnp.stack([guard.outputs] * 4),
+            start_outputs=start.outputs,
+            start_slopes=start.slopes,
+            momentum_ratio=start.momentum_ratio,
+            z2_dependence=True,
+            told=Step(pair, ground, tuple(command.name for command in self.commands)),
+        )
+        return policy.between(start, guard, exact=exact)
+
+
+@eqx.filter_jit
+def _start_guard(
+    robot: "PlanarBiped", z1: Float[Array, "1"], posture: Posture, commands: Commands
+) -> Actuated:
+    """Outputs of the nominal posture with the swing foot on the middle foothold. [m]."""
+    middle = jnp.array([0.5 * (c.low + c.high) for c in commands])
+    foothold = _foothold(commands, middle)
+    outputs = on_foothold(robot, z1[0], posture.guard_outputs, foothold, START_NEWTON_STEPS)
+    return inside(outputs, posture.lower, posture.upper)
+
+
+def _value(commands: Commands, command: Float[Array, " p"], name: str) -> Scalar | None:
+    names = [c.name for c in commands]
+    return command[names.index(name)] if name in names else None
+
+
+def _foothold(commands: Commands, command: Float[Array, " p"]) -> Foothold:
+    length, height, slope = (
+        _value(commands, command, name) for name in ("step_length", "step_height", "slope")
+    )
+    return Foothold(
+        length, 0.0 if height is None else height, 0.0 if slope is None else jnp.tan(slope)
+    )
+
+
+def _ground(
+    robot: "PlanarBiped", commands: Commands, pair: Pair, before: Guard, after: Guard
+) -> Ground | None:
+    """The line from the old foothold to the next one; None where all is level."""
+    if not {"step_height", "slope"} & {c.name for c in commands}:
+        return None
+    old, new = (swing_foot(robot, lift(robot, g.z1, g.outputs)) for g in (before, after))
+    rise = (old[1] + new[1]) / (old[0] + new[0])
+    slopes = [_value(commands, command, "slope") for command in pair]
+    flat = jnp.zeros_like(rise)
+    return Ground(rise, rise * old[0] - old[1], *(flat if s is None else s for s in slopes))

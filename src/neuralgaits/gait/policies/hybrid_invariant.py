@@ -1,0 +1,218 @@
+"""A policy whose outputs and rates match through the real impact by construction.
+
+Near both ends of a step y_d follows a cubic in logit space whose end values and slopes are
+free at the guard and *computed* at the start of the step: the robot's own plastic impact, legs
+relabelled, gives them. A network bends the path in between and vanishes with its slope at
+both ends. The guard is therefore the line z1 = z_G, the zero dynamics manifold is hybrid
+invariant, and the impact multiplies z2 by a constant. Hybrid invariance as
+in Westervelt, Grizzle and Koditschek (2003).
+"""
+
+from typing import TYPE_CHECKING
+
+import equinox as eqx
+import jax
+import numpy as np
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits._types import Actuated, Array, Float
+from neuralgaits.gait.commands import Number, Step
+from neuralgaits.gait.network import Network
+from neuralgaits.gait.policies.step_ends import (
+    Foothold,
+    Guard,
+    Start,
+    cubic_between,
+    inside,
+    logit_ends,
+    on_foothold,
+    start_after,
+)
+from neuralgaits.gait.policies.step_policy import StepPolicy
+from neuralgaits.gait.posture import Posture, walking_posture
+from neuralgaits.gait.reset_residual import AbstractResetResidual
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+
+class HybridInvariantPolicy(StepPolicy):
+    """Desired outputs y_d = lower + (upper - lower) logistic(H(t) + 4 (4t(1-t))^2 N(z)).
+
+    t = (z1 - z_start) / (z_guard - z_start) is the phase of the step, H a cubic, N a network.
+
+    Attributes:
+        network: N, inputs z / input_scale - input_shift, outputs [m].
+        guard_outputs: desired outputs at the guard [rad]; trainable, except that the swing
+            hip follows from the foot touching the ground. [m]
+        guard_slopes: their slopes d y_d / d z1 at the guard [rad/m]; trainable. [m]
+        lower, upper: output bounds [rad]. [m]
+        input_scale, input_shift: network input scaling. [2]
+        z_guard: z1 at the guard [m].
+        z_start: z1 after the impact [m]; follows from robot and guard.
+        cubic: coefficients of H in powers of t; follow likewise. [4, m]
+        start_outputs, start_slopes: outputs and slopes after the impact; follow likewise. [m]
+        momentum_ratio: z2 after impact / z2 before; follows likewise.
+        told: what the robot was told of this step; None for a gait without commands.
+        then: the policy of the next step, if the command stays; None for this one.
+        ends: values and slopes of H at phases 0 and 1, (H0, H0', H1, H1'), in whose terms it is
+            evaluated if they are given: bounds of it are then as tight as those of its ends. [4, m]
+        anchor: a phase and the z1 that it is at; None where both are numbers. Phases are then
+            told from there, so that what start and guard depend on cancels. [2]
+    """
+
+    network: Network
+    guard_outputs: Float[Array, " m"]
+    guard_slopes: Float[Array, " m"]
+    lower: Float[Array, " m"]
+    upper: Float[Array, " m"]
+    input_scale: Float[Array, "2"]
+    input_shift: Float[Array, "2"]
+    z_guard: Float[Array, ""]
+    z_start: Float[Array, ""]
+    cubic: Float[Array, "4 m"]
+    start_outputs: Float[Array, " m"]
+    start_slopes: Float[Array, " m"]
+    momentum_ratio: Float[Array, ""]
+    z2_dependence: bool = eqx.field(static=True)
+    told: Step | None = None
+    then: "HybridInvariantPolicy | None" = None
+    ends: Float[Array, "4 m"] | None = None
+    anchor: Float[Array, "2"] | None = None
+
+    @classmethod
+    def init(
+        cls,
+        robot: "PlanarBiped",
+        *,
+        key: PRNGKeyArray,
+        hidden: tuple[int, ...] = (32, 32),
+        activation: str = "tanh",
+        z2_dependence: bool = True,
+        posture: Posture | None = None,
+    ) -> "HybridInvariantPolicy":
+        """Start near a nominal walking posture, with a small random network.
+
+        Args:
+            robot: sets bounds, scales and the impact.
+            key: random key of the network.
+            hidden: widths of the hidden layers.
+            activation: of the network.
+            z2_dependence: False makes y_d a function of z1 alone.
+            posture: nominal posture, `walking_posture(robot)` by default.
+        """
+        posture = walking_posture(robot) if posture is None else posture
+        m = robot.n - 1
+        network = Network.init((2, *hidden, m), activation=activation, key=key)
+        small = 0.1 * network.weights[-1]
+        network = eqx.tree_at(
+            lambda net: (net.weights, net.biases),
+            network,
+            ((*network.weights[:-1], small), (*network.biases[:-1], posture.bend)),
+        )
+        zeros = np.zeros(m)
+        policy = cls(
+            network=network,
+            guard_outputs=posture.guard_outputs,
+            guard_slopes=posture.guard_slopes,
+            lower=posture.lower,
+            upper=posture.upper,
+            input_scale=posture.input_scale,
+            input_shift=posture.input_shift,
+            z_guard=np.asarray(posture.z_guard),
+            z_start=np.zeros(()),
+            cubic=np.zeros((4, m)),
+            start_outputs=zeros,
+            start_slopes=zeros,
+            momentum_ratio=np.ones(()),
+            z2_dependence=z2_dependence,
+        )
+        return _match(policy, robot)
+
+    def phase(self, z1: Number) -> Number:
+        """Phase of the step at a hip position."""
+        if self.anchor is None:
+            return super().phase(z1)
+        return self.anchor[0] + (z1 - self.anchor[1]) / (self.z_guard - self.z_start)
+
+    def path(self, phase: Number) -> Actuated:
+        """H, in powers of the phase or in terms of its ends. Returns: [m]."""
+        if self.ends is None:
+            return super().path(phase)
+        rest = 1.0 - phase
+        p0, d0, p1, d1 = self.ends
+        near = (1.0 + 2.0 * phase) * p0 + phase * d0
+        far = (1.0 + 2.0 * rest) * p1 - rest * d1
+        return (rest * rest) * near + (phase * phase) * far
+
+    @property
+    def step(self) -> Step | None:
+        """What the robot was told of this step."""
+        return self.told
+
+    @property
+    def following(self) -> "HybridInvariantPolicy":
+        """The policy of the next step, if the command stays."""
+        return self if self.then is None else self.then
+
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
+    ) -> "HybridInvariantPolicy":
+        """Recompute start of the step and cubic from the robot's impact at the guard."""
+        outputs = inside(self.guard_outputs, self.lower, self.upper)
+        outputs = on_foothold(robot, self.z_guard, outputs, Foothold())
+        guard = Guard(self.z_guard, outputs, self.guard_slopes)
+        return self.between(start_after(robot, guard, reset_residual), guard)
+
+    def between(
+        self, start: Start, guard: Guard, *, exact: bool = False
+    ) -> "HybridInvariantPolicy":
+        """The same policy from one end of a step to another.
+
+        Unless `exact`, the path is kept inside the bounds; start and guard are kept as they are.
+        """
+        first, last = start, guard
+        if not exact:
+            first = start._replace(outputs=inside(start.outputs, self.lower, self.upper))
+            last = guard._replace(outputs=inside(guard.outputs, self.lower, self.upper))
+        ends = logit_ends(first, last, self.lower, self.upper)
+        found = eqx.tree_at(
+            lambda p: (
+                p.guard_outputs,
+                p.guard_slopes,
+                p.z_guard,
+                p.z_start,
+                p.cubic,
+                p.start_outputs,
+                p.start_slopes,
+                p.momentum_ratio,
+            ),
+            self,
+            (
+                guard.outputs,
+                guard.slopes,
+                guard.z1,
+                start.z1,
+                cubic_between(ends),
+                start.outputs,
+                start.slopes,
+                start.momentum_ratio,
+            ),
+        )
+        if not exact:
+            return found
+        return eqx.tree_at(lambda p: p.ends, found, ends, is_leaf=lambda leaf: leaf is None)
+
+    def trainable(self) -> "HybridInvariantPolicy":
+        """Network, guard outputs and guard slopes may move; the rest follows or is fixed."""
+        frozen = jax.tree.map(lambda _: False, self)
+        return eqx.tree_at(
+            lambda p: (p.network, p.guard_outputs, p.guard_slopes),
+            frozen,
+            (jax.tree.map(lambda _: True, self.network), True, True),
+        )
+
+
+@eqx.filter_jit
+def _match(policy: HybridInvariantPolicy, robot: "PlanarBiped") -> HybridInvariantPolicy:
+    return policy.matched(robot)

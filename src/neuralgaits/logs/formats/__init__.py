@@ -1,0 +1,1 @@
+"""Log files of every format: what their columns are, read and written."""

@@ -1,0 +1,230 @@
+"""The file that says what a robot's own log calls its columns: names, units, signs, offsets.
+
+TOML, one line a quantity, in the coordinates of the robot file: its joints, its feet, its signs.
+
+    time = {column = "t_ms", unit = "ms"}
+    pitch = {column = "imu_pitch", unit = "deg"}
+    [joints]
+    hip_left = {column = "hip_l", unit = "deg", sign = -1, offset = 3.0}
+    [contact]
+    foot_left = {column = "contact_l"}
+"""
+
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.errors import InputError
+from neuralgaits.logs.formats.units import ANGLE, FORCE, RATE, SPEED, TIME, TORQUE, Dimension
+from neuralgaits.robots import PlanarBiped
+
+PAGE = "docs/logs.md"
+"""Where both kinds of file are described."""
+PLAIN = {"time": TIME, "pitch": ANGLE, "pitch_rate": RATE}
+"""Quantities that are no table."""
+_SETTINGS = ("column", "unit", "sign", "offset")
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a quantity comes from: sign * (column - offset), in its unit.
+
+    Attributes:
+        key: of the quantity in the file, as in joints.hip_left.
+        column: of the log.
+        factor: SI value of the column's unit; None for a contact that is 0 or 1.
+        sign: 1 or -1.
+        offset: what the column shows where the quantity is zero, in the column's unit.
+    """
+
+    key: str
+    column: str
+    factor: float | None
+    sign: float = 1.0
+    offset: float = 0.0
+
+    def si(self, values: Float[np.ndarray, " k"]) -> Float[np.ndarray, " k"]:
+        """The quantity in SI units, of the numbers of its column. [k]."""
+        return self.sign * (values - self.offset) * (1.0 if self.factor is None else self.factor)
+
+
+@dataclass(frozen=True)
+class ColumnFile:
+    """A file that was read and checked against a robot.
+
+    Attributes:
+        path: of the file.
+        sources: by key; see `read_columns` for those that are always there.
+    """
+
+    path: Path
+    sources: Mapping[str, Source]
+
+    def has(self, table: str) -> bool:
+        """Whether a quantity is there, or a table of them."""
+        return any(key == table or key.startswith(f"{table}.") for key in self.sources)
+
+
+def joints_of(robot: PlanarBiped) -> tuple[str, ...]:
+    """Joints of the robot file, leg by leg; a hip that both legs share stands there once."""
+    first, second = robot.layout.leg_joints
+    return tuple(dict.fromkeys((*reversed(first), *reversed(second))))
+
+
+def read_columns(path: str | Path, robot: PlanarBiped) -> ColumnFile:
+    """Read what a robot's own columns are called.
+
+    Time, pitch, every joint and the contact of both feet are always there; pitch_rate and rates
+    one by one, torques, desired, desired_rates and hip_velocity whole or not at all.
+
+    Raises: InputError in one line that names file, key and remedy.
+    """
+    path = Path(path)
+    content = _content(path)
+    tables = _tables(robot)
+    sources: dict[str, Source] = {}
+    for key, value in content.items():
+        if key in PLAIN:
+            sources[key] = _source(path, key, value, PLAIN[key])
+            continue
+        if key not in tables:
+            raise InputError(
+                f"columns {path}, {key}: expected one of {', '.join((*PLAIN, *tables))}, found "
+                f"{key!r}: {_perhaps(key, (*PLAIN, *tables))}"
+            )
+        names, dimension = tables[key]
+        if not isinstance(value, dict):
+            raise InputError(
+                f"columns {path}, {key}: expected a table, found {value!r}: begin it with a line "
+                f"[{key}]"
+            )
+        for name, entry in value.items():
+            if name not in names:
+                _refuse_name(path, robot, key, name, names)
+            sources[f"{key}.{name}"] = _source(path, f"{key}.{name}", entry, dimension)
+    _refuse_missing(path, sources, tables)
+    return ColumnFile(path, sources)
+
+
+def _content(path: Path) -> dict[str, Any]:
+    try:
+        with path.open("rb") as file:
+            return tomllib.load(file)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(
+            f'columns {path}: expected lines such as time = {{column = "t_ms", unit = "ms"}}, '
+            f"found a line that is no TOML ({error}): see {PAGE}"
+        ) from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(
+            f"columns {path}: expected a TOML file that names the columns, found none that can be "
+            f"read ({reason}): {PAGE} has one to copy"
+        ) from None
+
+
+def _tables(robot: PlanarBiped) -> dict[str, tuple[tuple[str, ...], Dimension]]:
+    """Names that each table may hold."""
+    joints = joints_of(robot)
+    return {
+        "joints": (joints, ANGLE),
+        "rates": (joints, RATE),
+        "contact": (robot.layout.feet, FORCE),
+        "torques": (joints, TORQUE),
+        "desired": (joints, ANGLE),
+        "desired_rates": (joints, RATE),
+        "hip_velocity": (("x", "z"), SPEED),
+    }
+
+
+def _perhaps(word: str, known: Iterable[str]) -> str:
+    """A remedy for a word that is not known."""
+    near = get_close_matches(word, list(known), n=1)
+    return f"write {near[0]}" if near else f"leave it out, or see {PAGE}"
+
+
+def _refuse_name(
+    path: Path, robot: PlanarBiped, table: str, name: str, names: tuple[str, ...]
+) -> None:
+    what = {"contact": f"a foot of robot {robot.name}", "hip_velocity": "a direction"}
+    above = name in PLAIN
+    raise InputError(
+        f"columns {path}, {table}.{name}: expected "
+        f"{what.get(table, f'a joint of robot {robot.name}')} ({', '.join(names)}), found "
+        f"{name!r}: {f'put it above the line [{table}]' if above else _perhaps(name, names)}"
+    )
+
+
+def _refuse_missing(
+    path: Path,
+    sources: Mapping[str, Source],
+    tables: Mapping[str, tuple[tuple[str, ...], Dimension]],
+) -> None:
+    whole = ("torques", "desired", "desired_rates", "hip_velocity")
+    begun = [table for table in whole if any(key.startswith(f"{table}.") for key in sources)]
+    if "desired_rates" in begun and "desired" not in begun:
+        begun.append("desired")
+    needed = ["time", "pitch"]
+    needed += [f"{table}.{n}" for table in ("joints", "contact", *begun) for n in tables[table][0]]
+    missing = [key for key in needed if key not in sources]
+    if missing:
+        raise InputError(
+            f"columns {path}: expected a line for each of {', '.join(needed)}, found none for "
+            f"{', '.join(missing)}: add a line such as {_example(missing[0])}; see {PAGE}"
+        )
+
+
+def _example(key: str) -> str:
+    table, _, name = key.rpartition(".")
+    unit = "ms" if name == "time" else "deg"
+    line = f'{name} = {{column = "NAME"' + ("}" if table == "contact" else f', unit = "{unit}"}}')
+    return f"{line} under [{table}]" if table else line
+
+
+def _source(path: Path, key: str, entry: Any, dimension: Dimension) -> Source:
+    where = f"columns {path}, {key}"
+    example = f'{{column = "NAME", unit = "{dimension.si}"}}'
+    if not isinstance(entry, dict):
+        raise InputError(f"{where}: expected {example}, found {entry!r}: name the column so")
+    for word in entry:
+        if word not in _SETTINGS:
+            raise InputError(
+                f"{where}: expected {', '.join(_SETTINGS)}, found {word!r}: "
+                f"{_perhaps(word, _SETTINGS)}"
+            )
+    column, unit = entry.get("column"), entry.get("unit")
+    sign, offset = entry.get("sign", 1), entry.get("offset", 0.0)
+    if not isinstance(column, str) or not column:
+        raise InputError(
+            f"{where}: expected column = the name in the log's first row, found {column!r}: "
+            f"write {example}"
+        )
+    contact = dimension is FORCE
+    if not (contact and unit is None) and unit not in dimension.units:
+        known, near = ", ".join(dimension.units), _unit(unit, dimension)
+        raise InputError(
+            f"{where}: expected the unit of {dimension.name} ({known}), found "
+            f"{'none' if unit is None else repr(unit)}: "
+            + ("leave it out for 0 and 1" if contact else f'write unit = "{near}"')
+        )
+    if isinstance(sign, bool) or sign not in (1, -1):
+        raise InputError(f"{where}: expected sign 1 or -1, found {sign!r}: leave it out for 1")
+    if isinstance(offset, bool) or not isinstance(offset, int | float) or not math.isfinite(offset):
+        raise InputError(
+            f"{where}: expected offset = what the column shows at zero, found {offset!r}: write a "
+            "number in the column's unit"
+        )
+    factor = None if unit is None else dimension.units[unit]
+    return Source(key, column, factor, float(sign), float(offset))
+
+
+def _unit(found: Any, dimension: Dimension) -> str:
+    near = get_close_matches(str(found), list(dimension.units), n=1, cutoff=0.4)
+    return near[0] if near else dimension.si

@@ -1,0 +1,175 @@
+"""A robot's own log files, with a file that says what their columns are: see `column_file`.
+
+What a file of the project's own format holds besides is computed: the leg that stands from the
+contacts, rates from angles, z from both, desired outputs from the policy that walked.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float, Int
+from neuralgaits.errors import InputError
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.logs.checks import check_times
+from neuralgaits.logs.contacts import UNKNOWN, stance_legs
+from neuralgaits.logs.formats.column_file import PAGE, ColumnFile
+from neuralgaits.logs.formats.own_sheet import Numbers, numbers
+from neuralgaits.logs.formats.own_words import both_contacts, computed, labels_of
+from neuralgaits.logs.formats.sheet import Text
+from neuralgaits.logs.labels import Labels
+from neuralgaits.logs.outliers import ANGLE_RAD, stand_out
+from neuralgaits.logs.rates import half_window, noise, rates
+from neuralgaits.logs.sensed import Sensed, asked, feet_apart, stance_first, states
+from neuralgaits.logs.strides import GAP_PERIODS, GAP_S, SETTLING_S
+from neuralgaits.logs.table import Log
+from neuralgaits.robots import PlanarBiped
+
+AGREEING = 0.5
+"""Share of rows with one foot on the ground in which it is the one that stands."""
+UNSETTLED_S = 0.5 * SETTLING_S
+"""After a touchdown rates change fast: those of later rows are not computed from these [s]."""
+
+
+def read(
+    text: Text, robot: PlanarBiped, columns: ColumnFile, policy: AbstractPolicy | None
+) -> tuple[Log, Labels]:
+    """The log of a file with a robot's own columns.
+
+    Args:
+        text: of the file.
+        robot: the run's own model.
+        columns: what its columns are.
+        policy: that walked, for desired outputs that the file does not hold.
+
+    Raises: InputError for a column that is not there, for a broken row, for contacts that name no
+        leg, and where desired outputs are needed that nobody knows.
+    """
+    _refuse_unknown_wishes(text, columns, policy)
+    found = numbers(text, robot, columns)
+    source = str(text.path)
+    check_times(found.t, found.rows, source, columns.sources["time"].column)
+    stance = _stance(source, robot, columns, found)
+    turning = _Turning.of(found.t, stance)
+    encoders = np.column_stack([found.pitch, _flat(found.angles)])
+    turned = turning.filled(np.column_stack([found.dpitch, _flat(found.rates)]), encoders)
+    wanted, wanted_rates = _flat(found.desired), _flat(found.desired_rates)
+    if columns.has("desired"):
+        wanted_rates = turning.filled(wanted_rates, wanted)
+    # A piece too short for a rate is a gap like the others.
+    good = (stance != UNKNOWN) & np.isfinite(turned).all(axis=1)
+    if not good.any():
+        raise InputError(
+            f"log {source}: expected at least 3 rows of one stance phase, found none: log faster, "
+            f"or mend the contacts in {columns.path}"
+        )
+    leg, shape = stance[good], (-1, *found.angles.shape[1:])
+    sensed = Sensed(
+        found.pitch[good],
+        turned[good, 0],
+        found.angles[good],
+        turned[good, 1:].reshape(shape),
+    )
+    velocity = None if found.hip_velocity is None else found.hip_velocity[good]
+    state = states(robot, leg, sensed, velocity)
+    if policy is None or columns.has("desired"):
+        given = [stance_first(robot, leg, p[good].reshape(shape)) for p in (wanted, wanted_rates)]
+        qd, dqd = given
+    else:
+        qd, dqd = asked(robot, policy, state)
+    log = Log(
+        t=found.t[good],
+        stance=leg,
+        q=state.q,
+        dq=state.dq,
+        qd=qd,
+        dqd=dqd,
+        tau=stance_first(robot, leg, np.nan_to_num(found.torques[good])),
+        pitch=sensed.pitch,
+        dpitch=sensed.dpitch,
+        z=state.z,
+        z2_plant=None,
+        rows=found.rows[good],
+        joint_names=robot.joint_names,
+        source=source,
+        computed=computed(robot, columns),
+        torques_logged=columns.has("torques"),
+    )
+    return log, labels_of(robot, columns)
+
+
+def _refuse_unknown_wishes(text: Text, columns: ColumnFile, policy: AbstractPolicy | None) -> None:
+    """Desired outputs are in the log, or follow from a policy that is told nothing."""
+    if columns.has("desired") or (policy is not None and policy.step is None):
+        return
+    why = "no policy is given" if policy is None else "its policy is told commands"
+    raise InputError(
+        f"log {text.path}: expected desired joint angles, found no table [desired] in "
+        f"{columns.path}, and {why}: name their columns there; see {PAGE}"
+    )
+
+
+def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:
+    return by_leg.reshape(len(by_leg), -1)
+
+
+def _stance(
+    source: str, robot: PlanarBiped, columns: ColumnFile, found: Numbers
+) -> Int[np.ndarray, " k"]:
+    """The leg that stands, UNKNOWN at first. Raises: InputError if the contacts tell none."""
+    contact = found.contact
+    stance = stance_legs(robot, found.t, contact, feet_apart(robot, found.pitch, found.angles))
+    where = f"log {source}, columns {both_contacts(robot, columns)}"
+    if np.all(stance == UNKNOWN):
+        raise InputError(
+            f"{where}: expected rows in which one foot alone is on the ground, found none: name "
+            f"each foot's own column in {columns.path}, and its sign"
+        )
+    single = (stance != UNKNOWN) & (contact[:, 0] != contact[:, 1])
+    # Exchanged, the swing foot is ahead of its foothold for less than half of a step.
+    if np.mean(contact[single, 1] == stance[single]) < AGREEING:
+        raise InputError(
+            f"{where}: expected the foot that lands to be the one in front, found it behind in "
+            f"most rows: exchange the two lines of [contact] in {columns.path}, or mend the signs "
+            "of its angles"
+        )
+    return stance
+
+
+@dataclass(frozen=True, eq=False)
+class _Turning:
+    """How rates follow from the angles of a log.
+
+    Attributes:
+        t: times [s]. [k]
+        piece: number that changes at touchdowns and gaps. [k]
+        settled: rows whose touchdown is over. [k]
+    """
+
+    t: Float[np.ndarray, " k"]
+    piece: Int[np.ndarray, " k"]
+    settled: Bool[np.ndarray, " k"]
+
+    @classmethod
+    def of(cls, t: Float[np.ndarray, " k"], stance: Int[np.ndarray, " k"]) -> "_Turning":
+        steps = np.diff(t)
+        gap = steps > max(GAP_PERIODS * float(np.median(steps)), GAP_S)
+        lands = np.diff(stance) != 0
+        begins = np.maximum.accumulate(np.where(np.concatenate([[True], lands]), t, -np.inf))
+        piece = np.concatenate([[0], np.cumsum(gap | lands)])
+        return cls(t, piece, t - begins >= UNSETTLED_S)
+
+    def filled(
+        self, given: Float[np.ndarray, "k c"], angles: Float[np.ndarray, "k c"]
+    ) -> Float[np.ndarray, "k c"]:
+        """Rates of a file, and from the angles for columns that it has none of."""
+        absent = np.isnan(given).all(axis=0)
+        if not absent.any():
+            return given
+        values, filled = angles[:, absent], given.copy()
+        # Glitches of encoders would spoil the rates of the rows around them.
+        parts = np.split(values, np.flatnonzero(np.diff(self.piece)) + 1)
+        spoilt = np.concatenate([stand_out(part, ANGLE_RAD) for part in parts])
+        reach = half_window(float(np.median(np.diff(self.t))), noise(values))
+        filled[:, absent] = rates(self.t, values, self.piece, self.settled, spoilt, reach)
+        return filled

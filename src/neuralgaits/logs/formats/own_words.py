@@ -1,0 +1,69 @@
+"""What a robot's own log is said to hold: names for messages, and what was computed."""
+
+from neuralgaits.logs.formats.column_file import ColumnFile, Source, joints_of
+from neuralgaits.logs.labels import Labels
+from neuralgaits.logs.rates import HALF_WINDOWS_S
+from neuralgaits.robots import PlanarBiped
+
+
+def both_contacts(robot: PlanarBiped, columns: ColumnFile) -> str:
+    """Names of the columns that tell which foot is on the ground."""
+    return " and ".join(columns.sources[f"contact.{foot}"].column for foot in robot.layout.feet)
+
+
+def computed(robot: PlanarBiped, columns: ColumnFile) -> tuple[str, ...]:
+    """What the file does not hold, in words."""
+    shortest, longest = HALF_WINDOWS_S
+    window = f"{2e3 * shortest:g} to {2e3 * longest:g} ms, as long as the noise asks for"
+    found = ["stance leg from the contacts"]
+    slow = [name for name in joints_of(robot) if f"rates.{name}" not in columns.sources]
+    slow += [] if columns.has("pitch_rate") else ["pitch"]
+    if slow:
+        found.append(f"rates of {', '.join(slow)} by parabolas over {window}")
+    foot = "with" if columns.has("hip_velocity") else "without"
+    found.append(f"z from angles and rates, {foot} the speed of the stance foot")
+    if not columns.has("desired"):
+        found.append("desired outputs and rates from the run's policy at that z")
+    elif not columns.has("desired_rates"):
+        found.append(f"rates of desired outputs by parabolas over {window}")
+    if not columns.has("torques"):
+        found.append("no torques: nothing is said of them")
+    return tuple(found)
+
+
+def labels_of(robot: PlanarBiped, columns: ColumnFile) -> Labels:
+    """What quantities are called in the log."""
+    first, second = robot.layout.leg_joints
+
+    def said(table: str, joint: str) -> str:
+        source: Source | None = columns.sources.get(f"{table}.{joint}")
+        if source is not None:
+            return source.column
+        own = {"rates": "joints", "desired_rates": "desired"}.get(table)
+        if own is not None and f"{own}.{joint}" in columns.sources:
+            return f"{columns.sources[f'{own}.{joint}'].column} (its rate)"
+        return f"{table}.{joint} (computed)"
+
+    found: dict[str, tuple[str, str]] = {}
+    tables = {"q": "joints", "dq": "rates", "qd": "desired", "dqd": "desired_rates"}
+    for prefix, table in {**tables, "tau": "torques"}.items():
+        orders = [(*own, *reversed(other)) for own, other in ((first, second), (second, first))]
+        if robot.torso is None:
+            orders = [(*order[: len(first)], *order[len(first) + 1 :]) for order in orders]
+        for i, joint in enumerate(robot.joint_names[1:]):
+            found[f"{prefix}_{joint}"] = (said(table, orders[0][i]), said(table, orders[1][i]))
+    pitch = columns.sources["pitch"].column
+    rate = columns.sources.get("pitch_rate")
+    dpitch = f"{pitch} (its rate)" if rate is None else rate.column
+    contacts = both_contacts(robot, columns)
+    whole = {
+        "t": columns.sources["time"].column,
+        "stance": contacts,
+        "pitch": pitch,
+        "dpitch": dpitch,
+        f"q_{robot.joint_names[0]}": pitch,
+        f"dq_{robot.joint_names[0]}": dpitch,
+        "z1": "z1 (computed)",
+        "z2": "z2 (computed)",
+    }
+    return found | {name: (label, label) for name, label in whole.items()}

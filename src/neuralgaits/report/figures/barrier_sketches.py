@@ -1,0 +1,307 @@
+"""The conditions on the robot itself: torso, swing foot, contact force, hip and knees."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Wedge
+
+from neuralgaits.analysis.data import GaitData
+from neuralgaits.analysis.skeleton import hip_index
+from neuralgaits.report.drawing import skeleton
+from neuralgaits.report.drawing.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    RED,
+    new_figure,
+    panel,
+    styled,
+)
+
+TITLE = "The rules of the gait"
+CAPTION = (
+    "Walking is asked for as limits on the robot, not as a motion to copy: the torso stays within "
+    "its wedge, the swing foot above its arc, the contact force inside the friction cone, hip and "
+    "knees on the right side of their bounds. Poses and forces are those of the periodic gait."
+)
+ALLOWED = "#dcebf7"
+ARROWS = 9
+"""Contact forces that are drawn."""
+
+
+@styled
+def draw(data: GaitData) -> Figure:
+    """Four sketches of a gait with a periodic orbit."""
+    figure = new_figure(7.6)
+    torso, foot, force, joints = figure.subplots(2, 2).flat
+    _torso(torso, data)
+    _foot(foot, data)
+    _force(force, data)
+    _joints(joints, data)
+    return figure
+
+
+def _torso(axes: Axes, data: GaitData) -> None:
+    points = data["orbit/skeleton"][_row(data, 0.2)]
+    skeleton.draw(axes, points, data.torso)
+    low, high = _limits(data, "torso_angle")
+    panel(axes, "a", "torso" if data.torso else "pose at mid-step")
+    if data.torso:
+        hip = points[hip_index(len(points), True)]
+        top = points[hip_index(len(points), True) + 1]
+        size = 1.12 * float(np.linalg.norm(top - hip))
+        if low is not None and high is not None:
+            # Up-angles are positive backwards: to the left.
+            wedge = Wedge(
+                tuple(hip),
+                size,
+                90 + np.degrees(low),
+                90 + np.degrees(high),
+                facecolor=ALLOWED,
+                edgecolor=BLUE,
+                linewidth=1.2,
+                zorder=1,
+            )
+            axes.add_patch(wedge)
+            for angle, where in ((low, "left"), (high, "right")):
+                tip = hip + 1.03 * size * np.array([-np.sin(angle), np.cos(angle)])
+                axes.text(
+                    tip[0],
+                    tip[1],
+                    f"{angle:+.2f} rad",
+                    ha=where,
+                    va="bottom",
+                    fontsize=9,
+                    color=BLUE,
+                )
+        else:
+            _no_condition(axes, "torso")
+    _ground(axes)
+    axes.set(xlabel="forward [m]", ylabel="up [m]")
+    _frame(axes, points, 1.25)
+
+
+def _foot(axes: Axes, data: GaitData) -> None:
+    panel(axes, "b", "swing foot (heights enlarged)")
+    x, y = data["orbit/foot"].T
+    z1 = data["orbit/z"][:, 0]
+    phase = (z1 - z1[0]) / (z1[-1] - z1[0])
+    ceiling = _limits(data, "foot_height")[1]
+    tall = 1.25 * max(float(y.max()), ceiling or 0.0)
+    axes.plot(x, y, color=BLACK, label="path of the swing foot")
+    floor = np.zeros_like(x)
+    known = False
+    for arc in data.bounds("foot_above_arc"):
+        floor = arc["clearance"] * 4.0 * phase * (1.0 - phase)
+        known = True
+    for circle in data.bounds("foot_on_circle"):
+        across, up = circle["centre"]
+        square = circle["radius"] ** 2 - (x - across) ** 2
+        floor = up + np.sqrt(np.maximum(square, 0.0))
+        known = True
+    for parabola in data.bounds("parabolic_clearance"):
+        share = z1 / parabola["half_width"]
+        floor = parabola["height"] * (1.0 - share**2) - parabola["slack"]
+        known = True
+    if known:
+        axes.fill_between(
+            x,
+            -0.06 * tall,
+            floor,
+            facecolor="#fbe6da",
+            edgecolor=GREY,
+            hatch="////",
+            linewidth=0,
+            label="too low",
+            zorder=0.5,
+        )
+        axes.plot(x, floor, "--", color=RED, linewidth=1.2)
+    else:
+        _no_condition(axes, "foot clearance")
+    if ceiling is not None:
+        axes.axhline(ceiling, color=BLUE, linestyle="-.", linewidth=1.4, label="ceiling")
+    axes.axhline(0.0, color=BLACK, linewidth=1.0)
+    axes.plot(0.0, 0.0, "o", color=BLACK, ms=7)
+    axes.annotate(
+        "stance foot",
+        (0.0, 0.0),
+        (0, -9),
+        textcoords="offset points",
+        ha="center",
+        va="top",
+        fontsize=9,
+    )
+    axes.set_ylim(-0.16 * tall, 1.25 * tall)
+    axes.set(xlabel="swing foot ahead of the stance foot [m]", ylabel="height [m]")
+    axes.legend(loc="upper left", ncols=3, fontsize=8.5, columnspacing=1.0, handlelength=1.6)
+
+
+def _force(axes: Axes, data: GaitData) -> None:
+    panel(axes, "c", "force of the ground on the stance foot")
+    along, normal = data["orbit/force"].T
+    coefficients = [
+        cone["coefficient"]
+        for name in ("friction_forward", "friction_backward")
+        for cone in data.bounds(name)
+    ]
+    least = _limits(data, "normal_force")[0]
+    top = 1.25 * float(normal.max())
+    if coefficients:
+        share = min(coefficients)
+        bottom = least or 0.0
+        corners = [
+            (-share * bottom, bottom),
+            (share * bottom, bottom),
+            (share * top, top),
+            (-share * top, top),
+        ]
+        label = f"asked for: |T| ≤ {share:.2g} × N" + (f", N ≥ {least:.0f} N" if least else "")
+        axes.add_patch(Polygon(corners, facecolor=ALLOWED, edgecolor=BLUE, label=label, zorder=1))
+    else:
+        _no_condition(axes, "contact")
+    floor = float(data["robot/friction"])
+    for side in (-1.0, 1.0):
+        label = f"the floor's cone, μ = {floor:.2g}" if side > 0 else None
+        axes.plot(
+            [0.0, side * floor * top], [0.0, top], "--", color=RED, linewidth=1.4, label=label
+        )
+    for row in np.linspace(0, len(along) - 1, ARROWS).round().astype(int):
+        axes.annotate(
+            "",
+            (along[row], normal[row]),
+            (0.0, 0.0),
+            zorder=2,
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": GREY,
+                "linewidth": 0.8,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+        )
+    axes.plot(along, normal, color=BLACK, linewidth=2.0, label="tip, over one step", zorder=3)
+    axes.set(xlabel="horizontal force T [N]", ylabel="normal force N [N]")
+    axes.set_ylim(-0.03 * top, 1.62 * top)
+    axes.legend(loc="upper center", fontsize=8.5)
+
+
+def _joints(axes: Axes, data: GaitData) -> None:
+    panel(axes, "d", "hip and knees")
+    row = _row(data, 0.8)
+    points, torso = data["orbit/skeleton"][row], data.torso
+    hip_row = hip_index(len(points), torso)
+    hip, tall = points[hip_row], float(points[:, 1].max())
+    skeleton.draw(axes, points, torso)
+    path = data["orbit/skeleton"][:, hip_row]
+    axes.plot(*path.T, ":", color=BLACK, linewidth=1.2, label="path of the hip")
+    slowest = _limits(data, "forward_rate")[0]
+    speed = float(data["orbit/numbers"][3] / data["orbit/numbers"][2])
+    size = 0.5 * tall
+    axes.annotate(
+        "",
+        hip + np.array([size, 0.0]),
+        hip,
+        arrowprops={"arrowstyle": "-|>", "color": GREEN, "linewidth": 2.0},
+    )
+    text = f"on average {speed:.2f} m/s"
+    if slowest is not None:
+        text += f"\nasked for: ≥ {slowest:.2f} m/s"
+    axes.text(
+        hip[0] + size,
+        hip[1] + 0.03 * tall,
+        text,
+        fontsize=9,
+        va="bottom",
+        ha="center",
+        color=GREEN,
+    )
+    joints = len(data.joints)
+    for knees in data.bounds("knee_bend"):
+        for joint, side in zip(knees["joints"], knees["sides"], strict=True):
+            _knee(axes, data, points, int(joint), float(side), joints, row)
+        axes.plot(
+            [],
+            [],
+            "--",
+            color=RED,
+            linewidth=1.2,
+            label=f"straight leg: knees stay {knees['least']:.2g} rad off",
+        )
+    _ground(axes)
+    axes.set(xlabel="forward [m]", ylabel="up [m]")
+    _frame(axes, points, 1.45)
+    axes.legend(loc="upper center", fontsize=8.5)
+
+
+def _knee(
+    axes: Axes, data: GaitData, points: np.ndarray, joint: int, side: float, count: int, row: int
+) -> None:
+    """The straight leg at a knee, and by how much it is bent."""
+    hip = hip_index(len(points), data.torso)
+    swing = joint >= count / 2
+    # Actuated joints run up the stance leg and down the swing leg; hips stand between.
+    at = len(points) - 1 - (count - joint) if swing else joint + 1
+    above = points[at - 1] if swing else points[at + 1]
+    direction = (points[at] - above) / np.linalg.norm(points[at] - above)
+    size = 0.3 * float(points[hip, 1])
+    axes.plot(
+        *np.transpose([points[at], points[at] + size * direction]),
+        "--",
+        color=RED,
+        linewidth=1.2,
+        zorder=2,
+    )
+    bend = side * data["orbit/q"][row, joint + 1]
+    offset = (8, 2) if swing else (-8, 2)
+    axes.annotate(
+        f"{bend:.2f} rad",
+        tuple(points[at]),
+        offset,
+        textcoords="offset points",
+        ha="left" if swing else "right",
+        fontsize=9,
+    )
+
+
+def _row(data: GaitData, share: float) -> int:
+    """Row of the orbit at a share of the step's time."""
+    return int(np.searchsorted(data["orbit/t"], share * data["orbit/t"][-1]))
+
+
+def _limits(data: GaitData, quantity: str) -> tuple[float | None, float | None]:
+    """Lower and upper bound that conditions set on a quantity."""
+    found: list[float | None] = []
+    for side in ("at_least", "at_most"):
+        bounds: list[Mapping[str, Any]] = data.bounds(side, quantity)
+        numbers = [float(bound["bound"]) for bound in bounds if np.ndim(bound["bound"]) == 0]
+        found.append(numbers[0] if numbers else None)
+    return found[0], found[1]
+
+
+def _no_condition(axes: Axes, what: str) -> None:
+    axes.text(
+        0.5,
+        0.86,
+        f"this spec has no condition on {what}",
+        ha="center",
+        fontsize=9,
+        transform=axes.transAxes,
+        color=GREY,
+    )
+
+
+def _frame(axes: Axes, points: np.ndarray, share: float) -> None:
+    """Show the pose in true proportions, with room above it."""
+    top = share * float(points[:, 1].max())
+    middle = 0.5 * float(points[:, 0].min() + points[:, 0].max())
+    axes.set_ylim(-0.05 * top, top)
+    axes.set_xlim(middle - 0.6 * top, middle + 0.6 * top)
+    axes.set_aspect("equal")
+
+
+def _ground(axes: Axes) -> None:
+    axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=0)

@@ -1,0 +1,141 @@
+"""Map of a certificate: which boxes of the zero dynamics plane are proved, refuted, undecided."""
+
+import textwrap
+from pathlib import Path
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from neuralgaits.errors import RunError
+from neuralgaits.report.drawing.figure import png
+from neuralgaits.report.drawing.style import BLACK, ORANGE, new_figure, styled
+from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
+from neuralgaits.runs import read_arrays, write_bytes
+
+TITLE = "What is proved, where"
+CAPTION = (
+    "Every box is a set of states on which all conditions that apply there were bounded at once. "
+    "Green boxes are proved, the darker the further from a limit; orange ones are open, red ones "
+    "broken. A green box speaks of every state in it: none lies between samples."
+)
+
+PROVED, UNDECIDED, REFUTED = 0, 1, 2
+"""States of a box: all conditions proved, some open, some violated everywhere on it."""
+
+_GREENS = LinearSegmentedColormap.from_list("margin", ["#e5f5e0", "#74c476", "#00592b"])
+_RED = "#7f0000"
+_NOT_PROVED = (UNDECIDED, ORANGE, "///"), (REFUTED, _RED, "xxx")
+"""Colour and hatch: in grey they differ too."""
+
+
+def draw_file(data: Path, figure: Path) -> Path:
+    """Draw saved boxes. Returns: the path of the PNG file."""
+    write_bytes(figure, png(draw_saved(data)))
+    return figure
+
+
+def draw_saved(data: Path) -> Figure:
+    """The map of saved boxes. Raises: RunError if they are damaged."""
+    arrays, metadata = read_arrays(data)
+    count = len(arrays.get("answer", ()))
+    shapes = {"corners": (count, 4, 2), "answer": (count,), "margin": (count,)}
+    if any(name not in arrays or arrays[name].shape != shape for name, shape in shapes.items()):
+        raise RunError(
+            f"expected corners, answers and margins of boxes in {data}, found other arrays: "
+            "certify the run again"
+        )
+    corners, answer, margin = (arrays[name].astype(float) for name in shapes)
+    points = arrays.get("counterexamples", np.zeros((0, 2))).reshape(-1, 2)
+    return draw(corners, answer, margin, points, metadata.get("title", ""))
+
+
+@styled
+def draw(
+    corners: np.ndarray,
+    answer: np.ndarray,
+    margin: np.ndarray,
+    counterexamples: np.ndarray,
+    title: str,
+) -> Figure:
+    """The map.
+
+    Args:
+        corners: of each box in (z1, z2), in order around it; boxes may be curves. [N, 4, 2]
+        answer: PROVED, UNDECIDED or REFUTED. [N]
+        margin: smallest proved margin of a box, in scales. [N]
+        counterexamples: states that break a condition. [M, 2]
+        title: one line.
+    """
+    figure = new_figure(5.4)
+    axes = figure.add_subplot()
+    proved = np.flatnonzero(answer == PROVED)
+    # The least margin on top: regions overlap, and the picture shows the worst.
+    proved = proved[np.argsort(-margin[proved], kind="stable")]
+    # Curves (fences, guard) have no area: their edge carries the colour.
+    curve = _is_curve(corners)
+    width = np.where(curve, 3.0, 0.25)
+    top = float(np.max(margin[proved][~curve[proved]], initial=1e-6))
+    boxes = PolyCollection(
+        list(corners[proved]), array=margin[proved], cmap=_GREENS, edgecolors="face"
+    )
+    # Thousands of boxes: a picture of them is smaller than their corners.
+    boxes.set_rasterized(True)
+    boxes.set(clim=(0.0, top), linewidths=width[proved])
+    axes.add_collection(boxes)
+    outlines = proved[~curve[proved]]
+    axes.add_collection(
+        PolyCollection(
+            list(corners[outlines]),
+            facecolors="none",
+            edgecolors="#00441b30",
+            linewidths=0.3,
+            rasterized=True,
+        )
+    )
+    for state, colour, hatch in _NOT_PROVED:
+        chosen = answer == state
+        axes.add_collection(
+            PolyCollection(
+                list(corners[chosen]),
+                facecolors=colour,
+                edgecolors=np.where(curve[chosen], colour, BLACK),
+                hatch=hatch,
+                linewidths=width[chosen],
+            )
+        )
+    if len(counterexamples):
+        axes.plot(*counterexamples.T, "kx", markersize=8, markeredgewidth=2)
+    axes.autoscale_view()
+    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
+    axes.set_title("\n".join(textwrap.wrap(title, 90)), fontsize=10)
+    figure.colorbar(boxes, ax=axes, label="least proved margin of the box [scale of its condition]")
+    _legend(axes, answer, len(counterexamples))
+    return figure
+
+
+def _legend(axes, answer: np.ndarray, points: int) -> None:
+    handles: list = [
+        Patch(
+            facecolor=colour,
+            edgecolor=BLACK,
+            hatch=hatch,
+            label=f"{label} ({np.sum(answer == state)} boxes)",
+        )
+        for (state, colour, hatch), label in zip(
+            ((PROVED, "#74c476", ""), *_NOT_PROVED),
+            ("proved", "undecided", "violated"),
+            strict=True,
+        )
+    ]
+    if points:
+        handles += axes.plot([], [], "kx", label=f"counterexample ({points})")
+    axes.legend(handles=handles, loc="upper center", fontsize=8)
+
+
+def _is_curve(corners: np.ndarray) -> np.ndarray:
+    """Boxes without area. [N]."""
+    across, up = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
+    return (np.abs(across).max(axis=1) == 0.0) | (np.abs(up).max(axis=1) == 0.0)

@@ -1,0 +1,127 @@
+"""The invariant set of the whole robot: states of the plane, with room for errors of the joints."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+from neuralgaits.analysis.data import GaitData
+from neuralgaits.report.drawing.style import BLACK, BLUE, RED, new_figure, panel, series, styled
+from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
+
+TITLE = "How far the joints may be off"
+CAPTION = (
+    "Real joints never follow exactly. Left: over the states of the tube, how large their errors "
+    "may be and the robot still provably walks on for ever, with motors that do without delay what "
+    "the controller asks: little near the edges and before the foot lands. Right: the same along "
+    "the step, against the errors that an impact leaves and how the controller lets them die out."
+)
+LEVEL_LOWER, LEVEL_UPPER = "level-lower", "level-upper"
+"""Barriers that are the tube's fences."""
+CURVES = (0.5, 2.0, 5.0)
+"""Sizes of errors whose slices of the set are outlined [mrad]."""
+FLOOR = 1e-3
+"""Errors below this are not drawn [mrad]."""
+_MAP = LinearSegmentedColormap.from_list("errors", ["#f4faff", "#9ecae1", "#08306b"])
+
+
+@dataclass(frozen=True)
+class FullOrderSet:
+    """The set {h_i - t_i >= sigma_i V for all i, sqrt(V) <= radius exp(-shrink phase^2)}.
+
+    Attributes:
+        radius: [rad].
+        shrink: [1].
+        sigma: weight of V for each barrier [h/rad^2].
+        tightening: t of each barrier [h].
+        after_impact: largest sqrt(V) after an impact [rad].
+        decay: rate gamma at which V falls [1/s].
+    """
+
+    radius: float
+    shrink: float
+    sigma: Mapping[str, float]
+    tightening: Mapping[str, float]
+    after_impact: float
+    decay: float
+
+    def tube(self, phase: np.ndarray | float) -> np.ndarray:
+        """Bound on sqrt(V) that depends on the phase alone [rad]."""
+        return self.radius * np.exp(-self.shrink * phase**2)
+
+    def room(self, name: str, h: np.ndarray | float) -> np.ndarray:
+        """Bound on sqrt(V) by one barrier's value; zero where z itself is outside [rad]."""
+        return np.sqrt(np.maximum(h - self.tightening[name], 0.0) / self.sigma[name])
+
+
+@styled
+def draw(data: GaitData, full: FullOrderSet) -> Figure:
+    """The set over the plane, and along the step."""
+    phase, _ = np.meshgrid(data["chart/phase"], data["chart/level"])
+    rooms = allowed(data, full)
+    most = 1e3 * np.minimum(np.min(list(rooms.values()), axis=0), full.tube(phase))
+    figure = new_figure(5.0)
+    left, right = figure.subplots(1, 2)
+    z = data["chart/z"]
+    mesh = left.pcolormesh(
+        z[..., 0], z[..., 1], most, cmap=_MAP, shading="gouraud", rasterized=True
+    )
+    mesh.set_clim(0.0, float(most.max()))
+    bar = figure.colorbar(mesh, ax=[left, right], location="bottom", shrink=0.6, aspect=40)
+    bar.set_label("largest error of the joints, √V, picture a [mrad]")
+    shown = [size for size in CURVES if size < float(most.max())]
+    if shown:
+        lines = left.contour(z[..., 0], z[..., 1], most, shown, colors=BLACK, linewidths=1.0)
+        left.clabel(lines, fmt=lambda size: f"{size:g} mrad", fontsize=8)
+    for side in (0, -1):
+        left.plot(*z[side].T, color=BLUE, linewidth=2.0)
+    left.plot([], [], color=BLUE, linewidth=2.0, label="$C_Z$: edge of the tube, no error")
+    left.plot([], [], color=BLACK, linewidth=1.0, label="$C_σ$: its slices at these errors")
+    left.set(xlabel=X_LABEL, ylabel=Y_LABEL)
+    left.set_ylim(top=float(z[..., 1].max()) * 1.28)
+    left.legend(loc="upper center", fontsize=8.5)
+    panel(left, "a", "over the states of the tube")
+    _along(right, data, full, rooms, most)
+    panel(right, "b", "along the step")
+    return figure
+
+
+def allowed(data: GaitData, full: FullOrderSet) -> dict[str, np.ndarray]:
+    """Bound on sqrt(V) by each barrier over the chart [rad]. [L, P] each."""
+    level = np.broadcast_to(data["chart/level"][:, None], data["chart/z"].shape[:2])
+    values = dict(zip(data.barriers, data["chart/barriers"], strict=True))
+    values |= {LEVEL_LOWER: level, LEVEL_UPPER: 1.0 - level}
+    return {name: full.room(name, values[name]) for name in full.sigma if name in values}
+
+
+def _along(
+    axes: Axes,
+    data: GaitData,
+    full: FullOrderSet,
+    rooms: Mapping[str, np.ndarray],
+    most: np.ndarray,
+) -> None:
+    phase = data["chart/phase"]
+    best = most.max(axis=0)
+    axes.fill_between(phase, FLOOR, best, color="#dcebf7", label="$C_σ$, mid-tube")
+    for number, (name, room) in enumerate(rooms.items()):
+        line: dict[str, Any] = series(number + 2) | {"linewidth": 1.1}
+        axes.plot(phase, 1e3 * room.max(axis=0), label=name, **line)
+    bound = 1e3 * full.tube(phase)
+    axes.plot(phase, bound, color=BLUE, linewidth=2.2, label="torque and contact")
+    if data.periodic:
+        z1 = data["orbit/z"][:, 0]
+        at = (z1 - z1[0]) / (z1[-1] - z1[0])
+        left = 1e3 * full.after_impact * np.exp(-0.5 * full.decay * data["orbit/t"])
+        label = "after the worst impact"
+        axes.plot(at, left, color=RED, linestyle=(0, (6, 2)), linewidth=2.0, label=label)
+    axes.set(yscale="log", xlabel="phase of the step [1]", ylabel="error of the joints, √V [mrad]")
+    axes.set_xlim(0.0, 1.0)
+    top = max(float(np.max(list(rooms.values()))) * 1e3, float(best.max()))
+    # Room for the names above the curves.
+    axes.set_ylim(FLOOR, 400.0 * top)
+    axes.legend(fontsize=8.5, loc="upper center", ncols=2, handlelength=1.8)

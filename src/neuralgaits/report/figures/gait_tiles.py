@@ -1,0 +1,75 @@
+"""The robot as a line drawing, moment by moment over one step."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from neuralgaits._types import Float
+from neuralgaits.report.drawing import skeleton
+from neuralgaits.report.drawing.style import GREY, new_figure, styled
+
+TITLE, MEASURED_TITLE = "The gait", "The gait in simulation"
+CAPTION = (
+    "One step of the periodic gait, from the moment a foot lands to the moment the other one does. "
+    "The dark leg stands, the light leg swings forward; what is written below is how high."
+)
+TILES = 7
+
+
+def measured_caption(source: str) -> str:
+    """What is to be seen of a measured step."""
+    return (
+        f"The last full step of a walk ({source}), where feet can slip, motors saturate and "
+        "contact is soft: it should look like the gait it was designed to be."
+    )
+
+
+@styled
+def draw(
+    points: Float[np.ndarray, "K points 2"], t: Float[np.ndarray, " K"], torso: bool
+) -> Figure:
+    """Poses at equal times.
+
+    Args:
+        points: of the skeleton, over one step [m].
+        t: times, from 0 [s].
+        torso: whether the robot has one.
+    """
+    chosen = [int(np.argmin(np.abs(t - moment))) for moment in np.linspace(t[0], t[-1], TILES)]
+    poses = points[chosen]
+    poses = poses - poses[:, :1] * np.array([1.0, 0.0])
+    low, high = float(poses[..., 0].min()), float(poses[..., 0].max())
+    tall = float(poses[..., 1].max())
+    pitch = 1.12 * (high - low)
+    figure = new_figure(0.9 + 7.4 * (1.22 * tall) / (TILES * pitch))
+    axes = figure.add_subplot()
+    axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
+    foot = poses[:, -1]
+    for number, row in enumerate(chosen):
+        shift = number * pitch
+        if number:
+            # Where the swing foot has been.
+            way = points[chosen[0] : row + 1, -1] - points[chosen[0] : row + 1, 0]
+            axes.plot(way[:, 0] + shift, way[:, 1], ":", color=GREY, linewidth=1.0)
+        skeleton.draw(axes, poses[number], torso, shift=shift)
+        axes.text(
+            shift + 0.5 * (low + high),
+            -0.1 * tall,
+            f"{t[row] - t[0]:.2f} s\nfoot {_centimetres(foot[number, 1])} cm",
+            ha="center",
+            va="top",
+            fontsize=9,
+        )
+    axes.set_xlim(low - 0.06 * pitch, (TILES - 1) * pitch + high + 0.06 * pitch)
+    axes.set_ylim(-0.32 * tall, 1.06 * tall)
+    axes.set_aspect("equal")
+    axes.set_ylabel("height [m]")
+    axes.set_yticks(np.arange(0.0, tall, 0.5))
+    axes.set_xticks([])
+    for side in ("bottom", "left"):
+        axes.spines[side].set_visible(False)
+    return figure
+
+
+def _centimetres(height: float) -> str:
+    """A height without the sign of a rounded zero."""
+    return f"{round(100.0 * height, 1) + 0.0:.1f}"

@@ -1,0 +1,66 @@
+"""Loss of every condition over the training."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from neuralgaits.report.drawing.style import BLACK, GREY, marker, new_figure, panel, series, styled
+
+TITLE = "How it was trained"
+CAPTION = (
+    "The loss says by how much the conditions are broken on random states, or are nearer to their "
+    "limits than training wants them; effort is added to it. So it does not end at zero, and a "
+    "small loss alone does not say that nothing is broken."
+)
+WHOLE = ("loss", "validation_loss")
+"""Columns about all conditions together."""
+NOT_CONDITIONS = ("step", "loss", "validation_loss", "effort")
+FLOOR = 1e-6
+"""Losses below this are drawn here: a logarithm has no zero [1]."""
+SHOWN = 7
+"""Conditions with a curve of their own: those that were broken most."""
+
+
+@styled
+def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
+    """The curves.
+
+    Args:
+        rows: of `metrics.csv`, at least one.
+    """
+    steps = np.array([row["step"] for row in rows])
+    figure = new_figure(5.2)
+    whole, parts = figure.subplots(1, 2)
+    for name, label, colour, dash, mark in (
+        ("loss", "training loss", BLACK, "-", "o"),
+        ("validation_loss", "on fresh states, best so far", GREY, "--", "s"),
+    ):
+        whole.plot(steps, _column(rows, name), dash, color=colour, marker=mark, ms=4, label=label)
+    panel(whole, "a", "all conditions and effort together")
+    names = sorted(
+        (name for name in rows[0] if name not in NOT_CONDITIONS),
+        key=lambda name: -float(_column(rows, name).max()),
+    )
+    broken = [name for name in names if _column(rows, name).max() > FLOOR]
+    for number, name in enumerate(broken[:SHOWN]):
+        line = {**series(number), "marker": marker(number), "ms": 4}
+        parts.plot(steps, _column(rows, name), label=name, **line)
+    others = len(names) - len(broken[:SHOWN])
+    panel(parts, "b", "worst conditions alone")
+    parts.axhline(FLOOR, color=GREY, linewidth=0.8)
+    if others:
+        parts.plot([], [], " ", label=f"{others} others: lower")
+    for axes in (whole, parts):
+        axes.set(yscale="log", xlabel="gradient steps [1]", ylabel="loss [1]")
+        # One checkpoint is drawn as well as many.
+        axes.set_xlim(0.0, 1.05 * max(float(steps.max()), 1.0))
+        axes.grid(True, which="major", color="0.9")
+    parts.set_ylabel(f"loss of the condition [1], lowest line: ≤ {FLOOR:g}")
+    whole.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14))
+    parts.legend(loc="upper center", bbox_to_anchor=(0.45, -0.14), ncols=2, fontsize=8.5)
+    return figure
+
+
+def _column(rows: Sequence[Mapping[str, float]], name: str) -> np.ndarray:
+    return np.maximum([row[name] for row in rows], FLOOR)

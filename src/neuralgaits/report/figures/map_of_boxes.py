@@ -1,0 +1,49 @@
+"""Boxes of a certificate carried to the plane of the zero dynamics, saved and drawn."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.certificate.search.branch_and_bound import Search
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.report.figures.certificate_map import PROVED, REFUTED, UNDECIDED, draw_file
+from neuralgaits.runs import write_arrays
+
+DATA, FIGURE = "map.safetensors", "map.png"
+
+
+def write_map(
+    run: Run, problems: Sequence[Problem], states: Sequence[Search], folder: Path
+) -> Path:
+    """Save corners and states of all boxes, and the figure of them. Returns: its path."""
+    chart = trace(lambda u: {"z": run.gait.z(u)}, {"u": (2,)})
+    parts = []
+    for state in states:
+        tree, leaf = state.tree, state.tree.is_leaf
+        low, high = tree.low[leaf], tree.high[leaf]
+        corners = [low, np.stack([high[:, 0], low[:, 1]], 1), high]
+        corners.append(np.stack([low[:, 0], high[:, 1]], 1))
+        z = evaluate(chart, {"u": np.concatenate(corners)}, POINT)["z"]
+        lower, upper = tree.lower[leaf], tree.upper[leaf]
+        answer = np.where(np.all(lower >= 0.0, axis=1), PROVED, UNDECIDED)
+        answer = np.where(np.any(upper < 0.0, axis=1), REFUTED, answer)
+        parts.append((z.reshape(4, -1, 2).swapaxes(0, 1), answer, lower.min(axis=1)))
+    points = [point.z for state in states for point in state.refuted.values()]
+    corners, answers, margins = (np.concatenate(part) for part in zip(*parts, strict=True))
+    arrays = {
+        "corners": corners,
+        "answer": answers,
+        "margin": margins,
+        "counterexamples": np.array(points, dtype=np.float64).reshape(-1, 2),
+    }
+    names = sorted({name for state in states for name in state.refuted})
+    conditions = {name for problem in problems for name in problem.names}
+    title = f"{run.asked.robot}, {run.asked.spec}: {len(conditions)} conditions"
+    if names:
+        title += f"; refuted: {', '.join(names)}"
+    write_arrays(folder / DATA, arrays, {"title": title})
+    return draw_file(folder / DATA, folder / FIGURE)

@@ -1,0 +1,119 @@
+"""How far the gait keeps from breaking each condition: along the orbit, and at worst."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from neuralgaits.analysis.data import GaitData
+from neuralgaits.report.drawing.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    LIGHT,
+    RED,
+    new_figure,
+    panel,
+    series,
+    styled,
+)
+
+TITLE = "How much room there is"
+CAPTION = (
+    "A condition is a limit the robot must keep, and its margin is what is left of it: above zero "
+    "it holds. Left: the margins over one step of the periodic gait, the tightest ones by name. "
+    "Right: the least margin of each condition on a grid over the region where it must hold; "
+    "diamonds are bounds that are proved for every state of it."
+)
+NAMED = 6
+"""Conditions with a line of their own: the tightest."""
+MOMENT = 3
+"""A condition that applies at no more nodes than this holds at one moment: it has no line."""
+SHOWN = 1.0
+"""Margins beyond this are cut off: they are far away [scale]."""
+
+
+@styled
+def draw(data: GaitData, proved: Mapping[str, float]) -> Figure:
+    """Margins in scales of their conditions.
+
+    Args:
+        data: of the gait.
+        proved: proved lower bound of conditions that have one [scale].
+    """
+    figure = new_figure(max(5.0, 1.5 + 0.2 * len(data.conditions)))
+    left, right = figure.subplots(1, 2, width_ratios=[1.15, 1.0])
+    _over_time(left, data)
+    _worst(right, data, proved)
+    return figure
+
+
+def _over_time(axes: Axes, data: GaitData) -> None:
+    t, margins = data["orbit/t"], data["orbit/margins"]
+    least = np.array([np.nanmin(row) if np.isfinite(row).any() else np.inf for row in margins])
+    lines = [row for row in np.argsort(least) if np.isfinite(margins[row]).sum() > MOMENT]
+    for row in lines[NAMED:]:
+        axes.plot(t, margins[row], color=LIGHT, linewidth=0.9, zorder=1)
+    for number, row in enumerate(lines[:NAMED]):
+        axes.plot(t, margins[row], label=data.conditions[row], zorder=2, **series(number))
+    if lines[NAMED:]:
+        label = f"{len(lines[NAMED:])} others"
+        axes.plot([], [], color=LIGHT, linewidth=0.9, label=label)
+    if not len(t):
+        axes.text(0.5, 0.6, "the gait has no periodic orbit", ha="center", transform=axes.transAxes)
+    _forbidden(axes.axhspan, axes.axhline)
+    top = max(SHOWN, 1.2 * float(np.min(least, initial=SHOWN)))
+    bottom = min(-0.12, 1.2 * float(np.min(least, initial=0.0)))
+    axes.set_ylim(bottom, top)
+    if len(t):
+        axes.set_xlim(t[0], t[-1])
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
+    axes.set(xlabel="time since the foot landed [s]", ylabel="margin [scale of the condition]")
+    panel(axes, "a", "along the orbit")
+
+
+def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
+    margins = data["chart/margins"].reshape(len(data.conditions), -1)
+    least = np.array([np.nanmin(row) if np.isfinite(row).any() else np.nan for row in margins])
+    order = np.argsort(-least)
+    rows = np.arange(len(order))
+    cut = np.minimum(least[order], SHOWN)
+    colours = [RED if value < 0.0 else BLUE for value in cut]
+    hatches = ["////" if value < 0.0 else "" for value in cut]
+    axes.barh(rows, cut, color=colours, height=0.62, hatch=hatches, edgecolor="white")
+    for row, value in zip(rows, least[order], strict=True):
+        if value > SHOWN:
+            axes.text(SHOWN, float(row), f" {value:.1f}", va="center", fontsize=8)
+    shown = [
+        (proved[data.conditions[i]], row)
+        for row, i in enumerate(order)
+        if data.conditions[i] in proved and least[i] <= SHOWN
+    ]
+    if shown:
+        bounds, at = np.transpose(shown)
+        axes.plot(
+            np.minimum(bounds, SHOWN),
+            at,
+            "D",
+            color=GREEN,
+            mec=BLACK,
+            ms=5,
+            label="proved: at least",
+            linestyle="none",
+        )
+    axes.barh([], [], color=BLUE, label="least found on a grid")
+    _forbidden(axes.axvspan, axes.axvline)
+    axes.set_xlim(min(-0.1, 1.2 * float(np.nanmin(least))), 1.12 * SHOWN)
+    axes.set_ylim(-0.7, len(order) - 0.3)
+    axes.set_yticks(rows, [data.conditions[i] for i in order], fontsize=8.5)
+    axes.set_xlabel("least margin [scale of the condition]")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.4, -0.1), ncols=2)
+    panel(axes, "b", "over the whole region")
+
+
+def _forbidden(span, line) -> None:
+    """Mark margins below zero: broken."""
+    span(-10.0, 0.0, facecolor="#fbe6da", edgecolor=GREY, hatch="//", linewidth=0, zorder=0)
+    line(0.0, color=BLACK, linewidth=1.0)

@@ -1,0 +1,171 @@
+"""Phase portrait of the hybrid zero dynamics: flow, guard, reset, tube, safe set and orbit."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import FancyArrowPatch, Patch
+
+from neuralgaits.analysis.data import GaitData, MeasuredWalk
+from neuralgaits.report.drawing.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    new_figure,
+    styled,
+)
+
+TITLE = "Every step in one picture"
+X_LABEL = "z1, hip ahead of the stance foot [m]"
+Y_LABEL = "z2, angular momentum about\nthe stance foot [kg m²/s]"
+TUBE = "#dcebf7"
+RESETS = 3
+"""Arrows of the reset map: from the fences and between them."""
+
+
+def caption(data: GaitData, walk: MeasuredWalk | None, level: int) -> str:
+    """What is to be seen.
+
+    Args:
+        data: of the gait.
+        walk: measured, or None.
+        level: up to which the gait is proved, 0 if nothing is.
+    """
+    text = (
+        "As long as the joints follow the policy exactly, a point is the whole state of the "
+        "walking robot: where the hip is, and with how much momentum it turns over the foot. Grey "
+        "lines show where the motion carries it; at the guard the foot lands, "
+        "and the dotted arrows take the state to the start of the next step. "
+    )
+    chart = data["chart/barriers"]
+    # Where barrier functions are negative on the tube, the walking set is the rest of it.
+    where = "the blue tube" if np.min(chart, initial=0.0) >= 0.0 else "the tube's safe part"
+    if level >= 3:
+        text += (
+            f"No such walk that begins in {where} leaves it, and every one settles on one orbit: "
+            "that is proved"
+        )
+    elif level == 2:
+        text += f"No such walk that begins in {where} leaves it: that is proved"
+    else:
+        text += "The gait is made for the blue tube; that nothing leaves it is not proved"
+    return text + (f". Black dots were measured ({walk.source})." if walk else ".")
+
+
+@styled
+def draw(data: GaitData, walk: MeasuredWalk | None = None) -> Figure:
+    """The portrait, with a measured walk in it if there is one."""
+    figure = new_figure(5.8)
+    axes = figure.add_subplot()
+    handles: list = [_tube(axes, data), *_safe_set(axes, data), flow(axes, data, "dz")]
+    handles += _walks(axes, data, walk)
+    handles += _guard_and_reset(axes, data)
+    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
+    axes.set_xlim(data["plane/z1"].min(), data["plane/z1"].max())
+    axes.set_ylim(data["plane/z2"].min(), data["plane/z2"].max())
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
+    return figure
+
+
+def flow(
+    axes: Axes,
+    data: GaitData,
+    name: str,
+    colour: str = GREY,
+    *,
+    density: float = 0.9,
+    width: float = 0.6,
+) -> Line2D:
+    """Stream lines of a field on the plane's grid. Returns: what a legend shows."""
+    z1, z2, field = data["plane/z1"], data["plane/z2"], data[f"plane/{name}"]
+    finite = np.where(np.isfinite(field), field, 0.0)
+    streams = axes.streamplot(
+        z1,
+        z2,
+        finite[..., 0],
+        finite[..., 1],
+        color=colour,
+        linewidth=width,
+        arrowsize=0.7,
+        density=density,
+        zorder=1.5,
+    )
+    streams.lines.set_alpha(0.8)
+    return Line2D([], [], color=colour, linewidth=0.8, marker=">", ms=3, label="flow")
+
+
+def _tube(axes: Axes, data: GaitData) -> Patch:
+    z1, (low, high) = data["fences/z1"], data["fences/z2"]
+    axes.fill_between(z1, low, high, color=TUBE, zorder=1, linewidth=0)
+    for fence in (low, high):
+        axes.plot(z1, fence, color=BLUE, linewidth=2.2, zorder=2.5)
+    return Patch(facecolor=TUBE, edgecolor=BLUE, linewidth=2.0, label="tube T between its fences")
+
+
+def _safe_set(axes: Axes, data: GaitData) -> list:
+    """Outside of it: hatched. Nothing to draw if every state of the picture is safe."""
+    if not len(data["plane/barriers"]):
+        return []
+    least = data["plane/barriers"].min(axis=0)
+    z1, z2 = data["plane/z1"], data["plane/z2"]
+    name = "safe set $C_Z$"
+    if np.nanmin(least) >= 0.0:
+        return []
+    axes.contourf(z1, z2, least, [-np.inf, 0.0], colors="none", hatches=["////"], zorder=1.2)
+    axes.contour(z1, z2, least, [0.0], colors=ORANGE, linewidths=1.6, linestyles="-.", zorder=2)
+    return [
+        Patch(facecolor="none", edgecolor=BLACK, hatch="////", label=f"outside the {name}"),
+        Line2D([], [], color=ORANGE, linestyle="-.", label=f"edge of the {name}"),
+    ]
+
+
+def _guard_and_reset(axes: Axes, data: GaitData) -> list:
+    z1, z2, foot = data["plane/z1"], data["plane/z2"], data["plane/foot"]
+    # Far behind the guard the policy means nothing, and its foot may rise and fall again.
+    usual = data["guard/z"][:, 0].max()
+    ahead = np.where((z1 > 0.0) & (z1 < usual + 0.5 * (z1[-1] - usual)), foot, np.nan)
+    axes.contour(z1, z2, ahead, [0.0], colors=BLACK, linewidths=2.0, linestyles="--", zorder=3)
+    before, after = data["guard/z"], data["guard/z_after"]
+    for row in np.linspace(0, len(before) - 1, RESETS).round().astype(int):
+        arrow = FancyArrowPatch(
+            tuple(before[row]),
+            tuple(after[row]),
+            arrowstyle="-|>",
+            connectionstyle="arc3,rad=0.22",
+            linestyle=(0, (1, 2)),
+            color=BLACK,
+            mutation_scale=12,
+            linewidth=1.3,
+            shrinkA=0,
+            shrinkB=0,
+            zorder=4,
+        )
+        axes.add_patch(arrow)
+    return [
+        Line2D([], [], color=BLACK, linestyle="--", linewidth=2.0, label="guard: the foot lands"),
+        Line2D([], [], color=BLACK, linestyle=(0, (1, 2)), label="reset: legs swap roles"),
+    ]
+
+
+def _walks(axes: Axes, data: GaitData, walk: MeasuredWalk | None) -> list:
+    handles = []
+    if np.isfinite(data["walks/z"]).any():
+        axes.plot(*data["walks/z"].T, color=GREEN, linewidth=1.1, linestyle="-.", zorder=3)
+        handles.append(
+            Line2D([], [], color=GREEN, linewidth=1.1, linestyle="-.", label="walks from the edge")
+        )
+    if data.periodic:
+        axes.plot(*data["orbit/z"].T, color=RED, linewidth=2.6, zorder=3.5)
+        handles.append(Line2D([], [], color=RED, linewidth=2.6, label="periodic orbit"))
+    if walk is not None:
+        thin = max(len(walk.t) // 600, 1)
+        dots: dict[str, Any] = {"color": BLACK, "marker": ".", "ms": 2.2, "linestyle": "none"}
+        axes.plot(*walk.z[::thin].T, **dots, zorder=3.8, rasterized=True)
+        label = f"measured: {walk.source}"
+        handles.append(Line2D([], [], color=BLACK, marker=".", ms=5, linestyle="none", label=label))
+    return handles

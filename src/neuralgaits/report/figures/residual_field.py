@@ -1,0 +1,96 @@
+"""What was learned of the robot beyond its model: the field, and the flow before and after."""
+
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from neuralgaits.analysis.data import GaitData, ResidualData
+from neuralgaits.report.drawing.style import BLACK, BLUE, GREY, new_figure, panel, styled
+from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL, flow
+
+TITLE = "What the robot taught the model"
+SHADES = 11
+
+
+def caption(data: ResidualData) -> str:
+    """What is to be seen."""
+    end = (
+        "The policy of this run was trained on the corrected flow."
+        if data.trained
+        else "The policy of this run has not been trained with it yet."
+    )
+    dots = (
+        " Black dots are the states that were seen; elsewhere the correction is a guess."
+        if len(data.visited)
+        else ""
+    )
+    return (
+        "The difference between how the logged robot moved and how its model says it should, as a "
+        f"function of the state (a, b), and the flow without and with it (c).{dots} {end}"
+    )
+
+
+@styled
+def draw(data: ResidualData) -> Figure:
+    """Both components of the residual, and the flow nominal and corrected."""
+    gait = data.gait
+    figure = new_figure(7.6)
+    grid = figure.add_gridspec(2, 2, height_ratios=[1.0, 1.15])
+    parts = [figure.add_subplot(grid[0, column]) for column in (0, 1)]
+    for number, (axes, label) in enumerate(
+        zip(parts, ("correction of dz1/dt [m/s]", "correction of dz2/dt [N m]"), strict=True)
+    ):
+        _component(figure, axes, data, number, label)
+    panel(parts[0], "a", "how fast the hip moves")
+    panel(parts[1], "b", "how the momentum changes")
+    axes = figure.add_subplot(grid[1, :])
+    after = gait["plane/nominal_dz"] + data.epsilon
+    corrected = replace(gait, arrays={**gait.arrays, "plane/corrected": after})
+    flow(axes, corrected, "nominal_dz", GREY, density=0.6)
+    flow(axes, corrected, "corrected", BLUE, density=0.6, width=1.7)
+    _fences(axes, gait)
+    handles = [
+        Line2D([], [], color=GREY, linewidth=0.8, marker=">", ms=3, label="flow of the model"),
+        Line2D([], [], color=BLUE, linewidth=2.0, marker=">", ms=5, label="corrected flow"),
+        Line2D([], [], color=BLACK, linewidth=1.4, label="fences of the tube"),
+    ]
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3)
+    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
+    panel(axes, "c", "flow before and after")
+    return figure
+
+
+def _component(figure: Figure, axes: Axes, data: ResidualData, number: int, label: str) -> None:
+    gait, field = data.gait, data.epsilon[..., number]
+    z1, z2 = gait["plane/z1"], gait["plane/z2"]
+    most = max(float(np.abs(field).max()), 1e-12)
+    low, high = float(field.min()), float(field.max())
+    # A field of one value everywhere still needs two levels.
+    shades = np.linspace(low, max(high, low + 1e-3 * most), SHADES + 1)
+    area = axes.contourf(z1, z2, field, shades, cmap="PuOr", norm=Normalize(-most, most))
+    # Signs must survive printing in grey: falling values are dashed.
+    axes.contour(
+        z1, z2, field, shades[1:-1], colors=BLACK, linewidths=0.5, negative_linestyles="dashed"
+    )
+    area.set_rasterized(True)
+    bar = figure.colorbar(area, ax=axes, location="bottom", ticks=MaxNLocator(5))
+    bar.set_label(label)
+    bar.ax.tick_params(labelsize=8)
+    _fences(axes, gait)
+    if len(data.visited):
+        dots = {"color": BLACK, "marker": ".", "ms": 1.2, "linestyle": "none"}
+        axes.plot(*data.visited.T, **dots, rasterized=True)
+    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL if number == 0 else "")
+    axes.tick_params(labelleft=number == 0)
+    axes.set_xlim(z1.min(), z1.max())
+    axes.set_ylim(z2.min(), z2.max())
+
+
+def _fences(axes: Axes, gait: GaitData) -> None:
+    for fence in gait["fences/z2"]:
+        axes.plot(gait["fences/z1"], fence, color=BLACK, linewidth=1.4, zorder=3)

@@ -1,0 +1,1 @@
+"""Robot files: read as a planar biped, or changed into one that can be."""

@@ -1,0 +1,135 @@
+"""Motors of a robot file: one plain motor on every joint but the root's, with a torque limit.
+
+A motor's torque on its joint is gear x gain x control. Its limit is the smallest of what
+ctrlrange, forcerange and the joint's actuatorfrcrange allow. Joint ranges are required too:
+policies are bounded by them.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.planar_tree import joint_name
+
+
+@dataclass(frozen=True)
+class Motor:
+    """A motor on one joint.
+
+    Attributes:
+        name: of the actuator.
+        gear: joint torque per control, in the file's joint direction [N m per unit].
+        limit: largest joint torque [N m].
+    """
+
+    name: str
+    gear: float
+    limit: float
+
+
+def read_motor(model: mujoco.MjModel, joint: int) -> Motor:
+    """The motor of a joint.
+
+    Raises: RobotError if there is none, more than one, or it is not a plain motor with a limit.
+    """
+    name = joint_name(model, joint)
+    kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+    found = [
+        a
+        for a in range(model.nu)
+        if int(model.actuator_trntype[a]) in kinds and int(model.actuator_trnid[a, 0]) == joint
+    ]
+    if not found:
+        raise RobotError(
+            f'joint {name} is not actuated: add <motor name="{name}" joint="{name}"/>, '
+            "or weld its body"
+        )
+    if len(found) > 1:
+        raise RobotError(f"joint {name} has {len(found)} actuators: expected one; keep one")
+    return _plain_motor(model, found[0], joint)
+
+
+def refuse_other_actuators(model: mujoco.MjModel, joints: list[int]) -> None:
+    """Check that every actuator drives one of `joints`.
+
+    Raises: RobotError naming an actuator on the root, a site or a body.
+    """
+    if model.nu == 0:
+        raise RobotError("the file has no actuators: add a <motor> for every joint but the root's")
+    kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+    for actuator in range(model.nu):
+        label = _label(model, actuator)
+        if int(model.actuator_trntype[actuator]) not in kinds:
+            what = mujoco.mjtTrn(model.actuator_trntype[actuator]).name
+            what = what.removeprefix("mjTRN_").lower()
+            raise RobotError(
+                f"actuator {label} acts on a {what}, but only motors on joints are treated: write "
+                'joint="JOINT" instead, or remove it where the joint has a motor already'
+            )
+        if int(model.actuator_trnid[actuator, 0]) not in joints:
+            raise RobotError(
+                f"actuator {label} does not drive a leg joint: the root must be free; remove it"
+            )
+
+
+def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
+    """A joint's range in the file's coordinate [rad].
+
+    Raises: RobotError if it has none.
+    """
+    if not model.jnt_limited[joint]:
+        name = joint_name(model, joint)
+        raise RobotError(
+            f'joint {name} has no range: add range="LOWER UPPER", it bounds the policy'
+        )
+    lower, upper = model.jnt_range[joint]
+    return float(lower), float(upper)
+
+
+def _label(model: mujoco.MjModel, actuator: int) -> str:
+    return model.actuator(actuator).name or f"number {actuator}"
+
+
+def _plain_motor(model: mujoco.MjModel, actuator: int, joint: int) -> Motor:
+    name = model.actuator(actuator).name
+    if not name:
+        raise RobotError(f"the motor of joint {joint_name(model, joint)} has no name: give it one")
+    plain = (
+        model.actuator_dyntype[actuator] == mujoco.mjtDyn.mjDYN_NONE
+        and model.actuator_gaintype[actuator] == mujoco.mjtGain.mjGAIN_FIXED
+        and model.actuator_biastype[actuator] == mujoco.mjtBias.mjBIAS_NONE
+        and not any(
+            np.any(getattr(model, field)[actuator])
+            for field in ("actuator_armature", "actuator_damping", "actuator_delay")
+            if hasattr(model, field)
+        )
+    )
+    if not plain:
+        raise RobotError(
+            f"actuator {name} is not a plain motor: use <motor>, and put armature and damping on "
+            "the joint"
+        )
+    gain = float(model.actuator_gainprm[actuator, 0])
+    gear = float(model.actuator_gear[actuator, 0]) * gain
+    if gear == 0.0:
+        raise RobotError(f'actuator {name} has gear 0: give it gear="1" or the real ratio')
+    bounds = []
+    if model.actuator_ctrllimited[actuator]:
+        bounds.append(gear * model.actuator_ctrlrange[actuator])
+    if model.actuator_forcelimited[actuator]:
+        bounds.append(gear / gain * model.actuator_forcerange[actuator])
+    if model.jnt_actfrclimited[joint]:
+        bounds.append(model.jnt_actfrcrange[joint])
+    if not bounds:
+        raise RobotError(f'motor {name} has no torque limit: add forcerange="-LIMIT LIMIT"')
+    for low, high in bounds:
+        if not np.isclose(low, -high, rtol=1e-9) or high == 0.0:
+            raise RobotError(
+                f"the limits of motor {name} are {low:g} and {high:g} N m: expected -LIMIT LIMIT"
+            )
+    return Motor(name, gear, float(min(abs(high) for _, high in bounds)))

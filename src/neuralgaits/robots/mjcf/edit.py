@@ -1,0 +1,171 @@
+"""An MJCF file that is being changed: what is there by MuJoCo's numbers, and what was changed."""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from collections.abc import Collection
+from xml.etree import ElementTree
+
+import mujoco
+
+from neuralgaits.robots.mjcf.elements import Element, match_elements, parse
+from neuralgaits.robots.mjcf.loader import compile_text
+from neuralgaits.robots.mjcf.skeleton import find_floor
+
+_TITLE = "Changed by neuralgaits inspect, to be treated as a planar biped with point feet:"
+_NAMED = {
+    "joint": ("joint", "joint1", "joint2", "jointinparent"),
+    "actuator": ("actuator",),
+    "tendon": ("tendon", "tendon1", "tendon2"),
+    "geom": ("geom", "geom1", "geom2"),
+}
+"""Attributes by which an element names one of a kind, beside objtype with objname."""
+_REFERRING = ("sensor", "actuator", "custom")
+
+
+class MjcfEdit:
+    """A robot file whose elements are changed one by one.
+
+    Attributes:
+        root: of the file.
+        model: as compiled last.
+        found: elements of the model's bodies, joints, geoms and actuators.
+        changes: what was changed, one line each.
+    """
+
+    def __init__(self, text: str, name: str):
+        """Read MJCF text. Raises: RobotError if MuJoCo cannot compile it."""
+        self._name = name
+        self._prologue, self.root = parse(text)
+        self.changes: list[str] = []
+        self.compile()
+
+    def compile(self) -> None:
+        """Number everything again. Raises: RobotError if MuJoCo cannot compile the file."""
+        text = ElementTree.tostring(self.root, encoding="unicode")
+        self.model = compile_text(text, self._name)
+        self.found = match_elements(self.root, self.model)
+
+    def at_zero(self) -> mujoco.MjData:
+        """Where everything is when all coordinates are zero."""
+        data = mujoco.MjData(self.model)
+        data.qpos[:] = 0.0
+        mujoco.mj_kinematics(self.model, data)
+        return data
+
+    def floor(self) -> int | None:
+        """The floor's geom number; None without one."""
+        data = mujoco.MjData(self.model)
+        mujoco.mj_kinematics(self.model, data)
+        return find_floor(self.model, data)
+
+    def actuators_of(self, joint: int) -> list[int]:
+        """Numbers of the actuators on a joint."""
+        model = self.model
+        kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+        return [
+            number
+            for number in range(model.nu)
+            if int(model.actuator_trntype[number]) in kinds
+            and int(model.actuator_trnid[number, 0]) == joint
+        ]
+
+    def say(self, change: str) -> None:
+        """Keep one line about a change."""
+        self.changes.append(change)
+
+    def text(self) -> str:
+        """The file as it is now, with a comment that lists the changes."""
+        lines = "\n       ".join((_TITLE, *self.changes)).replace("--", "- -")
+        body = ElementTree.tostring(self.root, encoding="unicode").rstrip()
+        return f"{self._prologue}<!-- {lines} -->\n{body}\n"
+
+    def free_name(self, tag: str, wish: str) -> str:
+        """A name that no element has where one of this kind is looked for."""
+        tags = ("joint", "freejoint") if tag == "joint" else (tag,)
+        if tag == "actuator":
+            taken = {element.get("name") for element in self.found.actuators}
+        else:
+            taken = {element.get("name") for one in tags for element in self.root.iter(one)}
+        names = (wish, *(f"{wish}_{count}" for count in range(2, len(taken) + 3)))
+        return next(name for name in names if name not in taken)
+
+    def parent_and_place(self, element: Element) -> tuple[Element, int]:
+        """The element around one, and which of its children that one is."""
+        for parent in self.root.iter():
+            for place, child in enumerate(parent):
+                if child is element:
+                    return parent, place
+        raise ValueError(f"<{element.tag}> is not in the file")
+
+    def insert(self, parent: Element, place: int, tag: str, given: dict[str, str]) -> None:
+        """Put a new element among the children of another, on a line of its own."""
+        new = ElementTree.Element(tag, given)
+        new.tail = parent[place - 1].tail if place else parent.text
+        if place == len(parent) > 0:
+            parent[-1].tail = parent.text
+        parent.insert(place, new)
+
+    def remove(self, element: Element) -> None:
+        """Take an element out."""
+        parent, place = self.parent_and_place(element)
+        if place and place == len(parent) - 1:
+            parent[place - 1].tail = element.tail
+        parent.remove(element)
+
+    def drop_section(self, tag: str, why: str) -> None:
+        """Take out all sections of a tag."""
+        for section in self.root.findall(tag):
+            self.remove(section)
+        self.say(f"<{tag}> section removed: {why}")
+
+    def drop_keyframes(self) -> None:
+        """Take out poses, which list all coordinates and controls that were there."""
+        if self.root.find("keyframe") is not None:
+            self.drop_section("keyframe", "its poses list joints or motors that are gone")
+
+    def drop_references(self, kind: str, names: Collection[str]) -> None:
+        """Take out sensors, motors and tuples that refer to what is gone, or will be.
+
+        Args:
+            kind: joint, actuator, tendon or geom.
+            names: of those.
+        """
+        for section in _REFERRING:
+            for part in self.root.findall(section):
+                for element in list(part):
+                    if isinstance(element.tag, str) and any(
+                        self._refers(one, kind, names) for one in element.iter()
+                    ):
+                        self._drop_reference(section, element)
+
+    def _refers(self, element: Element, kind: str, names: Collection[str]) -> bool:
+        if any(element.get(attribute) in names for attribute in _NAMED[kind]):
+            return True
+        objects = (("objtype", "objname"), ("reftype", "refname"))
+        return any(element.get(a) == kind and element.get(b) in names for a, b in objects)
+
+    def _drop_reference(self, section: str, element: Element) -> None:
+        name = element.get("name", "")
+        label = f"{section} {name}" if name else f"a {section} without a name"
+        self.remove(element)
+        self.say(f"{label}: removed, what it refers to is gone or has no part in a simulation")
+        if section == "actuator":
+            self.drop_keyframes()
+            self.drop_references("actuator", {name} - {""})
+
+    def drop_actuators(self, numbers: Collection[int], why: str) -> None:
+        """Take motors out, and sensors of them.
+
+        Args:
+            numbers: of actuators.
+            why: for the line about it.
+        """
+        for number in numbers:
+            element = self.found.actuators[number]
+            name = element.get("name", "")
+            self.remove(element)
+            self.say(f"motor {name or 'without a name'}: removed, {why}")
+            self.drop_references("actuator", {name} - {""})
+        if numbers:
+            self.drop_keyframes()

@@ -1,0 +1,90 @@
+"""Refusal of everything in a robot file that the closed form would silently leave out.
+
+The model is rigid links, rotors, viscous joint friction, gravity and motors. A spring or a
+tendon in the file would act in MuJoCo and not in the theory, so gaits would be wrong without
+a word. Better to say so.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import mujoco
+import numpy as np
+
+from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.planar_tree import body_name
+
+
+def refuse_ignored_physics(model: mujoco.MjModel, root_dofs: int = 3) -> None:
+    """Check that the model holds only what the closed form describes.
+
+    Args:
+        model: compiled robot file whose first `root_dofs` degrees of freedom are the root's.
+        root_dofs: degrees of freedom of the root.
+
+    Raises: RobotError naming what would be ignored, and the remedy.
+    """
+    _refuse_world(model)
+    _refuse_couplings(model)
+    for joint in range(model.njnt):
+        _refuse_joint(model, joint, is_root=joint < root_dofs)
+
+
+def _refuse_world(model: mujoco.MjModel) -> None:
+    gravity = model.opt.gravity
+    if gravity[0] != 0.0 or gravity[1] != 0.0 or not gravity[2] < 0.0:
+        found = " ".join(f"{value:g}" for value in gravity)
+        raise RobotError(f'gravity is ({found}): use <option gravity="0 0 -9.81"/>')
+    if model.opt.density != 0.0 or model.opt.viscosity != 0.0:
+        raise RobotError("the file has air or water: remove density and viscosity from <option>")
+    off = mujoco.mjtDisableBit
+    needed = off.mjDSBL_GRAVITY | off.mjDSBL_CONTACT | off.mjDSBL_ACTUATION
+    if model.opt.disableflags & needed:
+        raise RobotError(
+            "the file switches gravity, contact or actuation off: remove that from <flag>"
+        )
+    for body in np.flatnonzero(model.body_gravcomp):
+        name = body_name(model, int(body))
+        raise RobotError(f"body {name} has gravity compensation: remove its gravcomp")
+
+
+def _refuse_couplings(model: mujoco.MjModel) -> None:
+    for count, what, element in (
+        (model.neq, "equality constraints", "equality"),
+        (model.ntendon, "tendons", "tendon"),
+        (model.nflex, "flexible bodies", "deformable"),
+        # The feet meet the floor by their own friction, and nothing else touches.
+        (model.npair, "contact pairs", "contact"),
+    ):
+        if count:
+            raise RobotError(
+                f"the file has {what}, which the closed form would ignore: "
+                f"remove its <{element}> section"
+            )
+
+
+def _refuse_joint(model: mujoco.MjModel, joint: int, *, is_root: bool) -> None:
+    name, dof = model.joint(joint).name, int(model.jnt_dofadr[joint])
+    found = {
+        "stiffness": _any(model, "jnt_stiffness", joint) or _any(model, "jnt_stiffnesspoly", joint),
+        "frictionloss": _any(model, "dof_frictionloss", dof),
+        "a damping polynomial": _any(model, "dof_dampingpoly", dof),
+    }
+    for what, present in found.items():
+        if present:
+            raise RobotError(f"joint {name} has {what}, which the closed form ignores: remove it")
+    if is_root and (model.dof_damping[dof] or model.dof_armature[dof]):
+        raise RobotError(
+            f"root joint {name} has damping or armature, but the robot is free in the plane: "
+            "remove both"
+        )
+    if is_root and model.jnt_limited[joint]:
+        raise RobotError(
+            f"root joint {name} has a range, but the robot is free in the plane: remove it"
+        )
+
+
+def _any(model: mujoco.MjModel, field: str, index: int) -> bool:
+    """Whether a field is set; fields that this MuJoCo does not have yet count as unset."""
+    values = getattr(model, field, None)
+    return values is not None and bool(np.any(values[index]))

@@ -1,0 +1,186 @@
+"""The two legs' numbers, in the coordinates of `PlanarBiped`, and the check that they agree."""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from dataclasses import dataclass, fields
+
+import mujoco
+import numpy as np
+
+from neuralgaits.errors import RobotError
+from neuralgaits.robots.derive import LegData
+from neuralgaits.robots.mjcf.actuation import Motor, read_motor, read_range
+from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
+from neuralgaits.robots.mjcf.skeleton import Skeleton
+
+_LEG_TOLERANCE = 1e-6
+_MIN_LENGTH_M = 1e-6
+
+_QUANTITIES = {
+    "length": "link length [m]",
+    "com": "centre of mass [m]",
+    "mass": "mass [kg]",
+    "inertia": "inertia [kg m^2]",
+    "armature": "armature [kg m^2]",
+    "damping": "damping [N m s/rad]",
+    "torque_limit": "torque limit [N m]",
+    "lower": "lower joint limit [rad]",
+    "upper": "upper joint limit [rad]",
+    "foot_radius": "foot radius [m]",
+    "friction": "foot friction",
+}
+
+
+@dataclass(frozen=True)
+class LegJoint:
+    """A leg joint seen both ways: coordinate here = sign * coordinate in the file + offset.
+
+    Attributes:
+        joint: of the file.
+        sign: +1 or -1.
+        offset: [rad], in (-pi, pi].
+        motor: that drives it.
+    """
+
+    joint: Joint
+    sign: float
+    offset: float
+    motor: Motor
+
+
+def link_directions(tree: PlanarTree, skeleton: Skeleton) -> dict[int, tuple[complex, complex]]:
+    """Where each link starts and points at zero coordinates.
+
+    A leg link points from its lower joint (or foot centre) to its upper joint. A torso starts
+    at the hip and points straight up at zero pitch, wherever its centre of mass lies.
+
+    Returns: for each link, lower end and line to the upper end, x + i z (m).
+    Raises: RobotError if a leg link has no length.
+    """
+    lines = {}
+    for leg, foot in zip(skeleton.legs, skeleton.feet, strict=True):
+        lower = foot.centre
+        for place, index in enumerate(leg):
+            upper = skeleton.hip if place == len(leg) - 1 else _between(tree, index, leg[place + 1])
+            if abs(upper - lower) < _MIN_LENGTH_M:
+                raise RobotError(
+                    f"body {tree.links[index].name} has no length: its lower and upper joint (or "
+                    "foot) are at one point; move one of them"
+                )
+            lines[index] = (lower, upper - lower)
+            lower = upper
+    if skeleton.torso is not None:
+        lines[skeleton.torso] = (skeleton.hip, 1j)
+    return lines
+
+
+def _between(tree: PlanarTree, lower: int, upper: int) -> complex:
+    """Anchor of the joint between two neighbouring links, whichever is the parent."""
+    child = lower if tree.links[lower].parent == upper else upper
+    return tree.links[child].joint.anchor
+
+
+def up_angle(line: complex) -> float:
+    """Up-angle of a line, counter-clockwise from +z. Returns: (rad) in (-pi, pi]."""
+    return float(np.angle(line / 1j))
+
+
+def leg_joints(
+    model: mujoco.MjModel,
+    tree: PlanarTree,
+    skeleton: Skeleton,
+    lines: dict[int, tuple[complex, complex]],
+) -> tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]]:
+    """The joints of both legs, lowest first, hip last.
+
+    Raises: RobotError if one is not actuated.
+    """
+    first, second = skeleton.legs
+    ends = (skeleton.torso,) * 2 if skeleton.torso is not None else (second[-1], first[-1])
+    return tuple(
+        tuple(
+            _leg_joint(model, tree, lines, lower, upper)
+            for lower, upper in zip(leg, (*leg[1:], end), strict=True)
+        )
+        for leg, end in zip((first, second), ends, strict=True)
+    )  # pyright: ignore[reportReturnType]
+
+
+def _leg_joint(
+    model: mujoco.MjModel,
+    tree: PlanarTree,
+    lines: dict[int, tuple[complex, complex]],
+    lower: int,
+    upper: int,
+) -> LegJoint:
+    """Joint coordinate here: angle of the upper link minus angle of the lower one."""
+    lower_is_child = tree.links[lower].parent == upper
+    joint = tree.links[lower if lower_is_child else upper].joint
+    sign = -joint.sign if lower_is_child else joint.sign
+    offset = float(np.angle(lines[upper][1] / lines[lower][1]))
+    return LegJoint(joint, sign, offset, read_motor(model, joint.index))
+
+
+def leg_data(
+    model: mujoco.MjModel,
+    tree: PlanarTree,
+    skeleton: Skeleton,
+    lines: dict[int, tuple[complex, complex]],
+    joints: tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
+) -> LegData:
+    """The numbers of a leg, after checking that both legs have the same.
+
+    Raises: RobotError naming the first quantity and bodies that differ.
+    """
+    first, second = (_one_leg(model, tree, skeleton, lines, joints[i], i) for i in range(2))
+    for field in fields(LegData):
+        ours, theirs = getattr(first, field.name), getattr(second, field.name)
+        scale = max(float(np.max(np.abs(ours))), float(np.max(np.abs(theirs))), 1e-12)
+        wrong = np.flatnonzero(np.abs(ours - theirs) > _LEG_TOLERANCE * scale)
+        if wrong.size:
+            i = int(wrong[0])
+            names = [tree.links[leg[i]].name for leg in skeleton.legs]
+            raise RobotError(
+                f"legs of unequal data: {_QUANTITIES[field.name]} is {ours[i]:.6g} at body "
+                f"{names[0]} and {theirs[i]:.6g} at body {names[1]}; make the legs equal"
+            )
+    return first
+
+
+def _one_leg(
+    model: mujoco.MjModel,
+    tree: PlanarTree,
+    skeleton: Skeleton,
+    lines: dict[int, tuple[complex, complex]],
+    joints: tuple[LegJoint, ...],
+    leg: int,
+) -> LegData:
+    links = [tree.links[i] for i in skeleton.legs[leg]]
+    ends = [lines[i] for i in skeleton.legs[leg]]
+    dofs = [int(model.jnt_dofadr[j.joint.index]) for j in joints]
+    ranges = np.array([_range(model, joint) for joint in joints])
+    foot = skeleton.feet[leg]
+    return LegData(
+        length=np.array([abs(line) for _, line in ends]),
+        com=np.array(
+            [
+                (link.com - lower) / (line / abs(line))
+                for link, (lower, line) in zip(links, ends, strict=True)
+            ]
+        ),
+        mass=np.array([link.mass for link in links]),
+        inertia=np.array([link.inertia for link in links]),
+        armature=model.dof_armature[dofs].copy(),
+        damping=np.array([float(np.ravel(model.dof_damping[d])[0]) for d in dofs]),
+        torque_limit=np.array([joint.motor.limit for joint in joints]),
+        lower=ranges[:, 0],
+        upper=ranges[:, 1],
+        foot_radius=np.array([foot.radius]),
+        friction=np.array([foot.friction]),
+    )
+
+
+def _range(model: mujoco.MjModel, joint: LegJoint) -> tuple[float, float]:
+    ends = sorted(joint.sign * end + joint.offset for end in read_range(model, joint.joint.index))
+    return ends[0], ends[1]

@@ -1,0 +1,248 @@
+"""From a robot file to a `PlanarBiped`.
+
+MuJoCo parses and compiles; what it understood is checked to be a planar biped with one
+unactuated degree of freedom, and reduced to the constants of the closed form. Whatever cannot
+be treated is refused with one sentence.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from pathlib import Path
+
+import jax
+import mujoco
+import numpy as np
+
+from neuralgaits._names import meant
+from neuralgaits.errors import InputError, RobotError
+from neuralgaits.robots import derive, registry
+from neuralgaits.robots.biped import PlanarBiped
+from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.mjcf.actuation import refuse_other_actuators
+from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
+from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
+from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names
+from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
+from neuralgaits.robots.mjcf.skeleton import Skeleton, read_skeleton
+from neuralgaits.robots.mjcf.text import standalone_text
+
+
+def load_robot(name_or_path: str | Path) -> PlanarBiped:
+    """Load a built-in robot by name, or any planar biped from an MJCF file.
+
+    A file must hold one robot over a level floor plane: a root body with joints slide x,
+    slide z and hinge y, which is the torso or, in a biped without one, the top link of a leg;
+    two equal legs of one to three links on hinges along y, each joint with a range and one plain
+    motor with a torque limit; on each lowest link one sphere that collides with the floor and
+    nothing else that does. Frames, offsets along y, axis signs and gears are free, and bodies
+    without joints count as part of what they are welded to. A torso is upright at zero pitch.
+
+    Returns: `PlanarBiped` with float64 constants.
+    Raises: RobotError if the file cannot be used, naming the body or joint and the remedy;
+        InputError if JAX runs in single precision.
+    """
+    text, fallback = robot_text(name_or_path)
+    return robot_from_text(text, fallback)
+
+
+def robot_from_text(text: str, name: str) -> PlanarBiped:
+    """Load a planar biped from MJCF text.
+
+    Args:
+        text: MJCF without includes.
+        name: of the robot, unless the file names its model.
+
+    Returns: `PlanarBiped`.
+    Raises: RobotError and InputError, as `load_robot`.
+    """
+    if not jax.config.read("jax_enable_x64"):
+        raise InputError(
+            'single precision: call jax.config.update("jax_enable_x64", True) before loading a '
+            "robot or opening a run"
+        )
+    model, tree, skeleton, lines, joints, leg = _read(text, name)
+    layout = _layout(text, tree, skeleton, lines, joints, leg)
+    return _assemble(model, tree, skeleton, leg, layout, name)
+
+
+def links_from_text(text: str, name: str) -> tuple[derive.LegData, derive.TorsoData | None]:
+    """The links that the constants of `robot_from_text` are derived from.
+
+    Returns: the numbers of a leg, and of the torso or None.
+    Raises: RobotError, as `load_robot`.
+    """
+    _, tree, skeleton, _, _, leg = _read(text, name)
+    return leg, _torso_data(tree, skeleton)
+
+
+def bodies_from_text(text: str, name: str) -> tuple[tuple[str, ...], tuple[str, ...], str | None]:
+    """The file's names of the links: the first body of what is welded together.
+
+    Returns: of leg 0 and of leg 1, lowest link first, and of the torso or None.
+    Raises: RobotError, as `load_robot`.
+    """
+    _, tree, skeleton, _, _, _ = _read(text, name)
+    first, second = (tuple(tree.links[i].name for i in leg) for leg in skeleton.legs)
+    torso = skeleton.torso
+    return first, second, None if torso is None else tree.links[torso].name
+
+
+def _read(
+    text: str, name: str
+) -> tuple[
+    mujoco.MjModel,
+    PlanarTree,
+    Skeleton,
+    dict[int, tuple[complex, complex]],
+    tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
+    derive.LegData,
+]:
+    """What MuJoCo understood, by role: model, tree, skeleton, lines of the links, joints, leg."""
+    model = compile_text(text, name)
+    tree = read_tree(model)
+    refuse_ignored_physics(model)
+    skeleton = read_skeleton(model, tree)
+    lines = link_directions(tree, skeleton)
+    refuse_other_actuators(model, [link.joint.index for link in tree.links[1:]])
+    joints = leg_joints(model, tree, skeleton, lines)
+    return model, tree, skeleton, lines, joints, leg_data(model, tree, skeleton, lines, joints)
+
+
+def _torso_data(tree: PlanarTree, skeleton: Skeleton) -> derive.TorsoData | None:
+    if skeleton.torso is None:
+        return None
+    link = tree.links[skeleton.torso]
+    return derive.TorsoData(link.mass, link.inertia, (link.com - skeleton.hip) / 1j)
+
+
+def robot_text(name_or_path: str | Path) -> tuple[str, str]:
+    """The MJCF text of a built-in robot or a file, and a name for it.
+
+    Raises: RobotError if there is no such robot, or the file cannot be read.
+    """
+    name = str(name_or_path)
+    if name in registry.built_in():
+        return registry.model_file(name).read_text(encoding="utf-8"), name
+    path = Path(name_or_path)
+    looks_like_name = isinstance(name_or_path, str) and path.name == name and not path.suffix
+    if looks_like_name and not path.exists():
+        known = ", ".join(registry.built_in())
+        hint = meant(name, registry.built_in())
+        hint = f"{hint} " if hint else ""
+        raise RobotError(
+            f"unknown robot {name}: {hint}use one of {known}, or a path to an MJCF file"
+        )
+    return standalone_text(path), path.stem
+
+
+def compile_text(text: str, name: str) -> mujoco.MjModel:
+    """Compile MJCF text.
+
+    Raises: RobotError with MuJoCo's reason, warnings included, and the remedy.
+    """
+    warnings: list[str] = []
+    # Unasked, MuJoCo prints its warnings, and logs them to a file in the caller's folder.
+    mujoco.set_mju_user_warning(warnings.append)
+    try:
+        model = mujoco.MjModel.from_xml_string(text)
+        if warnings:
+            raise ValueError("; ".join(warnings))
+        return model
+    except (ValueError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        remedy = "mend the file"
+        if "opening file" in reason:
+            remedy = "put that file there, or remove what names it from the robot file"
+        if "mass and inertia" in reason:
+            remedy = "give that body an <inertial>, or geoms with mass"
+        raise RobotError(f"MuJoCo cannot compile robot {name} ({reason}): {remedy}") from None
+    finally:
+        mujoco.set_mju_user_warning(None)
+
+
+def _model_name(model: mujoco.MjModel, fallback: str) -> str:
+    name = model.names.split(b"\0")[0].decode()
+    return fallback if name in ("", "MuJoCo Model") else name
+
+
+def _layout(
+    text: str,
+    tree: PlanarTree,
+    skeleton: Skeleton,
+    lines: dict[int, tuple[complex, complex]],
+    joints: tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
+    leg: derive.LegData,
+) -> MjcfLayout:
+    pitch = tree.links[0].joint
+    to_hip = skeleton.hip - pitch.anchor
+    first, second = joints
+    return MjcfLayout(
+        xml=text,
+        root_joints=(*tree.slides, pitch.name),
+        root_origin=(pitch.anchor.real, pitch.anchor.imag),
+        pitch_sign=pitch.sign,
+        root_angle=up_angle(lines[0][1]),
+        root_to_hip=(to_hip.real, to_hip.imag),
+        torso=skeleton.torso is not None,
+        leg_lengths=tuple(float(length) for length in leg.length),
+        leg_joints=(tuple(j.joint.name for j in first), tuple(j.joint.name for j in second)),
+        leg_joint_signs=(tuple(j.sign for j in first), tuple(j.sign for j in second)),
+        leg_joint_offsets=(tuple(j.offset for j in first), tuple(j.offset for j in second)),
+        feet=(skeleton.feet[0].name, skeleton.feet[1].name),
+        actuators=(tuple(j.motor.name for j in first), tuple(j.motor.name for j in second)),
+        gears=(
+            tuple(j.sign * j.motor.gear for j in first),
+            tuple(j.sign * j.motor.gear for j in second),
+        ),
+    )
+
+
+def _assemble(
+    model: mujoco.MjModel,
+    tree: PlanarTree,
+    skeleton: Skeleton,
+    leg: derive.LegData,
+    layout: MjcfLayout,
+    name: str,
+) -> PlanarBiped:
+    torso = _torso_data(tree, skeleton)
+    centre, hip, foot = derive.centre_coefficients(leg, torso)
+    mass = derive.link_row(leg.mass, torso.mass if torso else None)
+    turn = derive.link_angles(len(mass))
+    coupling, coupling_phase = derive.modulus_and_phase(centre.T @ (mass[:, None] * centre.conj()))
+    moment, moment_phase = derive.modulus_and_phase(mass @ centre)
+    on_lines = not (coupling_phase.any() or moment_phase.any())
+    first, second = ([tree.links[i].name for i in chain] for chain in skeleton.legs)
+    links = paired_names(first, second, "link")
+    joint_labels = paired_names(layout.leg_joints[0], layout.leg_joints[1], "joint")
+
+    def of_joints(values: np.ndarray) -> np.ndarray:
+        return derive.joint_row(values, torso=torso is not None)
+
+    return PlanarBiped(
+        link_angles=turn,
+        inertia=derive.link_row(leg.inertia, torso.inertia if torso else None),
+        coupling=coupling,
+        coupling_phase=None if on_lines else coupling_phase,
+        mass_moment=moment,
+        mass_moment_phase=None if on_lines else moment_phase,
+        armature=np.concatenate([[0.0], of_joints(leg.armature)]),
+        damping=np.concatenate([[0.0], of_joints(leg.damping)]),
+        foot=foot,
+        hip=hip,
+        relabel=derive.relabelling(turn),
+        hip_gradient=-hip @ turn,
+        mass=np.array(mass.sum()),
+        gravity=np.array(-model.opt.gravity[2]),
+        torque_limit=of_joints(leg.torque_limit),
+        joint_lower=of_joints(leg.lower),
+        joint_upper=of_joints(leg.upper),
+        friction=leg.friction[0].reshape(()).copy(),
+        foot_radius=leg.foot_radius[0].reshape(()).copy(),
+        name=_model_name(model, name),
+        link_names=role_names(links, tree.links[0].name if torso else None),
+        joint_names=coordinate_names(links[0], joint_labels, torso=torso is not None),
+        torso=None if torso is None else len(leg.length),
+        layout=layout,
+    )

@@ -1,0 +1,201 @@
+"""A robot file changed into one that can be treated, each change said in one line.
+
+For planar bipeds under what the theory has no place for: flat feet on ankles, a free joint for a
+root, contact of shanks and thighs, springs, sensors, names left out. Masses stay where they are: a
+foot without its joint is welded, and MuJoCo adds it to the shank. Numbers that only the user knows,
+as torque limits and joint ranges, are not made up.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+
+from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.edit import MjcfEdit
+from neuralgaits.robots.mjcf.loader import robot_from_text
+from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.point_feet import give_point_feet
+
+
+@dataclass(frozen=True)
+class Planarised:
+    """A robot file that can be loaded.
+
+    Attributes:
+        text: MJCF.
+        changes: one line each; empty if the file needed none and is as it was.
+    """
+
+    text: str
+    changes: tuple[str, ...]
+
+
+def planarise(text: str, name: str) -> Planarised:
+    """Change what stands in the way of treating a planar biped as one with point feet.
+
+    Args:
+        text: MJCF without includes.
+        name: of the robot, unless the file names its model.
+
+    Returns: `Planarised`.
+    Raises: RobotError if the file is not a planar biped even so, naming what stands in the way.
+    """
+    try:
+        edit = MjcfEdit(text, name)
+        for step in _STEPS:
+            edit.compile()
+            step(edit)
+        result = edit.text() if edit.changes else text
+        robot_from_text(result, name)
+    except RobotError as error:
+        raise RobotError(f"{name} cannot be planarised: {error}") from None
+    return Planarised(result, tuple(edit.changes))
+
+
+def _name_joints(edit: MjcfEdit) -> None:
+    """Logs and controllers find joints by name."""
+    for joint, element in enumerate(edit.found.joints):
+        if not element.get("name"):
+            body = body_name(edit.model, int(edit.model.jnt_bodyid[joint]))
+            name = edit.free_name("joint", f"{body}_joint")
+            element.set("name", name)
+            edit.say(f"joint of {body}: named {name}")
+
+
+def _name_motors(edit: MjcfEdit) -> None:
+    for element in edit.found.actuators:
+        if not element.get("name") and element.get("joint"):
+            name = edit.free_name("actuator", element.get("joint", ""))
+            element.set("name", name)
+            edit.say(f"motor of joint {element.get('joint')}: named {name}")
+
+
+def _drop_couplings(edit: MjcfEdit) -> None:
+    """What acts between links beside joints and motors."""
+    model = edit.model
+    if model.ntendon:
+        names = {model.tendon(i).name for i in range(model.ntendon)}
+        edit.drop_section("tendon", f"{model.ntendon} tendons, which the closed form ignores")
+        edit.drop_references("tendon", names)
+    if model.neq:
+        edit.drop_section("equality", f"{model.neq} constraints, which the closed form ignores")
+    if model.npair:
+        edit.drop_section("contact", "the feet meet the floor by their own friction")
+
+
+def _free_the_root(edit: MjcfEdit) -> None:
+    """A free joint becomes the slides and the hinge that act in the plane."""
+    model = edit.model
+    free = [i for i in range(model.njnt) if model.jnt_type[i] == mujoco.mjtJoint.mjJNT_FREE]
+    if len(free) != 1:
+        return
+    joint, element = free[0], edit.found.joints[free[0]]
+    body = int(model.jnt_bodyid[joint])
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    into_body = data.xmat[body].reshape(3, 3).T
+    parent, place = edit.parent_and_place(element)
+    name = element.get("name", "root")
+    edit.remove(element)
+    axes = (("x", "slide", (1, 0, 0)), ("z", "slide", (0, 0, 1)), ("pitch", "hinge", (0, 1, 0)))
+    names = []
+    for offset, (label, kind, axis) in enumerate(axes):
+        names.append(edit.free_name("joint", f"{name}_{label}"))
+        given = {"name": names[-1], "type": kind, "pos": "0 0 0"}
+        given["axis"] = " ".join(f"{value:.17g}" for value in into_body @ axis)
+        edit.insert(parent, place + offset, "joint", given | _FREE)
+    edit.drop_references("joint", {name})
+    edit.say(f"free joint {name}: replaced by {', '.join(names)}, which move in the plane x, z")
+    edit.drop_keyframes()
+
+
+_FREE = {
+    "limited": "false",
+    "damping": "0",
+    "armature": "0",
+    "stiffness": "0",
+    "frictionloss": "0",
+    "ref": "0",
+}
+"""A root joint that nothing holds, whatever the file's defaults."""
+
+
+def _drop_motors_of_the_root(edit: MjcfEdit) -> None:
+    model = edit.model
+    for joint in range(model.njnt):
+        body = int(model.jnt_bodyid[joint])
+        if model.body_weldid[model.body_parentid[body]] == 0:
+            why = f"root joint {model.joint(joint).name} must be free"
+            edit.drop_actuators(edit.actuators_of(joint), why)
+
+
+def _drop_forces(edit: MjcfEdit) -> None:
+    """Springs, dry friction, air, and whatever holds the root."""
+    model = edit.model
+    for joint, element in enumerate(edit.found.joints):
+        dof, name = int(model.jnt_dofadr[joint]), model.joint(joint).name
+        body = int(model.jnt_bodyid[joint])
+        held: list[tuple[str, bool]] = [
+            ("stiffness", bool(model.jnt_stiffness[joint])),
+            ("frictionloss", bool(model.dof_frictionloss[dof])),
+        ]
+        root = model.body_weldid[model.body_parentid[body]] == 0
+        if root:
+            held += [
+                ("damping", bool(model.dof_damping[dof].any())),
+                ("armature", bool(model.dof_armature[dof])),
+                ("limited", bool(model.jnt_limited[joint])),
+            ]
+        for attribute, present in held:
+            if present:
+                element.set(attribute, _FREE[attribute])
+                why = "the root is free" if root else "the closed form ignores it"
+                what = "range" if attribute == "limited" else attribute
+                edit.say(f"joint {name}: {what} taken out, {why}")
+    for option in edit.root.iter("option"):
+        for attribute in ("density", "viscosity"):
+            if float(option.get(attribute, "0")):
+                option.set(attribute, "0")
+                edit.say(f"{attribute} of the air taken out")
+    for body, element in enumerate(edit.found.bodies):
+        if model.body_gravcomp[body]:
+            element.set("gravcomp", "0")
+            edit.say(f"body {body_name(model, body)}: gravity compensation taken out")
+
+
+def _lay_floor(edit: MjcfEdit) -> None:
+    if edit.floor() is not None:
+        return
+    name = edit.free_name("geom", "floor")
+    given = {"name": name, "type": "plane", "size": "0 0 0.1", "contype": "1", "conaffinity": "1"}
+    world = edit.found.bodies[0]
+    edit.insert(world, 0, "geom", given)
+    edit.say(f"level floor added: geom {name} at height 0")
+
+
+def _drop_sensors_of_the_floor(edit: MjcfEdit) -> None:
+    """A simulation lays floors of its own, and has the file's no more."""
+    planes = {
+        edit.model.geom(geom).name
+        for geom in range(edit.model.ngeom)
+        if edit.model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE
+    }
+    edit.drop_references("geom", planes - {""})
+
+
+_STEPS: tuple[Callable[[MjcfEdit], None], ...] = (
+    _name_joints,
+    _drop_couplings,
+    _free_the_root,
+    _drop_motors_of_the_root,
+    _drop_forces,
+    _lay_floor,
+    give_point_feet,
+    _name_motors,
+    _drop_sensors_of_the_floor,
+)
+"""In this order: joints have names before they are named, and feet stand on a floor."""

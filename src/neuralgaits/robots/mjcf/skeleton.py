@@ -1,0 +1,300 @@
+"""Which link is the torso, which chains are the legs, where are the feet.
+
+A biped with a torso has the torso as root and two chains of equal length hanging from one
+point, the hip. Without a torso the root is the top link of one leg: its own chain is then one
+link shorter than the chain that hangs from the hip. A foot is the one sphere of a chain's last
+link that collides with the floor; nothing else on that link may.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.planar_tree import PlanarTree
+
+_HIP_TOLERANCE_M = 1e-6
+_MAX_LEG_LINKS = 3
+
+
+@dataclass(frozen=True)
+class Foot:
+    """A point foot.
+
+    Attributes:
+        name: of its geom.
+        centre: of the sphere at zero coordinates, x + i z [m].
+        radius: [m].
+        friction: sliding coefficient of the contact with the floor.
+    """
+
+    name: str
+    centre: complex
+    radius: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """The tree's links by role.
+
+    Attributes:
+        torso: index of the torso link, or None.
+        legs: for each leg in file order (the root's own leg first), links from the lowest up.
+        hip: at zero coordinates, x + i z [m].
+        feet: of the two legs.
+    """
+
+    torso: int | None
+    legs: tuple[tuple[int, ...], tuple[int, ...]]
+    hip: complex
+    feet: tuple[Foot, Foot]
+
+
+def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
+    """Sort the links of a planar tree into torso and legs.
+
+    Raises: RobotError naming the body that does not fit, and the remedy.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.0
+    mujoco.mj_kinematics(model, data)
+    floor = find_floor(model, data)
+    if floor is None:
+        raise RobotError(
+            'no level floor in the file: add <geom type="plane" size="0 0 0.1"/> to <worldbody>'
+        )
+    _count_feet(model, tree, floor)
+    torso, legs, hip = find_legs(tree)
+    for leg in legs:
+        _refuse_flat_foot(model, data, tree, leg, floor)
+    first, second = (_foot(model, data, tree, leg[0], floor) for leg in legs)
+    return Skeleton(torso, legs, hip, (first, second))
+
+
+def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
+    """The chain that starts at a link and goes down, lowest link first."""
+    links = [top]
+    while below := tree.children(links[-1]):
+        if len(below) > 1:
+            names = " and ".join(tree.links[i].name for i in below)
+            raise RobotError(
+                f"body {tree.links[links[-1]].name} carries {names} on joints: a leg is a chain; "
+                "weld all but one of them"
+            )
+        links.extend(below)
+    return tuple(reversed(links))
+
+
+def find_legs(
+    tree: PlanarTree, max_links: int = _MAX_LEG_LINKS
+) -> tuple[int | None, tuple[tuple[int, ...], tuple[int, ...]], complex]:
+    """Sort the links into a torso and two chains, as `Skeleton` has them.
+
+    Args:
+        tree: of the robot.
+        max_links: that a leg may have.
+
+    Returns: torso or None, links of each leg from the lowest up, hip at zero coordinates.
+    Raises: RobotError naming the body that does not fit.
+    """
+    tops = tree.children(0)
+    root = tree.links[0].name
+    if len(tops) not in (1, 2):
+        raise RobotError(
+            f"root body {root} carries {len(tops)} jointed bodies: expected two legs; "
+            "weld other bodies to the torso"
+        )
+    # A root with one child is itself a whole leg: no chain of its own hangs below it.
+    own_chain = _chain(tree, tops[0]) if len(tops) == 2 else tuple[int, ...]()
+    first, second = own_chain, _chain(tree, tops[-1])
+    if max(len(first), len(second)) > max_links:
+        longest = max(first, second, key=len)
+        raise RobotError(
+            f"the leg of body {tree.links[longest[-1]].name} has {len(longest)} links: at most "
+            f"{max_links} are treated; weld some"
+        )
+    if len(first) == len(second):
+        return 0, (first, second), _common_hip(tree, first[-1], second[-1])
+    own, other = sorted((first, second), key=len)
+    hip = tree.links[other[-1]].joint.anchor
+    one_point = bool(own) and abs(tree.links[own[-1]].joint.anchor - hip) <= _HIP_TOLERANCE_M
+    if len(other) - len(own) == 1 and not one_point:
+        return None, ((*own, 0), other), hip
+    raise RobotError(
+        f"legs of unequal data: below root body {root} hang chains of {len(first)} and "
+        f"{len(second)} links; make the legs equal"
+    )
+
+
+def _common_hip(tree: PlanarTree, first: int, second: int) -> complex:
+    joints = tree.links[first].joint, tree.links[second].joint
+    gap = abs(joints[0].anchor - joints[1].anchor)
+    if gap > _HIP_TOLERANCE_M:
+        raise RobotError(
+            f"joints {joints[0].name} and {joints[1].name} are {gap:.3g} m apart in the plane: "
+            "both hips must be at one point (offsets along y are fine)"
+        )
+    return joints[0].anchor
+
+
+def find_floor(model: mujoco.MjModel, data: mujoco.MjData) -> int | None:
+    """The geom number of the horizontal plane the robot walks on; None without one."""
+    for geom in range(model.ngeom):
+        if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:
+            continue
+        if model.geom_contype[geom] == 0 and model.geom_conaffinity[geom] == 0:
+            continue
+        if abs(data.geom_xmat[geom].reshape(3, 3)[2, 2] - 1.0) < 1e-9:
+            return geom
+    return None
+
+
+def touching(model: mujoco.MjModel, bodies: tuple[int, ...], floor: int) -> list[int]:
+    """Geoms of a link that collide with the floor.
+
+    Args:
+        model: compiled robot file.
+        bodies: of the link.
+        floor: geom number.
+    """
+    kind, affinity = model.geom_contype, model.geom_conaffinity
+    meets = (kind & affinity[floor]) | (kind[floor] & affinity)
+    return [int(g) for g in np.flatnonzero(meets) if model.geom_bodyid[g] in bodies]
+
+
+def _count_feet(model: mujoco.MjModel, tree: PlanarTree, floor: int) -> None:
+    ends = [
+        link.name
+        for i, link in enumerate(tree.links)
+        if (not tree.children(i) or (i == 0 and len(tree.children(0)) == 1))
+        and any(
+            model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE
+            for g in touching(model, link.bodies, floor)
+        )
+    ]
+    if len(ends) > 2:
+        raise RobotError(
+            f"found {len(ends)} feet, on bodies {', '.join(ends)}: expected two; "
+            'set contype="0" conaffinity="0" on other spheres'
+        )
+
+
+def _refuse_flat_foot(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    tree: PlanarTree,
+    leg: tuple[int, ...],
+    floor: int,
+) -> None:
+    """Refuse a flat foot on an ankle.
+
+    Raises: RobotError naming the joint to remove, and the body that a sphere goes to.
+    """
+    if not is_flat_foot(model, data, tree, leg, floor):
+        return
+    link = tree.links[leg[0]]
+    moved = link.joint.index in model.actuator_trnid[:, 0]
+    raise RobotError(
+        f"body {link.name} is a flat foot on the ankle {link.joint.name}, but only point feet "
+        f"are treated: remove {link.joint.name}{' and its motor' if moved else ''}, and end "
+        f"{tree.links[leg[1]].name} in one sphere that collides with the floor; "
+        "`neuralgaits inspect FILE --planarise OUT.xml` does that"
+    )
+
+
+def is_flat_foot(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    tree: PlanarTree,
+    leg: tuple[int, ...],
+    floor: int,
+) -> bool:
+    """Whether a leg ends in a foot on an ankle: longer than high below its joint, no one sphere.
+
+    Args:
+        model: compiled robot file.
+        data: of the model at zero coordinates.
+        tree: of the robot.
+        leg: its links, lowest first.
+        floor: geom number.
+    """
+    link = tree.links[leg[0]]
+    geoms = touching(model, link.bodies, floor)
+    is_sphere = [model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE for g in geoms]
+    if len(leg) < 2 or not geoms or (len(geoms) == 1 and is_sphere[0]):
+        return False
+    anchor = np.array([link.joint.anchor.real, 0.0, link.joint.anchor.imag])
+    low, high = extent(model, data, geoms)
+    length, _, height = np.maximum(high, anchor) - np.minimum(low, anchor)
+    return bool(length > height)
+
+
+def extent(
+    model: mujoco.MjModel, data: mujoco.MjData, geoms: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest world coordinates of geoms' boxes [m]. [3], [3]."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for geom in geoms:
+        turn = data.geom_xmat[geom].reshape(3, 3)
+        centre = data.geom_xpos[geom] + turn @ model.geom_aabb[geom, :3]
+        reach = np.abs(turn) @ model.geom_aabb[geom, 3:]
+        low, high = np.minimum(low, centre - reach), np.maximum(high, centre + reach)
+    return low, high
+
+
+def _foot(
+    model: mujoco.MjModel, data: mujoco.MjData, tree: PlanarTree, index: int, floor: int
+) -> Foot:
+    link = tree.links[index]
+    geoms = touching(model, link.bodies, floor)
+    spheres = [g for g in geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE]
+    if not spheres:
+        raise RobotError(
+            f'body {link.name} has no foot: add a <geom type="sphere"> that collides with the '
+            "floor at its end"
+        )
+    if len(geoms) > 1:
+        raise RobotError(
+            f"{len(geoms)} geoms of body {link.name} collide with the floor: a point foot is one "
+            'sphere; set contype="0" conaffinity="0" on the others'
+        )
+    geom = spheres[0]
+    name = model.geom(geom).name
+    if not name:
+        raise RobotError(f"the foot sphere of body {link.name} has no name: give it one")
+    _refuse_frictionless(model, geom, floor)
+    centre = data.geom_xpos[geom]
+    return Foot(
+        name,
+        complex(centre[0], centre[2]),
+        float(model.geom_size[geom, 0]),
+        _contact_friction(model, geom, floor),
+    )
+
+
+def _refuse_frictionless(model: mujoco.MjModel, foot: int, floor: int) -> None:
+    """A plant takes the foot's condim; in the file a floor of higher priority would decide.
+
+    Raises: RobotError if either is 1, which is contact without friction.
+    """
+    deciding = [foot]
+    if model.geom_priority[floor] > model.geom_priority[foot]:
+        deciding.append(floor)
+    for geom in deciding:
+        if model.geom_condim[geom] == 1:
+            name = f"foot {model.geom(geom).name}" if geom == foot else "the floor"
+            raise RobotError(f'{name} has condim="1", contact without friction: give it condim="3"')
+
+
+def _contact_friction(model: mujoco.MjModel, foot: int, floor: int) -> float:
+    """MuJoCo's rule: the geom of higher priority decides, else the larger value."""
+    values = model.geom_friction[[foot, floor], 0]
+    priorities = model.geom_priority[[foot, floor]]
+    if priorities[0] == priorities[1]:
+        return float(values.max())
+    return float(values[int(np.argmax(priorities))])

@@ -1,0 +1,35 @@
+"""The exported controller of a gait as a process that a simulation talks to."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from neuralgaits.errors import InputError
+from neuralgaits.export import build, writing
+from neuralgaits.export.facts import Design
+from neuralgaits.export.source import gait_files
+from neuralgaits.simulation.linked.config import LinkConfig
+from neuralgaits.simulation.linked.remote import Remote
+
+SOURCES = (*build.CORE, "amber_log.c", "link.c")
+
+
+@contextmanager
+def connected(design: Design, config: LinkConfig, episodes: int, seed: int) -> Iterator[Remote]:
+    """Write, compile and start the controller of a gait.
+
+    Args:
+        design: what the controller is made of.
+        config: of the link.
+        episodes: how many controllers.
+        seed: of what the network does.
+
+    Raises: InputError if there is no compiler.
+    """
+    compilers = build.compilers()
+    if not compilers:
+        raise InputError("expected a C compiler for --controller c, found none: install gcc")
+    files = writing.shipped() | gait_files(design)
+    with writing.scratch(files) as folder:
+        program = build.build(compilers[0], folder, "controller", SOURCES, build.PLAIN)
+        with Remote(program, list(design.controllers), config, episodes, seed) as remote:
+            yield remote

@@ -1,0 +1,275 @@
+"""Walks by compiled code: the exported controller and `mj_step` in one loop, no Python in a tick.
+
+`c/walk.c` is compiled together with the C of a gait (see `simulation.native_walk`). What a tick
+means is that of `tick` and `lockstep`, number for number but for rounding; tests compare them.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import threading
+import time as clock
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from ctypes import byref
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.control import Controller
+from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.gait.commands import place_of
+from neuralgaits.simulation.native.layout import pointer
+from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.records import record_of
+from neuralgaits.simulation.native.scene import scene_of
+from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.plant import Plant
+from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.ticks.falls import Ending, FallConfig
+from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
+from neuralgaits.simulation.ticks.lockstep import Episodes
+from neuralgaits.simulation.ticks.strides import Strides, width
+
+_CHUNK = 4096
+"""Ticks between two looks at whether to go on: a few tens of milliseconds."""
+_TOUCHDOWNS = _CHUNK // 10
+"""More than there can be in as many ticks: a lockout of a tenth of a second follows each."""
+_REFUSED = -1
+
+
+@dataclass(frozen=True)
+class _Course:
+    """What differs between the episodes of a batch."""
+
+    states: Float[np.ndarray, "B s"]
+    terrain: Terrain
+    push: Push
+    orders: Orders
+    seed: int
+    noisy: bool
+    longest: int
+    record: bool
+    courses: Courses | None
+    first: int
+
+
+def _on_course(scene: Any, plant: Plant, courses: Courses) -> Any:
+    """The scene of one episode, whose plant is its own; the law stays that of the first scene."""
+    own = type(scene).from_buffer_copy(scene)
+    own.model = plant.model._address
+    own.course, own.stones, own.gap_depth = 1, int(courses.stones), courses.gap_depth
+    return own
+
+
+class _Kept:
+    """One episode's end and what was recorded of it."""
+
+    def __init__(self, walk: Any):
+        self.walk = walk
+        self.records: list[np.ndarray] = []
+        self.states: list[np.ndarray] = []
+        self.strides: list[np.ndarray] = []
+
+
+def run(
+    library: Library,
+    plant: Plant,
+    controller: Controller,
+    states: Float[np.ndarray, "B s"],
+    *,
+    steps: int,
+    falls: FallConfig,
+    terrain: Terrain,
+    push: Push,
+    orders: Orders,
+    seed: int,
+    noisy: bool,
+    threads: int,
+    record: bool = False,
+    longest: int = 0,
+    courses: Courses | None = None,
+    plants: Sequence[Plant] = (),
+    first: int = 0,
+) -> Episodes:
+    """Run every episode to its end, as `lockstep.run` does.
+
+    Args:
+        library: compiled for the controller's robot and policy.
+        plant: of all episodes, or of the first one on a course.
+        controller: of all episodes.
+        states: MuJoCo states to start from (time, qpos, qvel).
+        steps: touchdowns of a walk.
+        falls: thresholds.
+        terrain: before its first tick.
+        push: likewise.
+        orders: what each touchdown is to latch.
+        seed: of the noise.
+        noisy: whether sensors have noise.
+        threads: at most this many walk at once.
+        record: keep all ticks of episode 0, with states and floors.
+        longest: keep the first so many ticks of every episode.
+        courses: that they walk on in place of floors, and are told by.
+        plants: then that of each episode.
+        first: number of the first episode, on which what is random depends.
+
+    Raises: NonFiniteError if MuJoCo gives up, InputError for the library of another gait.
+    """
+    if not library.fits(controller):
+        raise InputError("expected the compiled walk of this controller, found another one's")
+    scene = scene_of(library, plant, controller, steps, falls, push)
+    scene.uneven = int(terrain.uneven)
+    for name in ("length", "height", "slope"):
+        command = name if name == "slope" else f"step_{name}"
+        at = place_of(orders.commands, command)
+        setattr(scene, f"told_{name}", 0 if at is None else at + 1)
+    course = _Course(states, terrain, push, orders, seed, noisy, longest, record, courses, first)
+    local, stop = threading.local(), threading.Event()
+
+    def one(episode: int) -> _Kept:
+        if courses is not None:
+            own = plants[episode]
+            on_it = _on_course(scene, own, courses)
+            return _episode(library, on_it, own, mujoco.MjData(own.model), course, episode, stop)
+        if not hasattr(local, "data"):
+            local.data = mujoco.MjData(plant.model)
+        return _episode(library, scene, plant, local.data, course, episode, stop)
+
+    began = clock.perf_counter()
+    with ThreadPoolExecutor(max(1, min(threads, len(states)))) as pool:
+        try:
+            kept = list(pool.map(one, range(len(states))))
+        except BaseException:
+            stop.set()
+            raise
+    wall = clock.perf_counter() - began
+    whole = kept[0]
+    rows = np.concatenate(whole.records) if record else None
+    return Episodes(
+        [Ending(found.walk.ending) for found in kept],
+        _gauge([found.walk for found in kept]),
+        None if rows is None else record_of(rows, plant.robot),
+        np.concatenate(whole.states) if record else np.array([]),
+        rows["floor"] if rows is not None else np.array([]),
+        sum(found.walk.plant_steps for found in kept),
+        wall,
+        [record_of(np.concatenate(found.records)[:longest], plant.robot) for found in kept]
+        if longest
+        else [],
+        [Strides.of_rows(np.concatenate(found.strides)) for found in kept],
+    )
+
+
+def _episode(
+    library: Library,
+    scene: Any,
+    plant: Plant,
+    data: mujoco.MjData,
+    course: _Course,
+    episode: int,
+    stop: threading.Event,
+) -> _Kept:
+    """One episode from its start to its end."""
+    model, layout = plant.model, library.layout
+    mujoco.mj_resetData(model, data)
+    start = course.states[episode]
+    data.time = start[0]
+    data.qpos[:], data.qvel[:] = np.split(start[1:], 2)
+    walk = layout.walk()
+    first = np.array(course.orders.first, dtype=np.float64)
+    library.start(byref(walk), 0, pointer(first))
+    if course.terrain.told is not None:
+        walk.next_rise, walk.rise_pending = course.terrain.told, 1
+    if course.courses is not None:
+        walk.floor[:] = course.courses.first_levels()[episode]
+        seen = np.ascontiguousarray(course.courses.each[episode].seen)
+        walk.seen, walk.seen_rows = pointer(seen), len(seen)
+        walk.told[:] = course.orders.first
+    rises, told = np.zeros(0), _Orders(course.orders, course.first + episode)
+    late = np.zeros((plant.delay_ticks + 1, model.nu))
+    walk.late = pointer(late)
+    walk.push_wait, begin = course.push.moments(episode)
+    walk.push_start = begin
+    kept = _Kept(walk)
+    draws = np.random.default_rng([course.seed, course.first + episode, 3])
+    shape = (2, 1 + plant.wires.joints.size)
+    if course.noisy:
+        # The loop in JAX spends one tick's draws on being compiled.
+        draws.standard_normal(shape)
+    whole = course.record and episode == 0
+    while walk.ending == Ending.RUNNING and not stop.is_set():
+        wanted = whole or walk.ticks < course.longest
+        left = rises[walk.rises_used :]
+        if course.terrain.uneven and len(left) < _TOUCHDOWNS:
+            rises = np.concatenate([left, course.terrain.rises(episode, 2 * _TOUCHDOWNS)])
+            walk.rises, walk.rises_used = pointer(rises), 0
+        told.lay(walk)
+        strides = np.zeros((_TOUCHDOWNS, width(len(course.orders.commands))))
+        walk.strides, walk.strides_used = pointer(strides), 0
+        noise = draws.standard_normal((_CHUNK, *shape)) if course.noisy else None
+        records = np.zeros(_CHUNK, layout.record) if wanted else None
+        states = np.zeros((_CHUNK, len(start))) if whole else None
+        done = library.run(
+            byref(scene),
+            byref(walk),
+            data._address,
+            _CHUNK,
+            pointer(noise),
+            pointer(records),
+            pointer(states),
+        )
+        if walk.ending == _REFUSED:
+            text = library.complaint().decode(errors="replace")
+            raise NonFiniteError(f"MuJoCo gave up in episode {course.first + episode}: {text}")
+        kept.strides.append(strides[: walk.strides_used])
+        if records is not None:
+            kept.records.append(records[:done])
+        if states is not None:
+            kept.states.append(states[:done])
+    return kept
+
+
+class _Orders:
+    """Enough of what touchdowns to come are to latch."""
+
+    def __init__(self, orders: Orders, episode: int):
+        self._rest = orders.of(episode)
+        self._rows = np.zeros((0, len(orders.commands)))
+
+    def lay(self, walk: Any) -> None:
+        """Before a chunk."""
+        if not self._rows.shape[1]:
+            return
+        left = self._rows[walk.orders_used :]
+        more = list(islice(self._rest, _TOUCHDOWNS - len(left)))
+        self._rows = np.concatenate([left, *(row[None] for row in more)])
+        walk.orders, walk.orders_used = pointer(self._rows), 0
+
+
+def _gauge(walks: list[Any]) -> Gauge:
+    """The figures of walks, with a leading axis."""
+
+    def of(name: str, whole: bool = False) -> np.ndarray:
+        return np.array([getattr(walk, name) for walk in walks], np.int32 if whole else None)
+
+    def parts(name: str, kind: type) -> Any:
+        each = [getattr(walk, name) for walk in walks]
+        return kind(*(np.array([getattr(one, field) for one in each]) for field in kind._fields))
+
+    return Gauge(
+        steps=of("steps", whole=True),
+        energy=of("energy"),
+        first=parts("first", Milestone),
+        last=parts("last", Milestone),
+        steady=parts("steady", Extremes),
+        running=parts("running", Extremes),
+        peak_torque=of("peak_torque"),
+        saturated=of("saturated", whole=True),
+        ticks=of("ticks", whole=True),
+    )

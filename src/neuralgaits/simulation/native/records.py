@@ -1,0 +1,58 @@
+"""What compiled walks recorded, as the `Record` that everything else reads."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._types import Array
+from neuralgaits.control import Command, Measurement
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.ticks.tick import Record, true_z
+
+NEVER_S = 1e30
+"""NG_NEVER: time since a touchdown that has not been."""
+
+
+def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> Record:
+    """A `Record` with a leading axis of ticks.
+
+    Args:
+        rows: of `ng_record`. [T]
+        plant_robot: for z with the plant's own masses.
+    """
+    leg = rows["leg"].astype(np.int32)
+    since = rows["since_touchdown"]
+    command = Command(
+        torque=rows["torque"],
+        actuated=rows["actuated"],
+        q=rows["q"],
+        dq=rows["dq"],
+        y_d=rows["y_d"],
+        dy_d=rows["dy_d"],
+        z=rows["z"],
+        leg=leg,
+        since_touchdown=np.where(since >= NEVER_S, np.inf, since),
+        touchdown=rows["touchdown"] > 0.5,
+        saturated=rows["saturated"] > 0.5,
+        told=rows["told"] if "told" in (rows.dtype.names or ()) else np.zeros((len(rows), 2, 0)),
+    )
+    names = ("time", "pitch", "dpitch", "angles", "rates", "hip_velocity", "normal_force")
+    truth = Measurement(*(rows[name] for name in names))
+    z = np.asarray(_plant_z(plant_robot, _padded(truth), _padded(leg)))[: len(rows)]
+    return Record(rows["time"], command, rows["pitch"], rows["dpitch"], z)
+
+
+@quick_filter_jit
+def _plant_z(robot: PlanarBiped, truth: Measurement, leg: Array) -> Array:
+    return jax.vmap(lambda one, stance: true_z(robot, one, stance))(truth, leg)
+
+
+def _padded(tree):
+    """To a power of two ticks, so that walks of all lengths share few compilations."""
+
+    def pad(leaf: np.ndarray) -> Array:
+        longer = 1 << max(10, (len(leaf) - 1).bit_length())
+        return jnp.asarray(np.resize(leaf, (longer, *leaf.shape[1:])))
+
+    return jax.tree.map(pad, tree)

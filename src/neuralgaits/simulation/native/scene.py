@@ -1,0 +1,98 @@
+"""What stays fixed during a simulation, as compiled walks read it: `ng_scene` of `c/walk.h`."""
+
+import ctypes
+from ctypes import POINTER
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.control import AbstractLaw, Controller, Fblin, Pd
+from neuralgaits.errors import InputError
+from neuralgaits.simulation.native.layout import Layout
+from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.setup.plant import SUBSTEPS, Plant
+from neuralgaits.simulation.setup.push import DURATION_S, Push
+from neuralgaits.simulation.setup.terrain import ROOM_UNDER_FOOT
+from neuralgaits.simulation.ticks.falls import FallConfig
+from neuralgaits.simulation.ticks.gauge import SETTLING_S, START_UP_STEPS
+
+_LONGEST_US = 0xFFFFFFFF
+
+
+def knows(law: AbstractLaw) -> bool:
+    """Whether compiled controllers have this law."""
+    return type(law) in (Pd, Fblin)
+
+
+def scene_of(
+    library: Library,
+    plant: Plant,
+    controller: Controller,
+    steps: int,
+    falls: FallConfig,
+    push: Push,
+) -> Any:
+    """`ng_scene` of a plant and a controller."""
+    wires, layout, robot = plant.wires, plant.wires.layout, controller.robot
+    types, disturbance = library.layout, plant.disturbance
+    leg_length = float(np.sum(robot.hip))
+    scene = types.scene()
+    scene.model, scene.step = plant.model._address, library.mj_step
+    for name, values in (
+        ("root", wires.root),
+        ("joints", wires.joints),
+        ("motors", wires.actuators),
+        ("root_to_hip", layout.root_to_hip),
+        ("root_origin", layout.root_origin),
+        ("joint_sign", layout.leg_joint_signs),
+        ("joint_offset", layout.leg_joint_offsets),
+        ("gear", layout.gears),
+    ):
+        _fill(getattr(scene, name), values)
+    scene.pitch_sign, scene.root_angle = layout.pitch_sign, layout.root_angle
+    scene.angle_noise, scene.rate_noise = disturbance.encoder_noise, disturbance.rate_noise
+    scene.encoder_step = disturbance.encoder_step
+    scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
+    scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT
+    scene.gap_depth, scene.foot_radius = np.inf, float(plant.robot.foot_radius)
+    scene.push_force, scene.push_s, scene.push_after = push.force, DURATION_S, push.steps_before
+    scene.steps = min(steps, np.iinfo(np.int32).max)
+    scene.lowest_hip = falls.hip_share * leg_length
+    scene.largest_pitch = np.inf if robot.torso is None else falls.torso_rad
+    scene.patience_s = falls.stall * float(np.sqrt(leg_length / robot.gravity))
+    scene.start_up_steps, scene.settling_s = START_UP_STEPS, SETTLING_S
+    _set_law(scene.law, controller.law)
+    _set_config(scene, types, controller)
+    return scene
+
+
+def _set_law(law: Any, wanted: AbstractLaw) -> None:
+    law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
+    if isinstance(wanted, Pd):
+        law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
+        _fill(law.stiffness, wanted.stiffness)
+        _fill(law.damping, wanted.damping)
+    elif isinstance(wanted, Fblin):
+        law.model, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
+    else:
+        raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
+
+
+def _set_config(scene: Any, types: Layout, controller: Controller) -> None:
+    """The limits of the robot and no others: a simulation shows what a law does."""
+    config = scene.config
+    config.law = ctypes.cast(ctypes.addressof(scene) + types.scene.law.offset, POINTER(types.law))
+    _fill(config.torque_limit, controller.torque_limit)
+    for name in ("torque_rate", "largest_pitch", "angle_margin", "largest_rate", "largest_speed"):
+        setattr(config, name, np.inf)
+    config.largest_force = config.airborne_s = np.inf
+    config.gap_us = _LONGEST_US
+
+
+def _fill(array: Any, values: Any) -> None:
+    """Copy numbers of any nesting into a ctypes array."""
+    for at, value in enumerate(values):
+        if isinstance(array[at], ctypes.Array):
+            _fill(array[at], value)
+        else:
+            array[at] = value

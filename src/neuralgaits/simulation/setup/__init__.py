@@ -1,0 +1,1 @@
+"""What an episode is given: plant, ground, disturbances, orders and where it starts."""

@@ -1,0 +1,122 @@
+"""Courses of solid blocks: where their tops are, and what a robot that sees them is told.
+
+A robot sees one step ahead. While it steps to one foothold, it is told of the step after it, from
+where its swing foot is; what was told last when the foot comes down is latched.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float, Int
+from neuralgaits.gait.commands import place_of
+from neuralgaits.simulation.setup.orders import Orders
+
+GAP_DEPTH_M = 0.03
+"""A foot this far below the stones before and behind it has missed them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The ground of one episode.
+
+    Attributes:
+        tops: of the blocks, from back to front: ends (x, z), (x, z) [m]. [K, 4]
+        seen: of stones their middles (x, z) [m], the first one under the foot that the walk starts
+            on; of slopes x [m] and the slope from there to a step further on [rad]. [S, 2]
+        stones: whether each step has to end on a block of its own.
+    """
+
+    tops: Float[np.ndarray, "K 4"]
+    seen: Float[np.ndarray, "S 2"]
+    stones: bool
+
+    def height(self, x: float) -> float:
+        """Of the ground at a place, or of the line between two blocks over a gap (m)."""
+        return float(np.interp(x, self.tops[:, 0::2].ravel(), self.tops[:, 1::2].ravel()))
+
+    def misses(self, places: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
+        """How far feet came down from the middle of their stones, those at touchdowns (m)."""
+        middles = self.seen[1:, 0]
+        count = min(len(places), len(middles))
+        return places[:count] - middles[:count]
+
+
+@dataclass(frozen=True, eq=False)
+class Courses:
+    """The ground of every episode.
+
+    Attributes:
+        each: of them.
+        orders: what their first steps are told, and what the ground leaves open later on.
+        foot_radius: of the robot [m].
+    """
+
+    each: tuple[Course, ...]
+    orders: Orders
+    foot_radius: float
+
+    @property
+    def stones(self) -> bool:
+        """Whether steps have to end on stones."""
+        return self.each[0].stones
+
+    @property
+    def gap_depth(self) -> float:
+        """How far below its stones a foot has missed them [m]; infinite where there are no gaps."""
+        return GAP_DEPTH_M if self.stones else np.inf
+
+    def first_levels(self) -> Float[np.ndarray, "B 2"]:
+        """Levels of the first foothold and, under the swing foot, of the one before it (m)."""
+        at = place_of(self.orders.commands, "step_height")
+        rise = 0.0 if at is None else float(self.orders.first[at])
+        return np.tile([0.0, -rise], (len(self.each), 1))
+
+    def stand(
+        self,
+        levels: Float[np.ndarray, "B 2"],
+        touchdown: Bool[np.ndarray, " B"],
+        leg: Int[np.ndarray, " B"],
+        feet: Float[np.ndarray, "B 2 2"],
+    ) -> None:
+        """Write into levels (m) where feet have come down; `feet` are stance and swing feet."""
+        for i in np.flatnonzero(touchdown):
+            levels[i, leg[i]] = feet[i, 0, 1] - self.foot_radius
+
+    def look(
+        self,
+        told: Float[np.ndarray, " p"],
+        episode: int,
+        touchdowns: int,
+        foot: Float[np.ndarray, "2"],
+    ) -> None:
+        """Write over what an episode is told what its robot sees now.
+
+        Args:
+            told: of the next touchdown. [p]
+            episode: its number.
+            touchdowns: so far.
+            foot: the swing foot, (x, z) (m).
+        """
+        course, commands = self.each[episode], self.orders.commands
+        if not course.stones:
+            slope = place_of(commands, "slope")
+            assert slope is not None
+            told[slope] = np.interp(foot[0], course.seen[:, 0], course.seen[:, 1])
+            return
+        # The foot is on its way to the stone before this one.
+        next_stone = touchdowns + 2
+        if next_stone >= len(course.seen):
+            return
+        ahead = course.seen[next_stone] - (foot[0], foot[1] - self.foot_radius)
+        for name, value in zip(("step_length", "step_height"), ahead, strict=True):
+            at = place_of(commands, name)
+            if at is not None:
+                told[at] = value
+
+
+def stones_at(middles: Float[np.ndarray, "K 2"], widths: Float[np.ndarray, " K"]) -> Course:
+    """Stones with level tops: their middles (x, z) and widths (m)."""
+    half = 0.5 * widths
+    x, z = middles.T
+    return Course(np.stack([x - half, z, x + half, z], axis=1), middles, stones=True)

@@ -1,0 +1,238 @@
+"""A robot file as a MuJoCo plant: half-millisecond steps, a floor of its own under each foot.
+
+The planes under the feet ride on mocap bodies, so floor height and slope are part of a
+simulation's input, not of its model: one compiled model serves every episode. On a course there
+are solid blocks in their place, which both feet meet, and every episode has a model of its own.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.errors import InputError, RobotError
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.simulation.setup.course import Course
+from neuralgaits.simulation.setup.disturbance import Disturbance
+
+TIMESTEP_S = 5e-4
+SUBSTEPS = 2
+"""MuJoCo steps per control tick: control runs at 1 kHz."""
+
+CONTROL_SPEC = (
+    mujoco.mjtState.mjSTATE_CTRL
+    | mujoco.mjtState.mjSTATE_QFRC_APPLIED
+    | mujoco.mjtState.mjSTATE_MOCAP_POS
+)
+"""What a tick sets: actuator controls, the push, the floors."""
+
+# Bits of the collision masks: each foot meets its own plane and nothing else does.
+_FLOOR_BITS = (1 << 20, 1 << 21)
+# Shown floor, and the group of the other one, which MuJoCo does not draw unless told to: two
+# planes at one level would be lit twice.
+SECOND_FLOOR_GROUP = 5
+_FLOOR_GROUPS = (0, SECOND_FLOOR_GROUP)
+# Size of the touch sensors around the foot spheres, in foot radii.
+_TOUCH_ZONE = 3.0
+# Blocks of a course: how far they go down and to each side [m], and their two colours in turn.
+_BLOCK_DEPTH = 0.5
+_BLOCK_SIDE = 0.3
+_BLOCK_COLOURS = ((0.42, 0.45, 0.50, 1.0), (0.55, 0.58, 0.62, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A compiled MuJoCo model and where the robot's quantities live in it.
+
+    Attributes:
+        robot: whose file this is; disturbances are not in its numbers.
+        model: compiled, with two floor planes on mocap bodies 0 and 1, or the blocks of a course.
+        disturbance: what was changed.
+        wires: where the robot's coordinates live in the model.
+        torque_limit: of the actuated coordinates as disturbed [N m]. [m]
+        slope: rise of the floor per metre forward.
+        course: of blocks; None for floors.
+    """
+
+    robot: PlanarBiped
+    model: mujoco.MjModel
+    disturbance: Disturbance
+    wires: StateMap
+    torque_limit: Float[np.ndarray, " m"]
+    slope: float
+    course: Course | None = None
+
+    @property
+    def delay_ticks(self) -> int:
+        """Control ticks from a reading to its torque."""
+        return round(self.disturbance.delay_ms * 1e-3 / (SUBSTEPS * TIMESTEP_S))
+
+    def floor_positions(self, levels: Float[np.ndarray, "B 2"]) -> Float[np.ndarray, "B 6"]:
+        """Mocap positions that put the floors at these levels at x = 0. Returns: [B, 6] (m)."""
+        positions = np.zeros((levels.shape[0], 2, 3))
+        positions[:, :, 2] = levels
+        return positions.reshape(-1, 6)
+
+
+def build(
+    robot: PlanarBiped, disturbance: Disturbance | None = None, course: Course | None = None
+) -> Plant:
+    """Compile the plant of a robot, on floors, or on the blocks of a course.
+
+    Raises: RobotError if MuJoCo refuses the file, InputError if a disturbance does not apply.
+    """
+    disturbance = Disturbance() if disturbance is None else disturbance
+    layout = robot.layout
+    slope = math.tan(math.radians(disturbance.slope_deg))
+    try:
+        spec = mujoco.MjSpec.from_string(layout.xml)
+        geometry = spec.compile()
+        _add_floors(spec, geometry, robot, disturbance, course)
+        model = spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise RobotError(
+            f"robot {robot.name}: MuJoCo cannot build its plant, which has floors of its own in "
+            f"place of the file's ({reason}): remove from the file what refers to its floor"
+        ) from error
+    if course is not None:
+        # Cameras see no nearer than a share of it: a long course would hide the robot.
+        model.stat.extent = geometry.stat.extent
+    _disturb(model, robot, disturbance)
+    limit = robot.torque_limit
+    if disturbance.torque_limit is not None:
+        limit = np.minimum(limit, disturbance.torque_limit)
+    return Plant(
+        robot=robot,
+        model=model,
+        disturbance=disturbance,
+        wires=StateMap.build(model, layout),
+        torque_limit=limit,
+        slope=slope,
+        course=course,
+    )
+
+
+def _add_floors(
+    spec: mujoco.MjSpec,
+    geometry: mujoco.MjModel,
+    robot: PlanarBiped,
+    disturbance: Disturbance,
+    course: Course | None,
+) -> None:
+    """Give each foot a plane, take every other contact away, and put sensors on the feet.
+
+    The feet keep the contact parameters of the file; priority makes them count alone.
+    """
+    spec.option.timestep = TIMESTEP_S
+    pictures = [(geom.rgba.copy(), geom.material) for geom in _planes(spec)][:1]
+    for geom in list(_planes(spec)):
+        spec.delete(geom)
+    for geom in spec.geoms:
+        geom.contype, geom.conaffinity = 0, 0
+    if course is not None:
+        _add_blocks(spec, course)
+    for leg, (name, bit) in enumerate(zip(robot.layout.feet, _FLOOR_BITS, strict=True)):
+        if course is None:
+            plane = _add_plane(spec, leg, bit, math.radians(disturbance.slope_deg))
+            if pictures:
+                plane.rgba, plane.material = pictures[0]
+        foot = spec.geom(name)
+        foot.contype, foot.conaffinity, foot.priority = bit, bit, 1
+        place = geometry.geom(name)
+        site = foot.parent.add_site(
+            name=f"_touch_{leg}", pos=place.pos, size=[_TOUCH_ZONE * place.size[0]] * 3
+        )
+        sensor = spec.add_sensor(name=f"_touch_{leg}", type=mujoco.mjtSensor.mjSENS_TOUCH)
+        sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_SITE, site.name
+
+
+def _add_plane(spec: mujoco.MjSpec, leg: int, bit: int, tilt: float):
+    """The floor under a foot, tilted (rad)."""
+    body = spec.worldbody.add_body(name=f"_floor_{leg}", mocap=True)
+    body.quat = _tilted(tilt)
+    return body.add_geom(
+        name=f"_floor_{leg}",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[0.0, 0.0, 0.1],
+        contype=bit,
+        conaffinity=bit,
+        group=_FLOOR_GROUPS[leg],
+    )
+
+
+def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
+    """Boxes below the tops of a course, for both feet."""
+    for number, (x0, z0, x1, z1) in enumerate(course.tops):
+        tilt, length = math.atan2(z1 - z0, x1 - x0), math.hypot(x1 - x0, z1 - z0)
+        half = 0.5 * _BLOCK_DEPTH
+        spec.worldbody.add_geom(
+            name=f"_block_{number}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            pos=[
+                0.5 * (x0 + x1) + half * math.sin(tilt),
+                0.0,
+                0.5 * (z0 + z1) - half * math.cos(tilt),
+            ],
+            quat=_tilted(tilt),
+            size=[0.5 * length, _BLOCK_SIDE, half],
+            contype=_FLOOR_BITS[0] | _FLOOR_BITS[1],
+            conaffinity=_FLOOR_BITS[0] | _FLOOR_BITS[1],
+            rgba=_BLOCK_COLOURS[number % 2],
+        )
+
+
+def _tilted(angle: float) -> list[float]:
+    """Quaternion that turns x up by an angle (rad)."""
+    return [math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0]
+
+
+def _planes(spec: mujoco.MjSpec):
+    return (geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE)
+
+
+def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: Disturbance) -> None:
+    layout = robot.layout
+    joints = sorted({name for leg in layout.leg_joints for name in leg})
+    friction = robot.friction if disturbance.friction is None else disturbance.friction
+    for name in layout.feet:
+        model.geom(name).friction[0] = friction
+    if disturbance.torque_limit is not None:
+        for names, gears in zip(layout.actuators, layout.gears, strict=True):
+            for name, gear in zip(names, gears, strict=True):
+                actuator = model.actuator(name)
+                reach = disturbance.torque_limit / abs(gear)
+                low, high = actuator.ctrlrange if actuator.ctrllimited[0] else (-reach, reach)
+                actuator.ctrlrange[:] = (max(low, -reach), min(high, reach))
+                actuator.ctrllimited[0] = True
+    for name in joints:
+        model.dof_frictionloss[model.joint(name).dofadr[0]] += disturbance.joint_friction
+    model.body_mass[:] *= disturbance.mass_scale
+    model.body_inertia[:] *= disturbance.mass_scale
+    if disturbance.torso_shift_m:
+        _shift_torso(model, robot, disturbance.torso_shift_m)
+    # Derived inertial constants follow the edited ones.
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def _shift_torso(model: mujoco.MjModel, robot: PlanarBiped, shift: float) -> None:
+    if robot.torso is None:
+        raise InputError(f"disturbance torso_shift_m: robot {robot.name} has no torso to shift")
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.0
+    mujoco.mj_kinematics(model, data)
+    root = int(model.jnt_bodyid[model.joint(robot.layout.root_joints[2]).id])
+    bodies = [
+        i for i in range(model.nbody) if i and model.body_weldid[i] == model.body_weldid[root]
+    ]
+    total = sum(float(model.body_mass[i]) for i in bodies)
+    # Moving one body of the welded torso moves the whole torso's centre of mass.
+    heaviest = max(bodies, key=lambda i: float(model.body_mass[i]))
+    ahead = np.array([shift * total / float(model.body_mass[heaviest]), 0.0, 0.0])
+    model.body_ipos[heaviest] += data.xmat[heaviest].reshape(3, 3).T @ ahead

@@ -1,0 +1,142 @@
+"""The tick of many episodes, compiled once.
+
+A call of compiled code costs time for every array that goes in or comes out, more than the
+arithmetic on one robot. Carries, readings, verdicts and records are therefore packed, one array
+each, at this edge.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.flatten_util import ravel_pytree
+
+from neuralgaits._quick_jit import quick_jit
+from neuralgaits._types import Array, Float, Int
+from neuralgaits.simulation.ticks.tick import Reading, Scene, begin, tick
+
+
+class Batch(NamedTuple):
+    """The compiled tick of a batch of episodes."""
+
+    tick: Callable[..., tuple[jax.Array, jax.Array, jax.Array]]
+    """(arrays, carry, reading) to (carry, verdict, record), each packed. [B, ...]"""
+    arrays: list[jax.Array]
+    """The numbers of the scene."""
+    carry: jax.Array
+    """Of the first tick, packed. [B, ...]"""
+    carry_of: "Unpack"
+    """Packed carries to a `Carry` with a leading axis."""
+    verdict_of: "Unpack"
+    """Packed verdicts to a `Verdict` with a leading axis."""
+    record_of: "Unpack"
+    """Packed records to a `Record` with a leading axis."""
+
+
+class Unpack:
+    """Inverse of packing: from an array [B, ...] to a tree whose leaves have a leading axis."""
+
+    def __init__(self, shapes: Any):
+        """Learn where things are from a tree of shapes and dtypes of one episode."""
+        leaves, self._tree = jax.tree.flatten(shapes)
+        ends = np.cumsum([leaf.size for leaf in leaves])
+        self._parts = [
+            (slice(end - leaf.size, end), leaf.shape, leaf.dtype)
+            for leaf, end in zip(leaves, ends, strict=True)
+        ]
+
+    def __call__(self, packed: Array) -> Any:
+        """The tree. Its leaves are NumPy arrays."""
+        array = np.asarray(packed)
+        return jax.tree.unflatten(
+            self._tree,
+            [
+                array[:, part].reshape(len(array), *shape).astype(dtype, copy=False)
+                for part, shape, dtype in self._parts
+            ],
+        )
+
+
+def compile_batch(scene: Scene, legs: Int[np.ndarray, " B"], *, shared: bool) -> Batch:
+    """Compile the tick for episodes that start on `legs`.
+
+    Args:
+        scene: of all episodes.
+        legs: stance leg of each episode at its start. [B]
+        shared: whether all episodes have the same policy.
+
+    Returns: `Batch`. A scene of the same structure is compiled only once in a process.
+    """
+    fixed = eqx.filter(scene, eqx.is_array, inverse=True)
+    tree = jax.tree.structure(_numbers(scene))
+    fixed_leaves, fixed_tree = jax.tree.flatten(fixed)
+    run, first, shapes_of = _compiled(tree, tuple(fixed_leaves), fixed_tree, shared)
+    leaves = numbers(scene)
+    carry = first(leaves, jnp.asarray(legs, jnp.int32))
+    shapes = shapes_of(leaves, carry, jnp.zeros(scene.reading_size))
+    return Batch(run, leaves, carry, *(Unpack(shape) for shape in shapes))
+
+
+def numbers(scene: Scene) -> list[jax.Array]:
+    """The `arrays` of a batch for another scene of the same structure: nothing is compiled."""
+    return [jnp.asarray(leaf) for leaf in jax.tree.leaves(_numbers(scene))]
+
+
+def pack(tree: Reading) -> Float[np.ndarray, "B r"]:
+    """One array of a tree whose leaves have a leading axis of episodes. Returns: [B, ...]."""
+    return np.concatenate([leaf.reshape(len(leaf), -1) for leaf in tree], axis=1)
+
+
+def _numbers(scene: Scene) -> tuple[Any, Scene]:
+    """What may differ between episodes, and everything else."""
+    arrays = eqx.filter(scene, eqx.is_array)
+    return _own(arrays), eqx.tree_at(_own, arrays, (None, None))
+
+
+def _own(scene: Scene):
+    """The parts of a scene that may differ between episodes."""
+    return scene.controller.policy, scene.controller.bounds
+
+
+@lru_cache(maxsize=16)
+def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
+    fixed = jax.tree.unflatten(fixed_tree, fixed_leaves)
+    own_axis = None if shared else 0
+
+    def whole(own: Any, common: Scene) -> Scene:
+        arrays = eqx.tree_at(_own, common, own, is_leaf=lambda leaf: leaf is None)
+        return eqx.combine(arrays, fixed)
+
+    def trees(own: Any, common: Scene, packed: Any, reading: Any) -> Any:
+        scene = whole(own, common)
+        _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
+        return tick(scene, carry_of(packed), scene.reading(reading))
+
+    def one_tick(own: Any, common: Scene, packed: Array, reading: Array):
+        return tuple(ravel_pytree(part)[0] for part in trees(own, common, packed, reading))
+
+    def one_start(own: Any, common: Scene, leg: Array):
+        return ravel_pytree(begin(whole(own, common), leg))[0]
+
+    every_tick: Callable[..., Any] = jax.vmap(one_tick, in_axes=(own_axis, None, 0, 0))
+    every_start: Callable[..., Any] = jax.vmap(one_start, in_axes=(own_axis, None, 0))
+
+    @quick_jit
+    def run(leaves: Sequence[Array], packed: Array, reading: Array):
+        return every_tick(*jax.tree.unflatten(tree, leaves), packed, reading)
+
+    @quick_jit
+    def first(leaves: Sequence[Array], legs: Array):
+        return every_start(*jax.tree.unflatten(tree, leaves), legs)
+
+    def shapes_of(leaves: Sequence[Array], carry: Array, reading: Array) -> tuple[Any, Any, Any]:
+        own, common = jax.tree.unflatten(tree, leaves)
+        if not shared:
+            own = jax.tree.map(lambda leaf: leaf[0], own)
+        return jax.eval_shape(trees, own, common, carry[0], reading)
+
+    return run, first, shapes_of

@@ -1,0 +1,28 @@
+"""Keeps what every episode of a walk recorded: the loop calls it after each tick."""
+
+import jax
+import numpy as np
+
+from neuralgaits._types import Int
+from neuralgaits.simulation.ticks.tick import Record
+
+
+class Recorder:
+    """Records of all episodes."""
+
+    def __init__(self, longest: int):
+        """Keep the first `longest` ticks of each episode."""
+        self._longest = longest
+        self._ticks: list[Record] = []
+        self._active: list[Int[np.ndarray, " a"]] = []
+
+    def __call__(self, record: Record, active: Int[np.ndarray, " a"]) -> None:
+        """Keep one tick of all episodes, `active` being those that are still running."""
+        if len(self._ticks) < self._longest:
+            self._ticks.append(record)
+            self._active.append(active)
+
+    def record(self, episode: int) -> Record:
+        """Record of one episode up to its end; every leaf has a leading axis of ticks."""
+        ran = [tick for tick, who in zip(self._ticks, self._active, strict=True) if episode in who]
+        return jax.tree.map(lambda *leaves: np.stack([leaf[episode] for leaf in leaves]), *ran)
