@@ -49,7 +49,7 @@ class SafeguardConfig:
         blend_s: from holding the first posture to the law [s]; 0 for none.
         hold_stiffness: while blending [N m/rad].
         hold_damping: while blending [N m s/rad].
-        largest_pitch: of a torso [rad], as `simulation.falls` has it.
+        largest_pitch: of a torso [rad], as `simulation.ticks.falls` has it.
         angle_margin: beyond the ranges of the robot file [rad]: half a right angle is no overshoot.
         largest_rate: of a joint or the torso [rad/s]: ten times a fast step's.
         largest_speed: of the hip [m/s]: more than a falling robot reaches.

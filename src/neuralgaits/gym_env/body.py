@@ -100,7 +100,7 @@ class Body:
             q: coordinates (rad). [n]
             dq: rates (rad/s). [n]
             leg: stance leg.
-            push: forward impulse of the one push, see `simulation.push` (N s).
+            push: forward impulse of the one push, see `simulation.setup.push` (N s).
             seed: of pushes, floors and sensor noise.
         """
         if plant is not self.plant:
@@ -219,7 +219,7 @@ class Body:
         )
 
     def ending(self) -> Ending:
-        """Whether it has fallen, as `simulation.falls` has it."""
+        """Whether it has fallen, as `simulation.ticks.falls` has it."""
         robot, falls = self._robot, self._falls
         length = float(np.sum(robot.hip))
         states = (self.data.qpos, self.data.qvel)

@@ -19,7 +19,7 @@ Count = Annotated[int, shapes.COUNT]
 Texts = tuple[str, ...]
 Pair = tuple[float, float]
 Disturb = Annotated[Mapping[str, Any], shapes.table_of(shapes.may(shapes.NUMBER))]
-"""What of a plant was changed, by name: see `simulation.disturbance`."""
+"""What of a plant was changed, by name: see `simulation.setup.disturbance`."""
 _PLAIN = {
     float: shapes.NUMBER,
     int: shapes.kind("a whole number", int),

@@ -143,7 +143,7 @@ class WalkSettings(Record):
         episodes: walks.
         start: as in `simulate`.
         push: forward impulse [N s]; None for none.
-        disturb: what was changed of the plant; see `simulation.disturbance`.
+        disturb: what was changed of the plant; see `simulation.setup.disturbance`.
         seed: of starts and disturbances.
         engine, engine_note: what walked, and why it is not what was asked for.
         steps: walking steps asked of each walk.

@@ -103,7 +103,7 @@ def walk(
         steps: walking steps of an episode.
         z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
         disturbance: of the plant.
-        push: forward impulse at the pitch axis of the root (N s); see `simulation.push`.
+        push: forward impulse at the pitch axis of the root (N s); see `simulation.setup.push`.
         seed: of everything random.
         falls: thresholds of a fall.
         record: keep records and states of episode 0.

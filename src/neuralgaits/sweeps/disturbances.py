@@ -24,7 +24,7 @@ def disturbances_of(asked: str | Path | Mapping[str, Any]) -> dict[str, dict[str
     """What is asked of plants, by name, as plain values.
 
     Args:
-        asked: `standard` for the eighteen of `simulation.disturbance_set`, `none` for no
+        asked: `standard` for the eighteen of `simulation.setup.disturbance_set`, `none` for no
             disturbance at all, a TOML file, or a mapping of names to disturbances.
 
     Raises: InputError in one line.

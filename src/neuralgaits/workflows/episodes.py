@@ -92,7 +92,7 @@ def episodes(
     Args:
         robot: the model; with `resume` it need not be given, what goes on has its own.
         plant: robot that walks, in simulation.
-        disturb: of the plant, see `simulation.disturbance`.
+        disturb: of the plant, see `simulation.setup.disturbance`.
         controller: `pd` (if None) or `fblin`, with the nominal model.
         logs: folder of a real robot's logs in place of a plant: `round-0/*.csv`, and so on. The
             rounds stop where the next logs are missing, and go on once they are there.

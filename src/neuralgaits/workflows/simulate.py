@@ -97,21 +97,21 @@ def simulate(
         start: `centre` of the gait's region, `region` (anywhere in it), or `fixed-point`.
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
             built-in robot (N s), at a random moment after the fifth step.
-        disturb: `NAME=VALUE,...` or a mapping; see `simulation.disturbance`.
+        disturb: `NAME=VALUE,...` or a mapping; see `simulation.setup.disturbance`.
         seed: of starts and disturbances.
         episodes: number of walks.
         log: CSV file for the first walk; of further walks, FILE-1.csv, FILE-2.csv, ... beside it.
         video: MP4 file for the first walk; needs the `video` extra.
         engine: `native` to insist on compiled code, `jax` for the reference loop, None for native
             where it works; `engine` of the summary says which it was.
-        link: to the controller `c`: `NAME=VALUE,...` or a mapping; see `simulation.link_config`.
+        link: to the controller `c`: `NAME=VALUE,...` or a mapping; see `simulation.linked.config`.
         command: told for ever, `NAME=VALUE,...` with slopes in degrees, or a mapping in SI units;
             the middle of the ranges where none is named. Walks start at the first command.
         commands: CSV file with a row a step, `step,speed[m/s],...`, or `random`: a new command
             that may follow the last one at each touchdown.
         terrain: blocks in place of the floor, that the robot sees one step ahead and is told by:
             `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV file of
-            stones; see `simulation.terrains`.
+            stones; see `simulation.setup.terrains`.
         workers: processes of this machine that walk, in place of threads of this one; in a
             script, call this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.

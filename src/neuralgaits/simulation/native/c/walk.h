@@ -1,9 +1,9 @@
 /*
  * Walks in MuJoCo without anything in between: the exported controller and mj_step in one loop.
  *
- * What a tick means is written twice, here and in neuralgaits.simulation.ticks.tick and lockstep; tests
- * compare the two tick by tick. The caller owns all memory and fills the structures; a scene may
- * be shared by threads, a walk and its mjData belong to one.
+ * What a tick means is written twice, here and in neuralgaits.simulation.ticks (tick and lockstep);
+ * tests compare the two tick by tick. The caller owns all memory and fills the structures; a scene
+ * may be shared by threads, a walk and its mjData belong to one.
  */
 #ifndef NG_WALK_H
 #define NG_WALK_H
