@@ -11,7 +11,9 @@ from pathlib import Path
 gc.set_threshold(100_000, 50, 100)  # As the command line does.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_variable] = "1"
-_flags = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+os.environ["NPROC"] = "1"  # The size of XLA's pool of threads.
+# XLA reads no further than the first word that does not begin with a dash.
+_flags = "--xla_cpu_multi_thread_eigen=false"
 # Tests compile more than they compute: what makes code fast would take longer than it saves.
 _flags += " --xla_backend_optimization_level=0 --xla_cpu_parallel_codegen_split_count=1"
 if tuple(map(int, version("jax").split(".")[:2])) < (0, 11):

@@ -1,8 +1,10 @@
 """How XLA compiles what is called often and runs for microseconds.
 
-The passes switched off cost seconds of compiling and gain such kernels nothing.
+The passes switched off cost seconds of compiling and gain such kernels nothing. What the
+environment's XLA_FLAGS say of one of these options goes before what is said here.
 """
 
+import os
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -10,10 +12,19 @@ import equinox as eqx
 import jax
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-QUICK: dict[str, bool | int] = {"xla_backend_optimization_level": 1}
-if jax.__version_info__ < (0, 11):
-    # Later compilers know no such option, and refuse what they do not know.
-    QUICK["xla_cpu_use_fusion_emitters"] = False
+
+
+def _quick() -> dict[str, bool | int]:
+    options: dict[str, bool | int] = {"xla_backend_optimization_level": 1}
+    if jax.__version_info__ < (0, 11):
+        # Later compilers know no such option, and refuse what they do not know.
+        options["xla_cpu_use_fusion_emitters"] = False
+    flags = os.environ.get("XLA_FLAGS", "").split()
+    told = {flag.lstrip("-").partition("=")[0] for flag in flags}
+    return {name: value for name, value in options.items() if name not in told}
+
+
+QUICK = _quick()
 
 
 def quick_jit(function: Function) -> Function:
