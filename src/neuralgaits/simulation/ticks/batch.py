@@ -77,7 +77,7 @@ def compile_batch(scene: Scene, legs: Int[np.ndarray, " B"], *, shared: bool) ->
     run, first, shapes_of = _compiled(tree, tuple(fixed_leaves), fixed_tree, shared)
     leaves = numbers(scene)
     carry = first(leaves, jnp.asarray(legs, jnp.int32))
-    shapes = shapes_of(leaves, carry, jnp.zeros(scene.reading_size))
+    shapes = shapes_of(leaves, carry, jnp.zeros((len(legs), scene.reading_size)))
     return Batch(run, leaves, carry, *(Unpack(shape) for shape in shapes))
 
 
@@ -111,13 +111,15 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
         arrays = eqx.tree_at(_own, common, own, is_leaf=lambda leaf: leaf is None)
         return eqx.combine(arrays, fixed)
 
-    def trees(own: Any, common: Scene, packed: Any, reading: Any) -> Any:
-        scene = whole(own, common)
-        _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
-        return tick(scene, carry_of(packed), scene.reading(reading))
+    shapes: dict[tuple, tuple[Any, Any, Any]] = {}
 
     def one_tick(own: Any, common: Scene, packed: Array, reading: Array):
-        return tuple(ravel_pytree(part)[0] for part in trees(own, common, packed, reading))
+        scene = whole(own, common)
+        _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
+        parts = tick(scene, carry_of(packed), scene.reading(reading))
+        # Noted while it is traced: what is packed has lost them.
+        shapes[_kinds((own, common, packed, reading))] = jax.tree.map(_kind, parts)
+        return tuple(ravel_pytree(part)[0] for part in parts)
 
     def one_start(own: Any, common: Scene, leg: Array):
         return ravel_pytree(begin(whole(own, common), leg))[0]
@@ -134,9 +136,19 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
         return every_start(*jax.tree.unflatten(tree, leaves), legs)
 
     def shapes_of(leaves: Sequence[Array], carry: Array, reading: Array) -> tuple[Any, Any, Any]:
+        """Of one episode. JAX keeps the trace for the first call of `run`."""
+        run.trace(leaves, carry, reading)  # pyright: ignore[reportFunctionMemberAccess]
         own, common = jax.tree.unflatten(tree, leaves)
         if not shared:
             own = jax.tree.map(lambda leaf: leaf[0], own)
-        return jax.eval_shape(trees, own, common, carry[0], reading)
+        return shapes[_kinds((own, common, carry[0], reading[0]))]
 
     return run, first, shapes_of
+
+
+def _kind(leaf: Array) -> jax.ShapeDtypeStruct:
+    return jax.ShapeDtypeStruct(leaf.shape, leaf.dtype)
+
+
+def _kinds(parts: Any) -> tuple:
+    return tuple((leaf.shape, str(leaf.dtype)) for leaf in jax.tree.leaves(parts))
