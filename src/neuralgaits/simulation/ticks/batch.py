@@ -113,7 +113,7 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
 
     shapes: dict[tuple, tuple[Any, Any, Any]] = {}
 
-    def one_tick(own: Any, common: Scene, packed: Array, reading: Array):
+    def one_tick(own: Any, common: Scene, packed: Any, reading: Any):
         scene = whole(own, common)
         _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
         parts = tick(scene, carry_of(packed), scene.reading(reading))
