@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-import equinox as eqx
 import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits import _notebook
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
@@ -135,7 +135,7 @@ class Run:
 
 
 # Compiled once, not once a call.
-_policy_at, _gait_at = eqx.filter_jit(CommandedPolicy.at), eqx.filter_jit(CommandedGait.at)
+_policy_at, _gait_at = quick_filter_jit(CommandedPolicy.at), quick_filter_jit(CommandedGait.at)
 
 
 @dataclass(frozen=True)

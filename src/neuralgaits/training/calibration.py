@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.polynomial import polynomial
 
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.orbit import poincare
 from neuralgaits.barriers.regions import CommandedGait
@@ -64,6 +65,6 @@ def _speed(
     return poincare(moving, step.z(jnp.array([0.5, 0.5]))).speed_m_s
 
 
-@eqx.filter_jit
+@quick_filter_jit
 def _steady(gait: CommandedGait, robot: PlanarBiped, v: Float[Array, " k"], residuals: Residuals):
     return gait.at(robot, v, residuals.reset).following

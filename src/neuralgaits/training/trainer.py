@@ -17,6 +17,7 @@ import numpy as np
 import optax
 from jax.flatten_util import ravel_pytree
 
+from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.barriers.regions import AnyGait
@@ -284,7 +285,7 @@ def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTrans
     return optax.chain(optax.clip_by_global_norm(recipe.largest_gradient), steps_of)
 
 
-@eqx.filter_jit
+@quick_filter_jit
 def _matched(
     gait: AnyGait, robot: PlanarBiped, reset_residual: AbstractResetResidual | None
 ) -> AnyGait:
