@@ -35,6 +35,7 @@ from neuralgaits.gait.policies.step_ends import (
     Start,
     inside,
     on_foothold,
+    reached,
     start_after,
 )
 from neuralgaits.gait.policies.step_policy import NumberedStep
@@ -178,13 +179,19 @@ class CommandedPolicy(AbstractPolicy):
         """Where in the family a command is: in [-1, 1] or near it, 0 in the middle. [p]."""
         return scaled(self.commands, self.curves, command)
 
-    def guard(self, robot: "PlanarBiped", command: Float[Array, " p"]) -> Guard:
-        """Where a step ends at this command, the swing foot on its foothold."""
+    def guard(
+        self, robot: "PlanarBiped", command: Float[Array, " p"], *, exact: bool = False
+    ) -> Guard:
+        """Where a step ends at this command, the swing foot on its foothold; `exact` as in `at`."""
         basis = powers(self.scaled(command))
         z1 = basis @ self.guard_z1
         share = jax.nn.sigmoid(basis @ self.guard_outputs)
         outputs = self.lower + (self.upper - self.lower) * share
-        outputs = on_foothold(robot, z1, outputs, _foothold(self.commands, command), NEWTON_STEPS)
+        foothold = _foothold(self.commands, command)
+        if exact:
+            outputs = reached(robot, z1, outputs, foothold)
+        else:
+            outputs = on_foothold(robot, z1, outputs, foothold, NEWTON_STEPS)
         return Guard(z1, outputs, basis @ self.guard_slopes)
 
     def at(
@@ -206,7 +213,7 @@ class CommandedPolicy(AbstractPolicy):
         """
 
         def ends(command: Float[Array, " p"]) -> tuple[Guard, Start]:
-            guard = self.guard(robot, command)
+            guard = self.guard(robot, command, exact=exact)
             return guard, start_after(robot, guard, reset_residual)
 
         # Both at once: what is compiled, or bounded in a proof, is half as long.

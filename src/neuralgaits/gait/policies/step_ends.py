@@ -15,7 +15,7 @@ from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.posture import hip_indices
 from neuralgaits.gait.reset_residual import AbstractResetResidual, rates_after
-from neuralgaits.robots.dynamics import angular_momentum, swing_foot
+from neuralgaits.robots.dynamics import _point, angular_momentum, swing_foot
 
 if TYPE_CHECKING:
     from neuralgaits.robots import Impact, PlanarBiped
@@ -97,6 +97,64 @@ def on_foothold(
             [push(row) for row in np.eye(len(moved), dtype=outputs.dtype)], value
         )
     return outputs + shift @ directions
+
+
+def reached(
+    robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated, foothold: Foothold
+) -> Actuated:
+    """`on_foothold` in closed form, for outputs with the foot a few centimetres off.
+
+    Each Newton step uses its angle often, and bounds over boxes grow with every use; here every
+    quantity enters about once. A length is met by the last joint of the swing leg, a height by
+    the hip: either turns what hangs from it, and what an angle s turns obeys
+    a sin s + b (1 - cos s) + m = 0, a quadratic equation for tan(s / 2).
+    """
+    theta = robot.link_angles @ lift(robot, jnp.asarray(z_guard), outputs)
+    hip, foot = _point(robot.hip, theta), _point(robot.foot, theta)
+    leg = foot - hip
+    joints = np.eye(robot.n - 1, dtype=outputs.dtype)[[hip_indices(robot)[-1], robot.n - 2]]
+    across = jnp.stack([-foothold.rise * jnp.ones_like(foot[0]), jnp.ones_like(foot[0])])
+    if foothold.length is None:
+        # Foot above the ground: what the hip turns is the whole leg, backwards.
+        tangent = _half_tangent(
+            across @ foot - foothold.height, -(across @ _quarter(leg)), -(across @ leg)
+        )
+        return outputs + _twice_arctan(tangent)[None] @ joints[:1]
+    place = jnp.stack([foothold.length, foothold.height + foothold.rise * foothold.length]) - hip
+    last = robot.foot[-1] * jnp.stack([-jnp.sin(theta[-1]), jnp.cos(theta[-1])])
+    upper, far = leg - last, place @ place
+    tangent = _half_tangent(
+        leg @ leg - far, -2.0 * (upper @ _quarter(last)), -2.0 * (upper @ last)
+    )
+    leg = upper + _turned_back(last, tangent)
+    swing = (leg[1] * place[0] - leg[0] * place[1]) / (far + leg @ place)
+    return outputs + jnp.stack([_twice_arctan(swing), _twice_arctan(tangent)]) @ joints
+
+
+def _quarter(vector: Float[Array, "2"]) -> Float[Array, "2"]:
+    """Turned counter-clockwise by a right angle."""
+    return jnp.stack([-vector[1], vector[0]])
+
+
+def _turned_back(vector: Float[Array, "2"], tangent: Scalar) -> Float[Array, "2"]:
+    """Turned clockwise by an angle whose half has this tangent."""
+    square = tangent * tangent
+    return vector - (2.0 / (1.0 + square)) * (square * vector + tangent * _quarter(vector))
+
+
+def _half_tangent(m: Scalar, a: Scalar, b: Scalar) -> Scalar:
+    """tan(s / 2) of the smaller s at which a sin s + b (1 - cos s) + m is zero."""
+    miss, bend = m / a, b / a
+    return -miss / (1.0 + jnp.sqrt(1.0 - miss * (miss + 2.0 * bend)))
+
+
+def _twice_arctan(tangent: Scalar) -> Scalar:
+    """2 arctan x for |x| <= 0.3, within 1e-10: two halvings of the angle, then its series."""
+    x = tangent
+    for _ in range(2):
+        x = x / (1.0 + jnp.sqrt(1.0 + x * x))
+    square = x * x
+    return 8.0 * x * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square / 7.0)))
 
 
 def start_after(
