@@ -35,6 +35,8 @@ string words_for(const Box& box, const Chart& chart) {
   for (size_t axis = 0; axis < named; ++axis) {
     if (axis) words += axis + 1 < box.low.size() ? ", " : " and ";
     words += chart[axis].name + " in " + interval_words(box.low[axis], box.high[axis]);
+    if (chart[axis].near())
+      words += ", at most " + brief(chart[axis].change) + " from the one before";
   }
   if (named < box.low.size())
     words += " and all of the chart's other " + std::to_string(box.low.size() - named) + " axes";
@@ -220,6 +222,7 @@ class Checker {
   }
 
   Verdict prove(const Box& box, const vector<const Claim*>& claims, size_t depth) {
+    if (!is_asked(box, chart_)) return proved;
     more_ = depth == 0 ? 0 : more_ + 1;
     const vector<Failing> left = failing(box, claims);
     if (left.empty()) return proved;
@@ -268,6 +271,7 @@ class Checker {
     const Claim& claim = *one.claim;
     const I least = claim.least();
     for (const vector<double>& at : points(box, one.worst)) {
+      if (!is_asked({at, at}, chart_)) continue;
       try {
         const Box here = {at, at};
         for (const Estimate& margin : evaluate(claim, bounding_(here, {&claim}))) {

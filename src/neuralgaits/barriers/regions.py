@@ -313,7 +313,17 @@ class CommandedGait(eqx.Module):
             reset_residual: corrects that impact.
             exact: of `AbstractPolicy.at`.
         """
-        pair = pair_at(self.commands, v)
+        return self.of_pair(robot, pair_at(self.commands, v), reset_residual, exact=exact)
+
+    def of_pair(
+        self,
+        robot: PlanarBiped,
+        pair: Pair,
+        reset_residual: AbstractResetResidual | None = None,
+        *,
+        exact: bool = False,
+    ) -> Gait:
+        """The gait of a step with these commands before and after; the rest as in `at`."""
         policy = self.policy.at(robot, pair, reset_residual, exact=exact)
         places = Pair(*map(self.policy.scaled, pair))
         tube, then = (self.tube.at(each, exact=exact) for each in (places, places.steady))

@@ -11,20 +11,15 @@ import numpy as np
 from neuralgaits._types import Array, Float
 
 
-T = None
-
-
 def solve(matrix: Float[Array, "n n"], right: Float[Array, " n"]) -> Float[Array, " n"]:
     """Solve `matrix @ x = right` for a symmetric positive definite matrix.
 
     Returns: [n].
     """
     size = matrix.shape[0]
-    if T is not None:
-        matrix, right = T @ (matrix @ T.T), T @ right
     table = jnp.concatenate([matrix, right[:, None]], axis=1)
     for k in range(size):
         row = table[k] / table[k, k]
         column = table[:, k] - np.eye(size, dtype=table.dtype)[k]
         table = table - column[:, None] * row[None, :]
-    return T.T @ table[:, size] if T is not None else table[:, size]
+    return table[:, size]

@@ -35,7 +35,7 @@ from neuralgaits.gait.policies.step_ends import (
     Start,
     inside,
     on_foothold,
-    reached,
+    on_foothold_exactly,
     start_after,
 )
 from neuralgaits.gait.policies.step_policy import NumberedStep
@@ -189,7 +189,7 @@ class CommandedPolicy(AbstractPolicy):
         outputs = self.lower + (self.upper - self.lower) * share
         foothold = _foothold(self.commands, command)
         if exact:
-            outputs = reached(robot, z1, outputs, foothold)
+            outputs = on_foothold_exactly(robot, z1, outputs, foothold)
         else:
             outputs = on_foothold(robot, z1, outputs, foothold, NEWTON_STEPS)
         return Guard(z1, outputs, basis @ self.guard_slopes)
