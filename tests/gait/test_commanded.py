@@ -105,11 +105,13 @@ def test_the_clip_of_training_changes_nothing_inside_the_bounds(family):
     command = command_at(policy.commands, np.full(len(policy.commands), 0.3))
     exact = policy.at(robot, Pair(command, command), exact=True)
     clipped = policy.at(robot, Pair(command, command))
+    bounded = policy.at(robot, Pair(command, command), exact=True, bounded=True)
     for name in ("cubic", "z_start", "z_guard", "start_outputs", "momentum_ratio"):
-        # Newton's steps to the foothold in place of the closed form.
-        np.testing.assert_allclose(getattr(exact, name), getattr(clipped, name), atol=1e-9)
+        np.testing.assert_array_equal(getattr(exact, name), getattr(clipped, name))
+        # The closed form of the foothold in place of Newton's steps.
+        np.testing.assert_allclose(getattr(exact, name), getattr(bounded, name), atol=1e-9)
     z = jnp.stack([0.5 * (exact.z_start + exact.z_guard), 3.0 * exact.input_scale[1]])
-    np.testing.assert_allclose(exact(z), clipped(z), atol=1e-9)
+    np.testing.assert_allclose(exact(z), clipped(z), rtol=1e-12)
 
 
 def test_one_command_that_stays_is_an_ordinary_policy():
@@ -201,15 +203,15 @@ def test_the_foot_is_put_on_its_foothold_in_closed_form(name):
     """From up to 0.2 rad off, on slopes, by the hip alone or with the last joint for the length."""
     robot = load_robot(name)
     posture = walking_posture(robot)
-    random = np.random.default_rng(7)
-    reach = 0.35 * robot.leg_length
+    random, z_guard = np.random.default_rng(7), jnp.asarray(posture.z_guard)
+    reach = jnp.asarray(0.35 * robot.leg_length)
 
     def feet(shift, height, rise):
         outputs = posture.guard_outputs + shift
         free = Foothold(height=height, rise=rise)
         told = Foothold(reach, height, rise)
-        ends = [on_foothold_exactly(robot, posture.z_guard, outputs, each) for each in (free, told)]
-        places = [swing_foot(robot, lift(robot, posture.z_guard, end)) for end in ends]
+        ends = [on_foothold_exactly(robot, z_guard, outputs, each) for each in (free, told)]
+        places = [swing_foot(robot, lift(robot, z_guard, end)) for end in ends]
         return jnp.stack(places), jnp.stack(ends) - outputs
 
     shifts = random.uniform(-0.05, 0.05, (16, robot.n - 1))

@@ -322,9 +322,10 @@ class CommandedGait(eqx.Module):
         reset_residual: AbstractResetResidual | None = None,
         *,
         exact: bool = False,
+        bounded: bool = False,
     ) -> Gait:
-        """The gait of a step with these commands before and after; the rest as in `at`."""
-        policy = self.policy.at(robot, pair, reset_residual, exact=exact)
+        """The gait of a step with these commands; the rest as in `CommandedPolicy.at`."""
+        policy = self.policy.at(robot, pair, reset_residual, exact=exact, bounded=bounded)
         places = Pair(*map(self.policy.scaled, pair))
         tube, then = (self.tube.at(each, exact=exact) for each in (places, places.steady))
         return Gait(policy, tube, then)

@@ -70,7 +70,7 @@ def step_at(
     step = gait
     if not isinstance(gait, Gait):
         pair = Pair(u[PLANE:end:2], u[PLANE + 1 : end : 2])
-        step = gait.of_pair(nominal(model), pair, residuals.reset, exact=True)
+        step = gait.of_pair(nominal(model), pair, residuals.reset, exact=True, bounded=True)
         start, guard = step.span
         anchor = jnp.stack([u[0], start + u[0] * (guard - start)])
         step = eqx.tree_at(

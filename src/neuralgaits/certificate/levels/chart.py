@@ -13,7 +13,6 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from neuralgaits._names import why_no_name
-from neuralgaits._types import Float
 
 Corner = tuple[float, ...]
 """One corner of a box of the chart, or of its plane (phase, level)."""
@@ -206,10 +205,8 @@ PLAIN = Chart()
 """Of a gait without parameters."""
 
 
-def asked_for(
-    near: Iterable[Near], low: Float[np.ndarray, "B n"], high: Float[np.ndarray, "B n"]
-) -> np.ndarray:
-    """Boxes some point of which has all near axes no farther apart than they may be. [B].
+def asked_for(near: Iterable[Near], low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Boxes [B, n] some point of which has all near axes no farther apart than they may be. [B].
 
     A rounded difference is above a double only if the difference is.
     """

@@ -180,15 +180,21 @@ class CommandedPolicy(AbstractPolicy):
         return scaled(self.commands, self.curves, command)
 
     def guard(
-        self, robot: "PlanarBiped", command: Float[Array, " p"], *, exact: bool = False
+        self, robot: "PlanarBiped", command: Float[Array, " p"], *, bounded: bool = False
     ) -> Guard:
-        """Where a step ends at this command, the swing foot on its foothold; `exact` as in `at`."""
+        """Where a step ends at this command, the swing foot on its foothold.
+
+        Args:
+            robot: whose foot it is.
+            command: of the step.
+            bounded: of `at`.
+        """
         basis = powers(self.scaled(command))
         z1 = basis @ self.guard_z1
         share = jax.nn.sigmoid(basis @ self.guard_outputs)
         outputs = self.lower + (self.upper - self.lower) * share
         foothold = _foothold(self.commands, command)
-        if exact:
+        if bounded:
             outputs = on_foothold_exactly(robot, z1, outputs, foothold)
         else:
             outputs = on_foothold(robot, z1, outputs, foothold, NEWTON_STEPS)
@@ -201,6 +207,7 @@ class CommandedPolicy(AbstractPolicy):
         reset_residual: AbstractResetResidual | None = None,
         *,
         exact: bool = False,
+        bounded: bool = False,
     ) -> HybridInvariantPolicy:
         """The policy of one step.
 
@@ -210,10 +217,11 @@ class CommandedPolicy(AbstractPolicy):
             reset_residual: corrects that impact.
             exact: leave out the clip that keeps a training off the bounds of the outputs: one
                 smooth formula, and the same number for a trained gait.
+            bounded: take formulas whose bounds over boxes are tight.
         """
 
         def ends(command: Float[Array, " p"]) -> tuple[Guard, Start]:
-            guard = self.guard(robot, command, exact=exact)
+            guard = self.guard(robot, command, bounded=bounded)
             return guard, start_after(robot, guard, reset_residual)
 
         # Both at once: what is compiled, or bounded in a proof, is half as long.
