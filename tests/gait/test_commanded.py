@@ -212,7 +212,7 @@ def test_the_foot_is_put_on_its_foothold_in_closed_form(name):
         told = Foothold(reach, height, rise)
         ends = [on_foothold_exactly(robot, z_guard, outputs, each) for each in (free, told)]
         places = [swing_foot(robot, lift(robot, z_guard, end)) for end in ends]
-        return jnp.stack(places), jnp.stack(ends) - outputs
+        return jnp.stack(places), jnp.stack([end - outputs for end in ends])
 
     shifts = random.uniform(-0.05, 0.05, (16, robot.n - 1))
     heights, rises = random.uniform(-0.02, 0.02, 16), random.uniform(-0.1, 0.1, 16)

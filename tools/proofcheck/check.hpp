@@ -16,6 +16,12 @@ string interval_words(double low, double high) {
   return low == high ? brief(low) : "[" + brief(low) + ", " + brief(high) + "]";
 }
 
+// "phase in [0, 1]", of a part of the axis.
+string axis_words(const Axis& axis, double low, double high) {
+  const string words = axis.name + " in " + interval_words(low, high);
+  return axis.near() ? words + ", at most " + brief(axis.change) + " from the one before" : words;
+}
+
 // More axes beside phase and level than this are named once, with the chart.
 constexpr size_t kNamedEach = 6;
 
@@ -34,9 +40,7 @@ string words_for(const Box& box, const Chart& chart) {
   string words = " for ";
   for (size_t axis = 0; axis < named; ++axis) {
     if (axis) words += axis + 1 < box.low.size() ? ", " : " and ";
-    words += chart[axis].name + " in " + interval_words(box.low[axis], box.high[axis]);
-    if (chart[axis].near())
-      words += ", at most " + brief(chart[axis].change) + " from the one before";
+    words += axis_words(chart[axis], box.low[axis], box.high[axis]);
   }
   if (named < box.low.size())
     words += " and all of the chart's other " + std::to_string(box.low.size() - named) + " axes";

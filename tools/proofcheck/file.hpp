@@ -391,7 +391,8 @@ std::map<string, vector<double>> lists_of(const Theorems& theorems) {
 void match_theorems(const Constants& constants, const Theorems& theorems, bool all) {
   for (const auto& [name, numbers] : lists_of(theorems)) {
     const auto constant = constants.find(name);
-    const bool none = name == "walking.disturbance" && !theorems.walking->disturbed();
+    const bool none = numbers.empty() || (name == "walking.disturbance" &&
+                                          !theorems.walking->disturbed());
     if (constant == constants.end() ? all && !none : constant->second.values != numbers)
       throw Inconsistent{"the theorem's " + name + " is not that of the Program"};
   }
