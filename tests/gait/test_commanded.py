@@ -204,7 +204,7 @@ def test_the_foot_is_put_on_its_foothold_in_closed_form(name):
     robot = load_robot(name)
     posture = walking_posture(robot)
     random, z_guard = np.random.default_rng(7), jnp.asarray(posture.z_guard)
-    reach = jnp.asarray(0.35 * robot.leg_length)
+    reach = jnp.asarray(0.3 * robot.leg_length)
 
     def feet(shift, height, rise):
         outputs = posture.guard_outputs + shift
@@ -215,7 +215,7 @@ def test_the_foot_is_put_on_its_foothold_in_closed_form(name):
         return jnp.stack(places), jnp.stack([end - outputs for end in ends])
 
     shifts = random.uniform(-0.05, 0.05, (16, robot.n - 1))
-    heights, rises = random.uniform(-0.02, 0.02, 16), random.uniform(-0.1, 0.1, 16)
+    heights, rises = random.uniform(-0.01, 0.01, 16), random.uniform(-0.03, 0.03, 16)
     places, moved = jax.jit(jax.vmap(feet))(shifts, heights, rises)
     for along, up in places.transpose(1, 2, 0):
         np.testing.assert_allclose(up, heights + rises * along, atol=1e-9)
