@@ -214,13 +214,13 @@ def test_the_foot_is_put_on_its_foothold_in_closed_form(name):
         places = [swing_foot(robot, lift(robot, z_guard, end)) for end in ends]
         return jnp.stack(places), jnp.stack([end - outputs for end in ends])
 
-    shifts = random.uniform(-0.05, 0.05, (16, robot.n - 1))
+    shifts = random.uniform(-0.02, 0.02, (16, robot.n - 1))
     heights, rises = random.uniform(-0.01, 0.01, 16), random.uniform(-0.03, 0.03, 16)
     places, moved = jax.jit(jax.vmap(feet))(shifts, heights, rises)
     for along, up in places.transpose(1, 2, 0):
         np.testing.assert_allclose(up, heights + rises * along, atol=1e-9)
     np.testing.assert_allclose(places[:, 1, 0], reach, atol=1e-9)
-    assert np.abs(moved).max() > 0.1
+    assert 0.1 < np.abs(moved).max() < 0.6
     hip, last = hip_indices(robot)[-1], robot.n - 2
     others = [joint for joint in range(robot.n - 1) if joint not in (hip, last)]
     assert np.all(moved[:, :, others] == 0.0) and np.all(moved[:, 0, last] == 0.0)
