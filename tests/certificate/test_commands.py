@@ -12,7 +12,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
-from neuralgaits.certificate.levels.chart import Axis, Chart
+from neuralgaits.certificate.levels.chart import Chart, Near, asked_for
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
 from neuralgaits.certificate.levels.sets import (
@@ -32,7 +32,7 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.reading import _part, _Unfit
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import Command
+from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
 from neuralgaits.robots import load_robot
@@ -94,8 +94,52 @@ def test_a_chart_says_what_may_follow_what():
     )
     assert Chart.of([SPEED]).sequences(["slope"]) is None
     assert Chart.of([SPEED]).sequences([]) is None
-    lopsided = Chart((Axis("speed", 0.6, 0.7), Axis("change of speed", -0.01, 0.02)))
-    assert lopsided.sequences(["speed"]) is None
+    before, after = Chart.of([SPEED]).parameters
+    for other in (
+        (before, after._replace(high=0.63)),
+        (before._replace(change=0.01), after),
+        (after, before),
+        (before, after._replace(name="change of speed")),
+    ):
+        assert Chart(other).sequences(["speed"]) is None
+
+
+def test_a_chart_is_written_and_read_with_what_is_near():
+    assert Chart.read(json.loads(json.dumps(CHART.table()))) == CHART
+    assert CHART.near == ((2, 3, SPEED.largest_change),)
+    rows = CHART.table()
+    for wrong in ("0x0p+0", "-0x1p-7", "inf", "nan"):
+        with pytest.raises(ValueError, match="with a change of at most"):
+            Chart.read([*rows[:3], rows[3] | {"change": wrong}])
+    with pytest.raises(ValueError, match="a change from level"):
+        Chart.read([*rows[:2], rows[2] | {"change": "0x1p-7"}, rows[3]])
+
+
+def test_only_boxes_with_no_admissible_pair_are_left_out():
+    """A box is asked for exactly where two of its numbers are near enough, in exact arithmetic."""
+    random = np.random.default_rng(4)
+    low = np.full((400, 4), 0.25)
+    low[:, 2:] = random.integers(0, 8, (400, 2)) / 8.0
+    high = low + random.integers(0, 3, (400, 4)) / 8.0
+    gap = np.maximum(low[:, 2] - high[:, 3], low[:, 3] - high[:, 2])
+    found = asked_for((Near(2, 3, 0.25),), low, high)
+    np.testing.assert_array_equal(found, gap <= 0.25)
+    assert 50 < found.sum() < 350 and (gap == 0.25).any()
+
+
+def test_a_part_of_the_commands_is_no_more_than_all_of_them():
+    """Where the range is no wider than the largest change, any may follow any."""
+    whole = Chart.of([SPEED])
+    for low, high, change, part in (
+        (0.605, 0.6149, None, True),
+        (0.605, 0.6151, None, False),
+        (0.6, 0.62, 0.01, True),
+        (0.6, 0.62, 0.0101, False),
+        (0.6, 0.62, None, False),
+        (0.59, 0.6, 0.001, False),
+    ):
+        narrower = Chart.of([replace(SPEED, low=low, high=high, largest_change=change)])
+        assert whole.holds(narrower) == part
 
 
 def test_levels_2_and_3_speak_of_every_admissible_sequence():
@@ -156,11 +200,11 @@ def test_parameters_are_written_and_read():
 def test_a_range_narrower_than_the_largest_change_has_one_of_its_own(tmp_path):
     run: Any = SimpleNamespace(path=tmp_path, spec=specs.commanded(load_robot("amber3m"), (SPEED,)))
     chart, spec = _chart(run, {"speed": (0.612, 0.616)})
-    assert chart.sequences(["speed"]) == (
-        "speed from 0.612 to 0.616, by at most 0.0038 more or less than in the step before",
-    )
+    assert chart.sequences(["speed"]) == ("speed from 0.612 to 0.616, any after any",)
     assert CHART.holds(chart) and chart != CHART
-    assert spec.commands[0].largest_change == 0.0038
+    assert spec.commands[0].largest_change is None
+    chart, spec = _chart(run, {"speed": (0.605, 0.62)})
+    assert CHART.holds(chart) and spec.commands[0].largest_change == SPEED.largest_change
     for bad in ({"speed": (0.5, 0.61)}, {"speed": (0.61, 0.61)}, {"slope": (0.0, 1.0)}):
         with pytest.raises(InputError, match="expected a"):
             _chart(run, bad)
@@ -179,8 +223,8 @@ def summary_of(conditions, levels=()):
 
 def test_a_proof_of_some_commands_is_read_as_that_and_no_more():
     """A statement on each box of a condition proves it for these commands; all prove levels."""
-    low, high = (0.0, 0.0, 0.60, -0.004), (1.0, 1.0, 0.61, 0.004)
-    chart = Chart((Axis("speed", 0.60, 0.61), Axis("change of speed", -0.004, 0.004)))
+    low, high = (0.0, 0.0, 0.60, 0.60), (1.0, 1.0, 0.61, 0.61)
+    chart = Chart.of([replace(SPEED, high=0.61, largest_change=0.004)])
     asked: Any = SimpleNamespace(conditions={"torso": {}, "ahead": {}}, boxes=lambda: BOXES)
     stated: Any = SimpleNamespace(scales={"torso": 1.0}, low=low, high=high)
     proof: Any = SimpleNamespace(chart=chart, statements=(stated,))
@@ -215,7 +259,7 @@ def traced(family):
 def test_the_program_is_the_family_s_margins(family, traced):
     run, spec, gait = family
     sets, program = traced
-    u = np.array([[0.3, 0.4, 0.605, 0.004], [1.0, 0.9, 0.618, -0.01]])
+    u = np.array([[0.3, 0.4, 0.605, 0.609], [1.0, 0.9, 0.618, 0.608]])
     values = evaluate(program, {"u": u}, POINT)
     for k, point in enumerate(u):
         step, zd = one_step(gait, run.zero_dynamics)(jnp.asarray(point))
@@ -224,7 +268,7 @@ def test_the_program_is_the_family_s_margins(family, traced):
         for name, value in values.items():
             np.testing.assert_allclose(value[k], found[name], rtol=1e-6, atol=1e-7)
         # What is deployed takes another formula to the same outputs.
-        plain = gait.at(run.robot, jnp.asarray(point[2:]))
+        plain = gait.of_pair(run.robot, Pair(u_k[2:3], u_k[3:4]))
         deployed, traced = (each.policy(each.z(jnp.asarray(point[:2]))) for each in (plain, step))
         np.testing.assert_allclose(deployed, traced, atol=1e-11)
 
@@ -248,7 +292,7 @@ def test_a_reset_lands_inside_whatever_step_comes_next(family, traced):
     random = np.random.default_rng(1)
     for _ in range(5):
         before, after, then = 0.61 + random.uniform(-0.005, 0.005, 3)
-        u = [1.0, random.uniform(), *SPEED.coordinates(before, after)]
+        u = [1.0, random.uniform(), before, after]
         step, zd = one_step(gait, run.zero_dynamics)(jnp.asarray(u))
         landed = zd.point(step.z(jnp.asarray(u[:2]))).z_after
         later = gait.at(run.robot, jnp.array(SPEED.coordinates(after, then)), exact=True)

@@ -1,11 +1,13 @@
 """The search proves what holds, refutes what does not, and never proves NaN."""
 
 import time
+from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.certificate.levels.chart import Near
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.search import checkpoint, schedule
@@ -236,7 +238,7 @@ def test_saved_boxes_of_another_problem_are_refused(tmp_path):
 def test_boxes_of_another_layout_are_refused(tmp_path, monkeypatch):
     problem = _problem(bowl=bowl)
     with monkeypatch.context() as older:
-        older.setattr(checkpoint, "_FIELDS", ("low", "high", "first", "depth", "lower", "upper"))
+        older.setattr(checkpoint, "_KEPT", ("first", "axis", "lower", "gain"))
         save(tmp_path / "boxes", problem, _run(problem))
     with pytest.raises(RunError, match="without --resume"):
         load(tmp_path / "boxes", problem)
@@ -332,3 +334,29 @@ def test_easy_and_hard_conditions_are_stated_apart():
     assert easy.boxes == 1
     assert hard.boxes > 64 * easy.boxes
     assert easy.bounds["easy"] == problem.claimed * state.tree.lower[state.tree.is_leaf, 0].min()
+
+
+@pytest.mark.parametrize("floor", [0.0, 0.0999, 0.2])
+def test_a_file_of_boxes_says_what_the_search_knew(tmp_path, floor):
+    """Corners and cuts follow from the halvings; of what is proved only what counts is kept."""
+    problem = _problem(bowl=lambda u: bowl(u) - floor)
+    state = _run(problem)
+    save(tmp_path / "boxes", problem, state)
+    tree = load(tmp_path / "boxes", problem).tree
+    decided = floor < 0.1
+    for name in ("low", "high", "first", "axis", "cuts", "lower", *(("gain",) * (not decided))):
+        np.testing.assert_array_equal(getattr(tree, name), getattr(state.tree, name))
+    assert prove(problem, load(tmp_path / "boxes", problem)) == prove(problem, state) or not decided
+    with pytest.raises(RunError, match="another gait"):
+        load(tmp_path / "boxes", replace(problem, near=(Near(0, 1, 0.5),)))
+
+
+def test_nothing_is_asked_where_axes_are_not_near():
+    """A margin that is negative off the diagonal holds where the axes are near each other."""
+    problem = _problem(near=lambda u: 0.3 - (u[0] - u[1]) ** 2)
+    assert _run(problem).refuted
+    near = replace(problem, near=(Near(0, 1, 0.5),))
+    state = _run(near)
+    (statement,) = prove(near, state)
+    assert not state.refuted and 0.0 <= statement.bounds["near"] <= 0.05
+    assert float(state.seen[0]) >= 0.05 - 1e-12

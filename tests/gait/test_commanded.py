@@ -11,16 +11,22 @@ from neuralgaits.barriers.regions import CommandedTube
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, pair_at, plain_curves, values
+from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.policies.commanded import CommandedPolicy
+from neuralgaits.gait.policies.step_ends import Foothold, on_foothold_exactly
+from neuralgaits.gait.posture import hip_indices, walking_posture
 from neuralgaits.robots import load_robot
+from neuralgaits.robots.dynamics import swing_foot
 
 SPEED = Command("speed", 0.5, 0.9, 0.08)
 LENGTH, HEIGHT = Command("step_length", 0.3, 0.4), Command("step_height", -0.01, 0.01)
 SLOPE = Command("slope", -0.03, 0.03, 0.02)
+SHORT = Command("step_length", 0.28, 0.36)
+"""Within reach of the leg downhill as well."""
 FAMILIES = {
     "speed": (SPEED,),
     "footholds": (LENGTH, HEIGHT),
-    "all": (SPEED, LENGTH, SLOPE),
+    "all": (SPEED, SHORT, SLOPE),
 }
 
 
@@ -99,8 +105,11 @@ def test_the_clip_of_training_changes_nothing_inside_the_bounds(family):
     command = command_at(policy.commands, np.full(len(policy.commands), 0.3))
     exact = policy.at(robot, Pair(command, command), exact=True)
     clipped = policy.at(robot, Pair(command, command))
+    bounded = policy.at(robot, Pair(command, command), exact=True, bounded=True)
     for name in ("cubic", "z_start", "z_guard", "start_outputs", "momentum_ratio"):
         np.testing.assert_array_equal(getattr(exact, name), getattr(clipped, name))
+        # The closed form of the foothold in place of Newton's steps.
+        np.testing.assert_allclose(getattr(exact, name), getattr(bounded, name), atol=1e-9)
     z = jnp.stack([0.5 * (exact.z_start + exact.z_guard), 3.0 * exact.input_scale[1]])
     np.testing.assert_allclose(exact(z), clipped(z), rtol=1e-12)
 
@@ -187,3 +196,31 @@ def test_a_family_has_no_outputs_of_its_own():
     policy = CommandedPolicy.init(load_robot("amber3m"), (SPEED,), key=jax.random.key(0))
     with pytest.raises(InputError, match=r"ask .at\(robot, pair\) first"):
         policy(jnp.zeros(2))
+
+
+@pytest.mark.parametrize("name", ["amber3m", "rabbit"])
+def test_the_foot_is_put_on_its_foothold_in_closed_form(name):
+    """From up to 0.2 rad off, on slopes, by the hip alone or with the last joint for the length."""
+    robot = load_robot(name)
+    posture = walking_posture(robot)
+    random, z_guard = np.random.default_rng(7), jnp.asarray(posture.z_guard)
+    reach = jnp.asarray(0.3 * robot.leg_length)
+
+    def feet(shift, height, rise):
+        outputs = posture.guard_outputs + shift
+        free = Foothold(height=height, rise=rise)
+        told = Foothold(reach, height, rise)
+        ends = [on_foothold_exactly(robot, z_guard, outputs, each) for each in (free, told)]
+        places = [swing_foot(robot, lift(robot, z_guard, end)) for end in ends]
+        return jnp.stack(places), jnp.stack([end - outputs for end in ends])
+
+    shifts = random.uniform(-0.02, 0.02, (16, robot.n - 1))
+    heights, rises = random.uniform(-0.01, 0.01, 16), random.uniform(-0.03, 0.03, 16)
+    places, moved = jax.jit(jax.vmap(feet))(shifts, heights, rises)
+    for along, up in places.transpose(1, 2, 0):
+        np.testing.assert_allclose(up, heights + rises * along, atol=1e-9)
+    np.testing.assert_allclose(places[:, 1, 0], reach, atol=1e-9)
+    assert 0.1 < np.abs(moved).max() < 0.6
+    hip, last = hip_indices(robot)[-1], robot.n - 2
+    others = [joint for joint in range(robot.n - 1) if joint not in (hip, last)]
+    assert np.all(moved[:, :, others] == 0.0) and np.all(moved[:, 0, last] == 0.0)

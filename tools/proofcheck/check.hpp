@@ -16,6 +16,12 @@ string interval_words(double low, double high) {
   return low == high ? brief(low) : "[" + brief(low) + ", " + brief(high) + "]";
 }
 
+// "phase in [0, 1]", of a part of the axis.
+string axis_words(const Axis& axis, double low, double high) {
+  const string words = axis.name + " in " + interval_words(low, high);
+  return axis.near() ? words + ", at most " + brief(axis.change) + " from the one before" : words;
+}
+
 // More axes beside phase and level than this are named once, with the chart.
 constexpr size_t kNamedEach = 6;
 
@@ -34,7 +40,7 @@ string words_for(const Box& box, const Chart& chart) {
   string words = " for ";
   for (size_t axis = 0; axis < named; ++axis) {
     if (axis) words += axis + 1 < box.low.size() ? ", " : " and ";
-    words += chart[axis].name + " in " + interval_words(box.low[axis], box.high[axis]);
+    words += axis_words(chart[axis], box.low[axis], box.high[axis]);
   }
   if (named < box.low.size())
     words += " and all of the chart's other " + std::to_string(box.low.size() - named) + " axes";
@@ -220,6 +226,7 @@ class Checker {
   }
 
   Verdict prove(const Box& box, const vector<const Claim*>& claims, size_t depth) {
+    if (!is_asked(box, chart_)) return proved;
     more_ = depth == 0 ? 0 : more_ + 1;
     const vector<Failing> left = failing(box, claims);
     if (left.empty()) return proved;
@@ -268,6 +275,7 @@ class Checker {
     const Claim& claim = *one.claim;
     const I least = claim.least();
     for (const vector<double>& at : points(box, one.worst)) {
+      if (!is_asked({at, at}, chart_)) continue;
       try {
         const Box here = {at, at};
         for (const Estimate& margin : evaluate(claim, bounding_(here, {&claim}))) {

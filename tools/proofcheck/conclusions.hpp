@@ -358,7 +358,7 @@ class Conclusions {
   }
 
   // Which commands may follow each other: all pairs on a command's two axes, which are the commands
-  // before and after, or the middle of both and their difference.
+  // before and after.
   string admissible(const WalkingSet& t) const {
     const Chart& chart = file_.chart;
     const DoesNotFollow none{"the chart has no axes of the commands " + listed(t.told)};
@@ -368,14 +368,12 @@ class Conclusions {
       const Axis &first = chart[2 + 2 * k], &second = chart[3 + 2 * k];
       const string& name = t.told[k];
       words += (k ? " and " : "") + name + " in " + interval_words(first.low, first.high);
-      if (first.name == name + " before" && second.name == name + " after" &&
-          first.low == second.low && first.high == second.high)
-        words += ", any after any";
-      else if (first.name == name && second.name == "change of " + name &&
-               second.low == -second.high)
-        words += ", by at most " + brief(second.high) + " more or less than in the step before";
-      else
+      if (first.name != name + " before" || second.name != name + " after" || first.near() ||
+          first.low != second.low || first.high != second.high)
         throw none;
+      words += second.near() ? ", by at most " + brief(second.change) +
+                                   " more or less than in the step before"
+                             : ", any after any";
     }
     return "admissible are commands of " + words;
   }

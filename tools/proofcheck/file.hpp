@@ -83,11 +83,18 @@ ProgramFacts program_facts(const Json& table, const Chart& chart) {
 Chart chart_of(const Json& table) {
   Chart chart;
   for (const Json& row : list_of(table, "the chart")) {
-    only(row, "an axis of the chart", {"name", "low", "high"});
+    vector<string> names = {"name", "low", "high"};
+    if (row.find("change")) names.push_back("change");
+    only(row, "an axis of the chart", names);
     const string& name = text_of(*row.find("name"), "an axis's name");
     only_a_name(name, "an axis");
     const auto number = [&](const char* end) { return hexadecimal(*row.find(end), name); };
     chart.push_back({name, number("low"), number("high")});
+    if (row.find("change")) {
+      chart.back().change = number("change");
+      if (chart.size() < 4 || !(chart.back().change > 0.0 && chart.back().near()))
+        refuse("the axis " + name + " with a change that is none");
+    }
     const double width = chart.back().high - chart.back().low;
     if (!(width > 0.0 && width < HUGE_VAL)) refuse("the axis " + name + " without a finite width");
     if (std::count_if(chart.begin(), chart.end(), [&](const Axis& a) { return a.name == name; }) > 1)
@@ -96,7 +103,7 @@ Chart chart_of(const Json& table) {
   if (chart.size() < 2 || chart.size() > kMostAxes)
     refuse("a chart of " + std::to_string(chart.size()) + " axes");
   const auto is = [](const Axis& axis, const char* name, double low, double high) {
-    return axis.name == name && axis.low == low && axis.high == high;
+    return axis.name == name && axis.low == low && axis.high == high && !axis.near();
   };
   if (!is(chart[0], "phase", -0.05, 1.05) || !is(chart[1], "level", 0.0, 1.0))
     refuse("a chart that does not begin with phase from -0.05 to 1.05 and level from 0 to 1");
@@ -384,7 +391,8 @@ std::map<string, vector<double>> lists_of(const Theorems& theorems) {
 void match_theorems(const Constants& constants, const Theorems& theorems, bool all) {
   for (const auto& [name, numbers] : lists_of(theorems)) {
     const auto constant = constants.find(name);
-    const bool none = name == "walking.disturbance" && !theorems.walking->disturbed();
+    const bool none = numbers.empty() || (name == "walking.disturbance" &&
+                                          !theorems.walking->disturbed());
     if (constant == constants.end() ? all && !none : constant->second.values != numbers)
       throw Inconsistent{"the theorem's " + name + " is not that of the Program"};
   }

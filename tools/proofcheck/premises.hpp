@@ -11,9 +11,13 @@ namespace {
 // conditions, over boxes of the chart of either. What follows from them is in section 12.
 
 // An axis of the chart: phase, level, then parameters of the gait.
+// With a change, nothing is said of what is farther than this from the axis before it.
 struct Axis {
   string name;
   double low = 0.0, high = 0.0;
+  double change = HUGE_VAL;
+
+  bool near() const { return change < HUGE_VAL; }
 };
 using Chart = vector<Axis>;
 
@@ -31,6 +35,16 @@ bool is_whole(const Box& root, const Box& asked, const Chart& chart) {
         root.high[axis] != (given ? asked.high[axis] : chart[axis].high))
       return false;
   }
+  return true;
+}
+
+// Whether anything is said about some point of a box. A rounded difference is above a double only
+// if the difference is.
+bool is_asked(const Box& box, const Chart& chart) {
+  for (size_t axis = 1; axis < chart.size(); ++axis)
+    if (box.low[axis] - box.high[axis - 1] > chart[axis].change ||
+        box.low[axis - 1] - box.high[axis] > chart[axis].change)
+      return false;
   return true;
 }
 

@@ -138,7 +138,7 @@ void say_names(const ProofFile& file) {
       "derived here");
   string axes;
   for (const Axis& axis : file.chart)
-    axes += (axes.empty() ? "" : ", ") + axis.name + " in " + interval_words(axis.low, axis.high);
+    axes += (axes.empty() ? "" : ", ") + axis_words(axis, axis.low, axis.high);
   say("chart: " + axes);
   if (file.program)
     say("Program of " + std::to_string(file.program->operations.size()) + " operations and " +
@@ -217,9 +217,10 @@ int check(const ProofFile& file) {
       for (const string& line : words) say("  " + line);
       if (file.chart.size() > 2 && !(file.theorems.walking && !file.theorems.walking->told.empty())) {
         string given;
-        for (size_t axis = 2; axis < file.chart.size(); ++axis)
-          given += (axis > 2 ? " and " : "") + file.chart[axis].name + " in " +
-                   interval_words(file.chart[axis].low, file.chart[axis].high);
+        for (size_t k = 2; k < file.chart.size(); ++k) {
+          const Axis& axis = file.chart[k];
+          given += (k > 2 ? " and " : "") + axis_words(axis, axis.low, axis.high);
+        }
         say("  this holds for each fixed " + given + "; of one that changes it says nothing");
       }
       answer += ", level " + std::to_string(level);

@@ -313,8 +313,19 @@ class CommandedGait(eqx.Module):
             reset_residual: corrects that impact.
             exact: of `AbstractPolicy.at`.
         """
-        pair = pair_at(self.commands, v)
-        policy = self.policy.at(robot, pair, reset_residual, exact=exact)
+        return self.of_pair(robot, pair_at(self.commands, v), reset_residual, exact=exact)
+
+    def of_pair(
+        self,
+        robot: PlanarBiped,
+        pair: Pair,
+        reset_residual: AbstractResetResidual | None = None,
+        *,
+        exact: bool = False,
+        bounded: bool = False,
+    ) -> Gait:
+        """The gait of a step with these commands; the rest as in `CommandedPolicy.at`."""
+        policy = self.policy.at(robot, pair, reset_residual, exact=exact, bounded=bounded)
         places = Pair(*map(self.policy.scaled, pair))
         tube, then = (self.tube.at(each, exact=exact) for each in (places, places.steady))
         return Gait(policy, tube, then)

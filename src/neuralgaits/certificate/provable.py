@@ -1,6 +1,7 @@
 """The Program of a gait under its spec: traced once, read by every other interpreter."""
 
 import contextlib
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -24,6 +25,7 @@ from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.levels.chart import MOST_AXES, PLANE
 from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
@@ -65,8 +67,10 @@ def step_at(
     behind those of commands are parameters of the robot, which the policy does not know.
     """
     end = PLANE + 2 * len(gait.commands)
-    step = gait.at(nominal(model), u[PLANE:end], residuals.reset, exact=True)
-    if step is not gait:
+    step = gait
+    if not isinstance(gait, Gait):
+        pair = Pair(u[PLANE:end:2], u[PLANE + 1 : end : 2])
+        step = gait.of_pair(nominal(model), pair, residuals.reset, exact=True, bounded=True)
         start, guard = step.span
         anchor = jnp.stack([u[0], start + u[0] * (guard - start)])
         step = eqx.tree_at(
@@ -191,7 +195,18 @@ def after_impact(
     except SpecError:
         return None
     guard = np.stack([np.ones(LEVELS), np.linspace(0.0, 1.0, LEVELS)], axis=1)
-    corners = [*product(*(axis[1:] for command in gait.commands for axis in command.axes))]
-    guard = np.concatenate([np.hstack([guard, np.tile(v, (LEVELS, 1))]) for v in corners])
+    pairs = product(*map(_ends, gait.commands))
+    guard = np.concatenate([np.hstack([guard, np.tile(v, (LEVELS, 1))]) for v in map(_flat, pairs)])
     values = evaluate(program, {"u": guard}, POINT)
     return {name: float(np.max(np.abs(value))) for name, value in values.items()}
+
+
+def _ends(command: Command) -> list[tuple[float, float]]:
+    """Pairs (before, after) at the ends of what a command may be."""
+    low, high, change = command.low, command.high, command.largest_change
+    far = high - low if change is None else change
+    return [(low, low), (high, high), (low, low + far), (high, high - far)]
+
+
+def _flat(pairs: Iterable[tuple[float, float]]) -> list[float]:
+    return [value for pair in pairs for value in pair]

@@ -199,7 +199,7 @@ def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
     errors = claims.chart.parameters[told:]
     if not chart.holds(Chart(claims.chart.parameters[:told])) or (told and errors):
         wrong.append("it is about other commands")
-    if any(axis.low != -axis.high for axis in errors):
+    if any(axis.low != -axis.high or axis.change is not None for axis in errors):
         wrong.append("it is about robots of a box that the run's own is not the middle of")
     if wrong:
         raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")

@@ -123,7 +123,7 @@ def _errors(robot: Any, chart: Chart, told: int) -> Any:
 
     errors = chart.parameters[told:]
     axes = tuple(Axis(axis.name, axis.high) for axis in errors)
-    if not axes or any(axis.low != -axis.high for axis in errors):
+    if not axes or any(axis.low != -axis.high or axis.change is not None for axis in errors):
         return ()
     with contextlib.suppress(ValueError, NeuralGaitsError):
         box_of(robot, axes)

@@ -41,15 +41,20 @@ def momentum_after(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Co
     """
     turn = robot.link_angles
     q_new, dq_new = robot.relabel @ q, robot.relabel @ dq
-    theta = turn @ q_new
-    angles = moment_angles(robot, theta)
+    links = link_mass_matrix(robot, turn @ q_new) @ (turn @ dq_new)
+    return turn.T @ links + _of_moving_foot(robot, q, dq) + robot.armature * dq_new
+
+
+def _of_moving_foot(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
+    """The part of the momentum that the new stance foot's velocity adds. [n]."""
+    turn = robot.link_angles
+    angles = moment_angles(robot, turn @ (robot.relabel @ q))
     foot_x, foot_z = swing_foot_velocity(robot, q, dq)
     moved = -robot.mass_moment * (jnp.cos(angles) * foot_x + jnp.sin(angles) * foot_z)
     if robot.moment_across is not None:
         turned = jnp.cos(angles) * foot_z - jnp.sin(angles) * foot_x
         moved = moved - robot.moment_across * turned
-    momentum = link_mass_matrix(robot, theta) @ (turn @ dq_new) + moved
-    return turn.T @ momentum + robot.armature * dq_new
+    return turn.T @ moved
 
 
 def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
@@ -57,7 +62,8 @@ def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
     turn = robot.link_angles
     q_new = robot.relabel @ q
     mass = turn.T @ link_mass_matrix(robot, turn @ q_new) @ turn + jnp.diag(robot.armature)
-    dq_new = solve(mass, momentum_after(robot, q, dq))
-    after = centre_of_mass_velocity(robot, q_new, dq_new)
-    before = centre_of_mass_velocity(robot, q, dq)
-    return Impact(q_new, dq_new, robot.mass * (after - before))
+    # In what the impact changes: bounds over boxes would not know that what it leaves alone is the
+    # same before and after.
+    change = solve(mass, _of_moving_foot(robot, q, dq))
+    found = centre_of_mass_velocity(robot, q_new, change) - swing_foot_velocity(robot, q, dq)
+    return Impact(q_new, robot.relabel @ dq + change, robot.mass * found)

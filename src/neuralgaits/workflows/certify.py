@@ -57,8 +57,6 @@ LEVEL, HIGHEST, OF_A_BOX = 3, 4, 2
 """What is proved if no level is asked for, and the most that can be: of one robot, of a box."""
 _TIGHTEST = 5
 """Conditions that a notebook shows."""
-_MOST_CHANGE = 0.95
-"""Of a narrower range, what a step may change at most: a largest change is below its range."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
@@ -297,9 +295,8 @@ def _chart(run: Run, within: Mapping[str, tuple[float, float]]) -> tuple[Chart, 
                 f"expected a range of {c.name} in {c.low:g}:{c.high:g}, found {low:g}:{high:g}"
             )
         change = c.largest_change
-        if c.name in within and change is not None:
-            # Two digits, since it is read in every statement.
-            change = min(change, float(f"{_MOST_CHANGE * (high - low):.2g}"))
+        if change is not None and change >= high - low:
+            change = None
         found.append(replace(c, low=low, high=high, largest_change=change))
     return Chart.of(found), replace(run.spec, commands=tuple(found))
 

@@ -7,7 +7,10 @@ commands, masses and whatever else its Program takes. Needs no JAX.
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, NamedTuple, Protocol
+
+import numpy as np
 
 from neuralgaits._names import why_no_name
 
@@ -22,8 +25,23 @@ class Told(Protocol):
     """A command of a gait, as `gait.commands.Command`."""
 
     @property
-    def axes(self) -> tuple[tuple[str, float, float], ...]:
-        """Two axes, (name, low, high)."""
+    def name(self) -> str:
+        """Of the command."""
+        ...
+
+    @property
+    def low(self) -> float:
+        """End of its range."""
+        ...
+
+    @property
+    def high(self) -> float:
+        """Other end of its range."""
+        ...
+
+    @property
+    def largest_change(self) -> float | None:
+        """From one step to the next; None for any."""
         ...
 
 
@@ -31,11 +49,23 @@ Commands = Iterable[Told]
 
 
 class Axis(NamedTuple):
-    """One input of a gait's conditions: its name, and the interval that it may come from."""
+    """One input of a gait's conditions: its name, and the interval that it may come from.
+
+    With a `change`, what is farther than this from the axis before it is not asked for.
+    """
 
     name: str
     low: float
     high: float
+    change: float | None = None
+
+
+class Near(NamedTuple):
+    """Two axes whose values are at most so far apart."""
+
+    first: int
+    second: int
+    change: float
 
 
 PHASE, LEVEL = Axis("phase", -0.05, 1.05), Axis("level", 0.0, 1.0)
@@ -70,14 +100,27 @@ class Chart:
             commands: two axes each.
             errors: of parameters of the robot, (name, half width), one axis each.
         """
-        told = (Axis(*axis) for command in commands for axis in command.axes)
+        told = []
+        for one in commands:
+            told += [
+                Axis(f"{one.name} before", one.low, one.high),
+                Axis(f"{one.name} after", one.low, one.high, one.largest_change),
+            ]
         return cls((*told, *(Axis(name, -half, half) for name, half in errors)))
+
+    @property
+    def near(self) -> tuple[Near, ...]:
+        """Which axes are near each other."""
+        return tuple(
+            Near(number - 1, number, axis.change)
+            for number, axis in enumerate(self.axes)
+            if axis.change is not None
+        )
 
     def sequences(self, told: Sequence[str]) -> tuple[str, ...] | None:
         """What may follow what, a phrase a command; None if the axes are not those of `told`.
 
-        A command has two axes: (before, after), any value after any; or (middle, difference), on
-        which all pairs in the range lie whose difference is no larger.
+        A command has two axes, (before, after).
         """
         if len(self.parameters) != 2 * len(told):
             return None
@@ -85,25 +128,22 @@ class Chart:
         for name, first, second in zip(
             told, self.parameters[::2], self.parameters[1::2], strict=True
         ):
-            if (first.name, second.name) == (f"{name} before", f"{name} after"):
-                if first[1:] != second[1:]:
-                    return None
-                found.append(f"{name} from {first.low!r} to {first.high!r}, any after any")
-            elif (first.name, second.name) == (name, f"change of {name}"):
-                if not -second.low == second.high:
-                    return None
-                found.append(
-                    f"{name} from {first.low!r} to {first.high!r}, by at most {second.high!r} "
-                    "more or less than in the step before"
-                )
-            else:
+            if first != Axis(f"{name} before", first.low, first.high):
                 return None
+            if second != Axis(f"{name} after", first.low, first.high, second.change):
+                return None
+            what = "any after any"
+            if second.change is not None:
+                what = f"by at most {second.change!r} more or less than in the step before"
+            found.append(f"{name} from {first.low!r} to {first.high!r}, {what}")
         return tuple(found)
 
     def holds(self, other: "Chart") -> bool:
         """Whether another chart is this one, or a part of it with the same axes."""
         return len(other.parameters) == len(self.parameters) and all(
-            one.name == own.name and own.low <= one.low <= one.high <= own.high
+            one.name == own.name
+            and own.low <= one.low <= one.high <= own.high
+            and _no_farther(one, own)
             for own, one in zip(self.parameters, other.parameters, strict=True)
         )
 
@@ -112,6 +152,8 @@ class Chart:
         found: list[tuple[list[str], str]] = []
         for axis in self.parameters:
             interval = f"[{axis.low!r}, {axis.high!r}]"
+            if axis.change is not None:
+                interval += f", at most {axis.change!r} from the one before"
             if not found or found[-1][1] != interval:
                 found.append(([], interval))
             found[-1][0].append(axis.name)
@@ -124,10 +166,12 @@ class Chart:
 
     def table(self) -> list[dict[str, str]]:
         """As a proof file has it."""
-        return [
-            {"name": axis.name, "low": axis.low.hex(), "high": axis.high.hex()}
-            for axis in self.axes
-        ]
+        rows = []
+        for axis in self.axes:
+            rows.append({"name": axis.name, "low": axis.low.hex(), "high": axis.high.hex()})
+            if axis.change is not None:
+                rows[-1]["change"] = axis.change.hex()
+        return rows
 
     @classmethod
     def read(cls, rows: Any) -> "Chart":
@@ -137,6 +181,8 @@ class Chart:
         axes = [_axis(row) for row in rows]
         if tuple(axes[:PLANE]) != (PHASE, LEVEL):
             raise ValueError("a chart that does not begin with phase and level as they are")
+        if axes[PLANE:] and axes[PLANE].change is not None:
+            raise ValueError(f"the axis {axes[PLANE].name} with a change from {LEVEL.name}")
         if len({axis.name for axis in axes}) < len(axes):
             raise ValueError("a chart with an axis that stands twice")
         return cls(tuple(axes[PLANE:]))
@@ -159,9 +205,30 @@ PLAIN = Chart()
 """Of a gait without parameters."""
 
 
+def asked_for(near: Iterable[Near], low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Boxes [B, n] some point of which has all near axes no farther apart than they may be. [B].
+
+    A rounded difference is above a double only if the difference is.
+    """
+    found = np.ones(len(low), dtype=bool)
+    for first, second, change in near:
+        found &= ~(low[:, first] - high[:, second] > change)
+        found &= ~(low[:, second] - high[:, first] > change)
+    return found
+
+
+def _no_farther(one: Axis, own: Axis) -> bool:
+    """Whether one axis is as near to the axis before it, of the same ends, as another has to be."""
+    if own.change is None:
+        return True
+    if one.change is not None:
+        return one.change <= own.change
+    return Fraction(one.high) - Fraction(one.low) <= Fraction(own.change)
+
+
 def _axis(row: Any) -> Axis:
-    if not isinstance(row, dict) or set(row) != {"name", "low", "high"}:
-        raise ValueError("an axis of the chart that is no name, low and high")
+    if not isinstance(row, dict) or set(row) - {"change"} != {"name", "low", "high"}:
+        raise ValueError("an axis of the chart that is no name, low, high and perhaps a change")
     if not all(isinstance(text, str) for text in row.values()):
         raise ValueError(f"the axis {row} of the chart")
     if why := why_no_name(row["name"]):
@@ -169,4 +236,7 @@ def _axis(row: Any) -> Axis:
     low, high = float.fromhex(row["low"]), float.fromhex(row["high"])
     if not (math.isfinite(high - low) and low < high):
         raise ValueError(f"the axis {row['name']} from {low!r} to {high!r}")
-    return Axis(row["name"], low, high)
+    change = float.fromhex(row["change"]) if "change" in row else None
+    if change is not None and not (math.isfinite(change) and change > 0.0):
+        raise ValueError(f"the axis {row['name']} with a change of at most {change!r}")
+    return Axis(row["name"], low, high, change)

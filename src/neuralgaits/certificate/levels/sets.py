@@ -308,7 +308,15 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
             scales = tuple(float(condition.scale) for condition in group)
             part, how = prune(program, names), (_sign_only(spec) if chart.parameters else {})
             problems += [
-                Problem(region, *chart.whole(box.low, box.high), names, scales, part, **how)
+                Problem(
+                    region,
+                    *chart.whole(box.low, box.high),
+                    names,
+                    scales,
+                    part,
+                    near=chart.near,
+                    **how,
+                )
                 for box in boxes
             ]
     return problems
@@ -358,6 +366,7 @@ def premise_problems(
             tuple(scales.get(name, 1.0) for name in names),
             prune(program, names),
             least=tuple(sets.least.get(name, 0.0) for name in names),
+            near=chart.near,
             **(_sign_only(spec) if chart.parameters else _how_near(region)),
         )
         for (region, _, low, high), names in roots.items()

@@ -224,6 +224,7 @@ def in_words(statement: Statement, claims: Claims) -> Iterator[str]:
     many = len(ends) > PLANE + NAMED_EACH
     where = " and ".join(
         f"{axis.name} in [{low!r}, {high!r}]"
+        + ("" if axis.change is None else f", at most {axis.change!r} from the one before")
         for axis, low, high in (ends[:PLANE] if many else ends)
     )
     if many:  # Their roots are whole in them.

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from neuralgaits._names import LONGEST_NAME, why_no_name
-from neuralgaits.certificate.levels.chart import Chart, Corner
+from neuralgaits.certificate.levels.chart import Chart, Corner, Near, asked_for
 from neuralgaits.certificate.proof_file.coverage import Asked, premise_names
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
@@ -63,6 +63,7 @@ class Statement:
         degree: of the Taylor models, 1 or 2.
         low, high: corners of the root box. [n] each
         tree: depth first: the axis that is halved, lower half first, or `-` for a leaf.
+        near: axes of the chart that are near each other; nothing is said where they are not.
     """
 
     conditions: tuple[str, ...]
@@ -73,9 +74,13 @@ class Statement:
     low: Corner
     high: Corner
     tree: str
+    near: tuple[Near, ...] = ()
 
     def leaves(self) -> Corners:
-        """Boxes that cover the root box. Raises: InconsistentError if the tree is not one."""
+        """Boxes that cover what is asked of the root box.
+
+        Raises: InconsistentError if the tree is not one.
+        """
         lows, highs = [], []
         signs = iter(self.tree)
         stack = [(self.low, self.high, (0,) * len(self.low))]
@@ -95,7 +100,9 @@ class Statement:
             stack += [(*part, more) for part in reversed(halves(low, high, axis))]
         if next(signs, None) is not None:
             raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
-        return np.array(lows), np.array(highs)
+        low, high = np.array(lows), np.array(highs)
+        asked = asked_for(self.near, low, high)
+        return low[asked], high[asked]
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,6 +270,7 @@ def _statement(entry: Any, outputs: set[str], chart: Chart) -> Statement:
         low=low,
         high=high,
         tree=tree,
+        near=chart.near,
     )
 
 

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 from neuralgaits._environment import cores
 from neuralgaits._own_process import command_of, environment_of
+from neuralgaits.certificate.levels.chart import Near
 from neuralgaits.certificate.proof_file.reader import Corners, Statement
 from neuralgaits.certificate.proof_file.statement_check import BATCH, StatementCheck, Verdict
 from neuralgaits.programs.program import Program
@@ -192,7 +193,11 @@ def _cores() -> int:
 def _bound_share(task: dict[str, Any]) -> Iterator[Found]:
     """What a process beside finds, up to its first piece that is rejected."""
     statements = [
-        Statement(**row | {name: tuple(row[name]) for name in ("conditions", "low", "high")})
+        Statement(
+            **row
+            | {name: tuple(row[name]) for name in ("conditions", "low", "high")}
+            | {"near": tuple(Near(*pair) for pair in row["near"])}
+        )
         for row in task["statements"]
     ]
     trees = [statement.leaves() for statement in statements]

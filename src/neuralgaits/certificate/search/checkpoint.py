@@ -3,25 +3,38 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from neuralgaits.certificate.levels.chart import Corner
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
+from neuralgaits.certificate.search.halving import halves
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Counterexample
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 
-_FIELDS = tuple(item.name for item in fields(BoxTree) if item.name != "late")
+_KEPT = ("first", "axis", "lower", "upper", "gain")
+"""What a file has of a tree: corners and cuts follow from these."""
+_SMALL = {"first": np.int32, "axis": np.int8}
+_OPEN_ONLY = {"upper": np.inf, "gain": np.inf}
+"""What is of no use where every condition is proved, and what stands for it then."""
 
 
 def save(path: Path, problem: Problem, state: Search) -> None:
     """Write one root's boxes, whole or not at all."""
-    arrays = {name: getattr(state.tree, name) for name in _FIELDS} | {"seen": state.seen}
+    tree = state.tree
+    proved = bool(np.all(tree.lower[tree.is_leaf] >= 0.0))
+    arrays = {
+        name: np.asarray(getattr(tree, name), _SMALL.get(name))
+        for name in _KEPT
+        if not (proved and name in _OPEN_ONLY)
+    }
+    arrays["seen"] = state.seen
     refuted = {
         name: {"u": point.u, "z": point.z, "margin": point.margin}
         for name, point in state.refuted.items()
@@ -31,6 +44,8 @@ def save(path: Path, problem: Problem, state: Search) -> None:
         "refuted": json.dumps(refuted),
         "region": problem.region,
         "conditions": json.dumps(problem.names),
+        "low": json.dumps(problem.low),
+        "high": json.dumps(problem.high),
     }
     write_arrays(path, arrays, metadata)
 
@@ -48,9 +63,43 @@ def load(path: Path, problem: Problem) -> Search:
         name: Counterexample(tuple(row["u"]), tuple(row["z"]), row["margin"])
         for name, row in json.loads(metadata["refuted"]).items()
     }
-    fields_of = {name: np.asarray(arrays[name]) for name in _FIELDS}
-    tree = BoxTree(**fields_of, late=problem.late)
-    return Search(tree, arrays["seen"], points)
+    return Search(_tree(arrays, problem), arrays["seen"], points)
+
+
+def _tree(arrays: Mapping[str, np.ndarray], problem: Problem) -> BoxTree:
+    """A tree from what a file has of it."""
+    first, axis = (arrays[name].astype(np.int64) for name in ("first", "axis"))
+    low, high, cuts = _boxes(first, axis, problem.low, problem.high)
+    lower = np.asarray(arrays["lower"])
+    upper = np.asarray(arrays.get("upper", np.full_like(lower, np.inf)))
+    gain = np.asarray(arrays.get("gain", np.full_like(low, np.inf)))
+    return BoxTree(low, high, first, axis, cuts, lower, upper, gain, problem.late)
+
+
+def _boxes(
+    first: np.ndarray, axis: np.ndarray, low: Corner, high: Corner
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corners of all boxes of a tree, and how often each axis was halved. [N, n] each.
+
+    Raises: RunError if it is no tree.
+    """
+    inner = first >= 0
+    if np.any(first[inner] <= np.flatnonzero(inner)) or np.any(first >= len(first) - 1):
+        raise RunError("expected boxes whose halves follow them, found others: the file is damaged")
+    if np.any(axis[inner] < 0) or np.any(axis >= len(low)):
+        raise RunError("expected halvings of the chart's axes, found others: the file is damaged")
+    lows, highs = np.tile(low, (len(first), 1)), np.tile(high, (len(first), 1))
+    cuts = np.zeros(lows.shape, np.int64)
+    parents = np.zeros(1, np.int64)
+    while len(parents := parents[first[parents] >= 0]):
+        parts = halves(lows[parents], highs[parents], axis[parents])
+        family = np.repeat(parents, 2)
+        children = first[family] + np.arange(len(family)) % 2
+        lows[children], highs[children] = parts
+        cuts[children] = cuts[family]
+        cuts[children, axis[family]] += 1
+        parents = children
+    return lows, highs, cuts
 
 
 def _refuse_unsigned(path: Path, metadata: Mapping[str, str]) -> None:
@@ -82,13 +131,16 @@ def open_boxes(path: Path) -> OpenBoxes:
     arrays, metadata = read_arrays(path)
     _refuse_unsigned(path, metadata)
     leaf = arrays["first"] < 0
+    low, high = (np.array(json.loads(metadata[end])) for end in ("low", "high"))
+    first, axis = (arrays[name].astype(np.int64) for name in ("first", "axis"))
+    lows, highs, _ = _boxes(first, axis, low, high)
     fails = ~(arrays["lower"][leaf] >= 0.0)
     some = np.any(fails, axis=1)
     counts = dict(zip(json.loads(metadata["conditions"]), fails.sum(axis=0).tolist(), strict=True))
     return OpenBoxes(
         metadata["region"],
-        arrays["low"][leaf][some],
-        arrays["high"][leaf][some],
+        lows[leaf][some],
+        highs[leaf][some],
         {name: count for name, count in counts.items() if count},
     )
 
@@ -97,12 +149,13 @@ def fingerprint(problem: Problem) -> str:
     """What bounds depend on, as a hash."""
     text = json.dumps(
         [
-            _FIELDS,
+            _KEPT,
             problem.region,
             [float(value).hex() for value in (*problem.low, *problem.high, *problem.scales)],
             problem.names,
             problem.degree,
             problem.program.hash,
+            problem.near,
         ]
     )
     return hashlib.sha256(text.encode()).hexdigest()

@@ -35,6 +35,7 @@ from neuralgaits.gait.policies.step_ends import (
     Start,
     inside,
     on_foothold,
+    on_foothold_exactly,
     start_after,
 )
 from neuralgaits.gait.policies.step_policy import NumberedStep
@@ -178,13 +179,25 @@ class CommandedPolicy(AbstractPolicy):
         """Where in the family a command is: in [-1, 1] or near it, 0 in the middle. [p]."""
         return scaled(self.commands, self.curves, command)
 
-    def guard(self, robot: "PlanarBiped", command: Float[Array, " p"]) -> Guard:
-        """Where a step ends at this command, the swing foot on its foothold."""
+    def guard(
+        self, robot: "PlanarBiped", command: Float[Array, " p"], *, bounded: bool = False
+    ) -> Guard:
+        """Where a step ends at this command, the swing foot on its foothold.
+
+        Args:
+            robot: whose foot it is.
+            command: of the step.
+            bounded: of `at`.
+        """
         basis = powers(self.scaled(command))
         z1 = basis @ self.guard_z1
         share = jax.nn.sigmoid(basis @ self.guard_outputs)
         outputs = self.lower + (self.upper - self.lower) * share
-        outputs = on_foothold(robot, z1, outputs, _foothold(self.commands, command), NEWTON_STEPS)
+        foothold = _foothold(self.commands, command)
+        if bounded:
+            outputs = on_foothold_exactly(robot, z1, outputs, foothold)
+        else:
+            outputs = on_foothold(robot, z1, outputs, foothold, NEWTON_STEPS)
         return Guard(z1, outputs, basis @ self.guard_slopes)
 
     def at(
@@ -194,6 +207,7 @@ class CommandedPolicy(AbstractPolicy):
         reset_residual: AbstractResetResidual | None = None,
         *,
         exact: bool = False,
+        bounded: bool = False,
     ) -> HybridInvariantPolicy:
         """The policy of one step.
 
@@ -203,10 +217,11 @@ class CommandedPolicy(AbstractPolicy):
             reset_residual: corrects that impact.
             exact: leave out the clip that keeps a training off the bounds of the outputs: one
                 smooth formula, and the same number for a trained gait.
+            bounded: take formulas whose bounds over boxes are tight.
         """
 
         def ends(command: Float[Array, " p"]) -> tuple[Guard, Start]:
-            guard = self.guard(robot, command)
+            guard = self.guard(robot, command, bounded=bounded)
             return guard, start_after(robot, guard, reset_residual)
 
         # Both at once: what is compiled, or bounded in a proof, is half as long.

@@ -1,8 +1,8 @@
 """Both ends of a step: the posture at a guard, what its impact leaves, and the cubic between two.
 
-The swing foot is put on its foothold by a fixed number of Newton steps, so that all of it is one
-formula of the guard's outputs and slopes. Hybrid invariance as in Westervelt, Grizzle and
-Koditschek (2003).
+The swing foot is put on its foothold by a fixed number of Newton steps, or in closed form, so that
+all of it is one formula of the guard's outputs and slopes. Hybrid invariance as in Westervelt,
+Grizzle and Koditschek (2003).
 """
 
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,11 +11,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.posture import hip_indices
 from neuralgaits.gait.reset_residual import AbstractResetResidual, rates_after
-from neuralgaits.robots.dynamics import angular_momentum, swing_foot
+from neuralgaits.robots.dynamics import angular_momentum, hip_position, swing_foot
 
 if TYPE_CHECKING:
     from neuralgaits.robots import Impact, PlanarBiped
@@ -97,6 +97,67 @@ def on_foothold(
             [push(row) for row in np.eye(len(moved), dtype=outputs.dtype)], value
         )
     return outputs + shift @ directions
+
+
+def on_foothold_exactly(
+    robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated, foothold: Foothold
+) -> Actuated:
+    """`on_foothold` in closed form, from outputs with the foot some centimetres off.
+
+    Bounds over boxes grow each time that a formula uses what it has computed, as every Newton step
+    does; here each angle is used about once. The hip turns the leg to a height, and the last joint
+    what hangs from it to a distance from the hip: what is turned by s has a coordinate, or a square
+    of a length, that obeys a sin s + b (1 - cos s) + miss = 0, quadratic in tan(s / 2).
+    """
+    q = lift(robot, jnp.asarray(z_guard), outputs)
+    hip, foot = hip_position(robot, q), swing_foot(robot, q)
+    leg = foot - hip
+    joints = np.eye(robot.n - 1, dtype=outputs.dtype)[[hip_indices(robot)[-1], robot.n - 2]]
+    if foothold.length is None:
+
+        def up(place: Planar) -> Scalar:
+            return place[1] - foothold.rise * place[0]
+
+        tangent = _half_tangent(up(foot) - foothold.height, -up(_quarter_turn(leg)), -up(leg))
+        return outputs + _twice_arctan(tangent)[None] @ joints[:1]
+    height = foothold.height + foothold.rise * foothold.length
+    place = jnp.stack([foothold.length, height]) - hip
+    angle = (robot.link_angles @ q)[-1]
+    last = robot.foot[-1] * jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
+    upper, far = leg - last, place @ place
+    tangent = _half_tangent(
+        leg @ leg - far, -2.0 * (upper @ _quarter_turn(last)), -2.0 * (upper @ last)
+    )
+    leg = upper + _turned_back(last, tangent)
+    across = leg[1] * place[0] - leg[0] * place[1]
+    turns = jnp.stack([_twice_arctan(across / (far + leg @ place)), _twice_arctan(tangent)])
+    return outputs + turns @ joints
+
+
+def _quarter_turn(vector: Planar) -> Planar:
+    """Turned counter-clockwise by a right angle. [2]."""
+    return jnp.stack([-vector[1], vector[0]])
+
+
+def _turned_back(vector: Planar, tangent: Scalar) -> Planar:
+    """Turned clockwise by the angle whose half has this tangent. [2]."""
+    square = tangent * tangent
+    return vector - (2.0 / (1.0 + square)) * (square * vector + tangent * _quarter_turn(vector))
+
+
+def _half_tangent(miss: Scalar, a: Scalar, b: Scalar) -> Scalar:
+    """tan(s / 2) of the smaller s at which a sin s + b (1 - cos s) + miss is zero."""
+    miss, bend = miss / a, b / a
+    return -miss / (1.0 + jnp.sqrt(1.0 - miss * (miss + 2.0 * bend)))
+
+
+def _twice_arctan(x: Scalar) -> Scalar:
+    """2 arctan x within 1e-9 for |x| <= 0.6: two halvings of the angle, then its series."""
+    for _ in range(2):
+        x = x / (1.0 + jnp.sqrt(1.0 + x * x))
+    square = x * x
+    series = 1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0 - square / 9.0))
+    return 8.0 * x * (1.0 - square * series)
 
 
 def start_after(
