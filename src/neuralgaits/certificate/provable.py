@@ -67,8 +67,9 @@ def step_at(
     behind those of commands are parameters of the robot, which the policy does not know.
     """
     end = PLANE + 2 * len(gait.commands)
-    step = gait
-    if not isinstance(gait, Gait):
+    if isinstance(gait, Gait):
+        step = gait
+    else:
         pair = Pair(u[PLANE:end:2], u[PLANE + 1 : end : 2])
         step = gait.of_pair(nominal(model), pair, residuals.reset, exact=True, bounded=True)
         start, guard = step.span

@@ -131,7 +131,7 @@ def open_boxes(path: Path) -> OpenBoxes:
     arrays, metadata = read_arrays(path)
     _refuse_unsigned(path, metadata)
     leaf = arrays["first"] < 0
-    low, high = (np.array(json.loads(metadata[end])) for end in ("low", "high"))
+    low, high = (tuple(json.loads(metadata[end])) for end in ("low", "high"))
     first, axis = (arrays[name].astype(np.int64) for name in ("first", "axis"))
     lows, highs, _ = _boxes(first, axis, low, high)
     fails = ~(arrays["lower"][leaf] >= 0.0)
