@@ -67,6 +67,10 @@ def _only_line(capfd: Captured) -> str:
         (["train", "amber3m", "--step_lenth=1"], "did you mean --step-length?"),
         (["view", "latest", "--prot", "1"], "unknown option --prot of view; did you mean --port?"),
         (["demo", "--zzz"], "unknown option --zzz of demo; see `neuralgaits demo --help`"),
+        (
+            ["certify", "r", "--within", "a=0:1", "--within=b=0:1"],
+            "expected --within once, found it twice: leave one out, or join NAME=... by commas",
+        ),
         (["simulate", "latest", "--push", "abc"], "--push: expected a number, found 'abc'"),
         (["simulate", "latest", "--push=abc"], "--push: expected a number, found 'abc'"),
         (["view", "latest", "--port", "1.5"], "--port: expected a whole number, found '1.5'"),

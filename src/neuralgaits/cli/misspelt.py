@@ -20,7 +20,7 @@ _COMMON = ("--help", "--verbose")
 
 
 def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
-    """Look for a verb and options that are not there, and for numbers that are none.
+    """Look for a verb and options that are not there or twice, and for numbers that are none.
 
     Args:
         words: of the command line, the program's name left out.
@@ -35,7 +35,7 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
         if hint := meant(verb, verbs):
             raise InputError(f"no command {verb}; {hint}")
         raise InputError(f"no command {verb}: expected one of {', '.join(verbs)}")
-    kinds = _options(verbs[verb])
+    kinds, seen = _options(verbs[verb]), set()
     for place, word in enumerate(rest):
         if word == "--":
             return
@@ -46,6 +46,12 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
         if name not in kinds and name not in _COMMON:
             hint = meant(name, kinds) or f"see `neuralgaits {verb} --help`"
             raise InputError(f"unknown option {name} of {verb}; {hint}")
+        if name in seen:
+            # The parser would take the last one and say nothing.
+            raise InputError(
+                f"expected {name} once, found it twice: leave one out, or join NAME=... by commas"
+            )
+        seen.add(name)
         if separator or place + 1 < len(rest):
             _refuse_no_number(name, kinds.get(name), value if separator else rest[place + 1])
 
