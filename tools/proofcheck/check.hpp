@@ -2,6 +2,11 @@
 
 #include "full_order.hpp"
 
+#include <atomic>
+#include <exception>
+#include <system_error>
+#include <thread>
+
 namespace {
 
 // ------------------------------------------------------------------------------ 12 the check
@@ -84,49 +89,118 @@ std::pair<Box, Box> halves(const Box& box, size_t axis) {
 constexpr char kAxisSigns[] = "0123456789abcdef";
 static_assert(sizeof kAxisSigns == kMostAxes + 1);
 
-// The boxes at which a statement's tree ends: a digit is a split along that axis, the lower half
-// first; - is a leaf.
-vector<Box> leaves(const Statement& statement) {
-  constexpr int kMostHalvings = 48;  // Of one axis: more would exhaust a double's digits.
-  const string &tree = statement.tree, name = "the tree of " + statement.region;
-  struct Node {
-    Box box;
-    std::array<int, kMostAxes> halvings;
-  };
-  vector<Node> stack = {{statement.root_box, {}}};
-  vector<Box> found;
-  size_t at = 0;
-  while (!stack.empty()) {
-    Node node = std::move(stack.back());
-    stack.pop_back();
-    if (at == tree.size()) throw Inconsistent{name + " ends before its last leaf"};
-    const char sign = tree[at++];
-    if (sign == '-') {
-      found.push_back(std::move(node.box));
-      continue;
+// The boxes at which a statement's tree ends, one after the other: a digit is a split along that
+// axis, the lower half first; - is a leaf.
+class Leaves {
+ public:
+  explicit Leaves(const Statement& statement)
+      : tree_(statement.tree), name_("the tree of " + statement.region),
+        box_(statement.root_box) {}
+
+  const Box& box() const { return box_; }
+
+  // Goes to the next leaf, the first one at first. Whether there is one.
+  bool next() {
+    if (at_ > 0 && !to_an_upper_half()) {
+      if (at_ != tree_.size()) throw Inconsistent{name_ + " goes on after its last leaf"};
+      return false;
     }
-    const size_t axis = string(kAxisSigns).find(sign);
-    if (axis >= node.box.low.size()) throw Inconsistent{name + " splits an axis that is none"};
-    if (!(node.box.low[axis] < node.box.high[axis]) || node.halvings[axis]++ == kMostHalvings)
-      throw Inconsistent{name + " splits what has no width"};
-    auto [lower, upper] = halves(node.box, axis);
-    stack.push_back({std::move(upper), node.halvings});
-    stack.push_back({std::move(lower), node.halvings});
+    while (true) {
+      if (at_ == tree_.size()) throw Inconsistent{name_ + " ends before its last leaf"};
+      const char sign = tree_[at_++];
+      if (sign == '-') return true;
+      split(static_cast<size_t>(std::find(kAxisSigns, kAxisSigns + kMostAxes, sign) - kAxisSigns));
+    }
   }
-  if (at != tree.size()) throw Inconsistent{name + " goes on after its last leaf"};
-  return found;
+
+ private:
+  static constexpr int kMostHalvings = 48;  // Of one axis: more would exhaust a double's digits.
+  // A box that was split: its ends along that axis, and whether its lower half is done.
+  struct Split {
+    size_t axis;
+    double low, high;
+    bool upper;
+  };
+  const string& tree_;
+  const string name_;
+  Box box_;
+  size_t at_ = 0;
+  vector<Split> path_;  // Those around box_, the root first.
+  std::array<int, kMostAxes> halvings_{};
+
+  void split(size_t axis) {
+    if (axis >= box_.low.size()) throw Inconsistent{name_ + " splits an axis that is none"};
+    if (!(box_.low[axis] < box_.high[axis]) || halvings_[axis]++ == kMostHalvings)
+      throw Inconsistent{name_ + " splits what has no width"};
+    path_.push_back({axis, box_.low[axis], box_.high[axis], false});
+    box_.high[axis] = halfway(box_, axis);
+  }
+
+  // From the last leaf of a lower half to the upper one.
+  bool to_an_upper_half() {
+    while (!path_.empty()) {
+      Split& last = path_.back();
+      if (!last.upper) {
+        box_.low[last.axis] = box_.high[last.axis];
+        box_.high[last.axis] = last.high;
+        return last.upper = true;
+      }
+      box_.low[last.axis] = last.low;
+      --halvings_[last.axis];
+      path_.pop_back();
+    }
+    return false;
+  }
+};
+
+// Throws if a statement's tree is none.
+void read_tree(const Statement& statement) {
+  for (Leaves leaves(statement); leaves.next();) {}
 }
 
-// Margins of claims on one box, and what gives them: claims that are not asked for need no bound.
-using Margins = std::function<vector<Estimate>(const Claim&)>;
-using Bounding = std::function<Margins(const Box&, const vector<const Claim*>&)>;
+// What bounds claims on boxes, several at once. Each thread has one of its own.
+class Bounder {
+ public:
+  virtual ~Bounder() = default;
+  virtual size_t most_boxes() const = 0;
+  // Takes these boxes up: what follows is about them. Other claims need no bound.
+  virtual void over(const vector<const Box*>& boxes, const vector<const Claim*>& claims) = 0;
+  // Margins of a claim on one of the boxes.
+  virtual vector<Estimate> margins(size_t box, const Claim& claim) = 0;
+  // A lower bound of the least of them.
+  virtual double least(size_t box, const Claim& claim) {
+    double found = HUGE_VAL;
+    for (const Estimate& margin : margins(box, claim)) found = std::min(found, margin.range.low());
+    return found;
+  }
+};
+using Bounding = std::function<std::unique_ptr<Bounder>()>;
 
 // By the formulas of this program.
+class ModelBounder : public Bounder {
+ public:
+  ModelBounder(const Model& model, const Theorems& theorems) : model_(model), theorems_(theorems) {}
+  size_t most_boxes() const override { return 1; }
+  void over(const vector<const Box*>& boxes, const vector<const Claim*>&) override {
+    place_.emplace(model_, theorems_, *boxes[0]);
+  }
+  vector<Estimate> margins(size_t, const Claim& claim) override {
+    vector<Estimate> found = claim.output->margins(*place_);
+    if (found.size() != claim.output->elements)
+      throw Inconsistent{claim.name + " has " + std::to_string(found.size()) +
+                         " elements in the model, " + std::to_string(claim.output->elements) +
+                         " in the Program"};
+    return found;
+  }
+
+ private:
+  const Model& model_;
+  const Theorems& theorems_;
+  std::optional<Place> place_;
+};
+
 Bounding by_the_model(const Model& model, const Theorems& theorems) {
-  return [&model, &theorems](const Box& box, const vector<const Claim*>&) -> Margins {
-    const auto place = std::make_shared<Place>(model, theorems, box);
-    return [place](const Claim& claim) { return claim.output->margins(*place); };
-  };
+  return [&model, &theorems] { return std::make_unique<ModelBounder>(model, theorems); };
 }
 
 enum Verdict { proved, undecided, rejected };
@@ -137,22 +211,34 @@ struct Finding {
   long boxes = 0;
 };
 
-class Checker {
+// Whether a leaf, or what it is split into, has its claims; or a point of it breaks one. Leaves know
+// nothing of each other.
+class LeafChecker {
  public:
-  Checker(const Bounding& bounding, const Chart& chart, const Statement& statement)
-      : bounding_(bounding), chart_(chart), statement_(statement) {}
+  LeafChecker(Bounder& bounder, const Chart& chart, const Statement& statement)
+      : bounder_(bounder), chart_(chart), statement_(statement) {}
 
-  // A leaf that is undecided does not end the search for a point that breaks the statement.
-  Finding run() {
-    vector<const Claim*> known;
-    for (const Claim& claim : statement_.claims) {
-      const string& unknown = claim.output->unknown;
-      if (unknown.empty()) known.push_back(&claim);
-      else note(undecided, claim.name + " cannot be checked here: " + unknown);
-    }
-    if (!known.empty())
-      for (const Box& leaf : leaves(statement_))
-        if (prove(leaf, known, 0) == rejected) break;
+  // Whether each of a few boxes has all claims, at the first look.
+  void look(const vector<const Box*>& boxes, const vector<const Claim*>& claims,
+            vector<bool>& reached) {
+    bounder_.over(boxes, claims);
+    for (size_t k = 0; k < boxes.size(); ++k)
+      reached[k] = std::all_of(claims.begin(), claims.end(), [&](const Claim* claim) {
+        try {
+          return bounder_.least(k, *claim) >= claim->least().high();
+        } catch (const NoBound&) {
+          return false;
+        }
+      });
+  }
+
+  // Ends early, with nothing found, once nobody waits for the answer.
+  Finding check(const Box& leaf, const vector<const Claim*>& claims,
+                const std::function<bool()>& awaited) {
+    found_ = {};
+    more_ = 0;
+    awaited_ = &awaited;
+    prove(leaf, claims, 0);
     return found_;
   }
 
@@ -160,11 +246,12 @@ class Checker {
   static constexpr int kMoreSplits = 6;   // How often a leaf may be split again along each axis.
   static constexpr size_t kMostMore = 1 << 18;  // Boxes for one leaf: in many axes it would not end.
   static constexpr size_t kCorners = 3;   // With more axes, corners are too many to be tried.
-  const Bounding& bounding_;
+  Bounder& bounder_;
   const Chart& chart_;
   const Statement& statement_;
   Finding found_;
   size_t more_ = 0;
+  const std::function<bool()>* awaited_ = nullptr;
 
   Verdict note(Verdict verdict, const string& reason) {
     if (verdict > found_.verdict) {
@@ -172,15 +259,6 @@ class Checker {
       found_.reason = reason;
     }
     return verdict;
-  }
-
-  static vector<Estimate> evaluate(const Claim& claim, const Margins& margins) {
-    vector<Estimate> found = margins(claim);
-    if (found.size() != claim.output->elements)
-      throw Inconsistent{claim.name + " has " + std::to_string(found.size()) +
-                         " elements in the model, " + std::to_string(claim.output->elements) +
-                         " in the Program"};
-    return found;
   }
 
   // A claim that is not proved on a box, and its worst margin if that has a bound.
@@ -192,10 +270,10 @@ class Checker {
   vector<Failing> failing(const Box& box, const vector<const Claim*>& claims) {
     vector<Failing> left;
     ++found_.boxes;
-    const Margins margins = bounding_(box, claims);
+    bounder_.over({&box}, claims);
     for (const Claim* claim : claims) {
       try {
-        const vector<Estimate> found = evaluate(*claim, margins);
+        const vector<Estimate> found = bounder_.margins(0, *claim);
         const auto worst = std::min_element(
             found.begin(), found.end(),
             [](const Estimate& a, const Estimate& b) { return a.range.low() < b.range.low(); });
@@ -227,7 +305,8 @@ class Checker {
 
   Verdict prove(const Box& box, const vector<const Claim*>& claims, size_t depth) {
     if (!is_asked(box, chart_)) return proved;
-    more_ = depth == 0 ? 0 : more_ + 1;
+    if (!(*awaited_)()) return note(undecided, "a leaf that nobody asked for");
+    if (depth > 0) ++more_;
     const vector<Failing> left = failing(box, claims);
     if (left.empty()) return proved;
     vector<const Claim*> again;
@@ -278,7 +357,8 @@ class Checker {
       if (!is_asked({at, at}, chart_)) continue;
       try {
         const Box here = {at, at};
-        for (const Estimate& margin : evaluate(claim, bounding_(here, {&claim}))) {
+        bounder_.over({&here}, {&claim});
+        for (const Estimate& margin : bounder_.margins(0, claim)) {
           if (!(margin.range.high() < least.low())) continue;
           note(rejected, claim.name + " is " + at_least(margin.range.low()) +
                              words_for(at, chart_) + " of region " + statement_.region +
@@ -289,6 +369,117 @@ class Checker {
       }
     }
     return false;
+  }
+};
+
+// Threads that bound boxes.
+size_t all_threads() {
+  return std::clamp<size_t>(std::thread::hardware_concurrency(), 1, 8);
+}
+
+class Checker {
+ public:
+  Checker(const Bounding& bounding, const Chart& chart, const Statement& statement, size_t threads)
+      : chart_(chart), statement_(statement) {
+    for (const Claim& claim : statement_.claims)
+      if (claim.output->unknown.empty()) known_.push_back(&claim);
+    for (size_t k = 0; k < threads; ++k) {
+      bounders_.push_back(bounding());
+      checkers_.push_back(std::make_unique<LeafChecker>(*bounders_[k], chart_, statement_));
+    }
+  }
+
+  // A leaf that is undecided does not end the search for a point that breaks the statement. Leaves
+  // are bounded by several threads, and looked at in their order, up to the first that is rejected:
+  // what is found does not depend on the number of threads.
+  Finding run() {
+    for (const Claim& claim : statement_.claims)
+      if (!claim.output->unknown.empty())
+        note({undecided, claim.name + " cannot be checked here: " + claim.output->unknown, 0});
+    if (known_.empty()) return found_;
+    Leaves leaves(statement_);
+    for (bool more = true; more && found_.verdict != rejected;) {
+      leaves_.clear();
+      while (leaves_.size() < kBlock && (more = leaves.next()))
+        if (is_asked(leaves.box(), chart_)) leaves_.push_back(leaves.box());
+      check_leaves();
+      for (const Answer& answer : answers_) {
+        if (answer.problem) std::rethrow_exception(answer.problem);
+        note(answer.finding);
+        if (found_.verdict == rejected) break;
+      }
+    }
+    return found_;
+  }
+
+ private:
+  static constexpr size_t kBlock = 8192, kWorthAThread = 64;
+  struct Answer {
+    Finding finding = {undecided, "a leaf was not looked at", 0};
+    std::exception_ptr problem;  // Instead, if the file contradicts itself.
+    bool ends() const { return problem || finding.verdict == rejected; }
+  };
+  const Chart& chart_;
+  const Statement& statement_;
+  vector<const Claim*> known_;
+  vector<std::unique_ptr<Bounder>> bounders_;  // One for each thread, as are these:
+  vector<std::unique_ptr<LeafChecker>> checkers_;
+  vector<Box> leaves_;      // Some of the statement's.
+  vector<Answer> answers_;  // What was found of them.
+  Finding found_;
+
+  void note(const Finding& finding) {
+    found_.boxes += finding.boxes;
+    if (finding.verdict <= found_.verdict) return;
+    found_.verdict = finding.verdict;
+    found_.reason = finding.reason;
+  }
+
+  // Leaves are taken in their order, so all before one that is taken have been: none is left out
+  // before the first that ends the search.
+  void check_leaves() {
+    answers_.assign(leaves_.size(), {});
+    std::atomic<size_t> next{0}, end{leaves_.size()};
+    const size_t at_once = bounders_[0]->most_boxes();
+    const auto work = [&](size_t thread) {
+      for (size_t first; (first = next.fetch_add(at_once)) < end;)
+        check_some(*checkers_[thread], first, std::min(first + at_once, leaves_.size()), end);
+    };
+    const size_t count = std::min(bounders_.size(), 1 + leaves_.size() / kWorthAThread);
+    vector<std::thread> others;
+    for (size_t k = 1; k < count; ++k) try {
+        others.emplace_back([&work, k] {
+          if (!rounding_works()) std::abort();  // It works in the thread that this one is from.
+          work(k);
+        });
+      } catch (const std::system_error&) {  // There are no more threads.
+        break;
+      }
+    work(0);
+    for (std::thread& other : others) other.join();
+  }
+
+  void check_some(LeafChecker& checker, size_t first, size_t last, std::atomic<size_t>& end) {
+    vector<const Box*> boxes;
+    for (size_t k = first; k < last; ++k) boxes.push_back(&leaves_[k]);
+    vector<bool> reached(boxes.size());
+    try {
+      checker.look(boxes, known_, reached);
+    } catch (...) {  // Whatever it is, it is met again at the leaf that it is due to.
+    }
+    for (size_t k = first; k < last && k < end; ++k) {
+      Answer& answer = answers_[k];
+      if (reached[k - first]) {
+        answer.finding = {proved, "", 1};
+        continue;
+      }
+      try {
+        answer.finding = checker.check(leaves_[k], known_, [&] { return k < end; });
+      } catch (...) {
+        answer.problem = std::current_exception();
+      }
+      for (size_t now = end; answer.ends() && k + 1 < now && !end.compare_exchange_weak(now, k + 1);) {}
+    }
   }
 };
 

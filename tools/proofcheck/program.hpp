@@ -1,10 +1,11 @@
 #pragma once
 
 #include "check.hpp"
+#include "lanes.hpp"
 
 namespace {
 
-// --------------------------------------------------------------------------- 13 the Program
+// --------------------------------------------------------------------------- 14 the Program
 //
 // The list of operations in the file, as the finder worked with it. It is read only on request: of
 // what it computes this section knows nothing, and shows nothing about the robot. Every value is a
@@ -137,147 +138,246 @@ Program program_of(const Json& table, const vector<vector<double>>& constants) {
   return program;
 }
 
-// Evaluates a Program over boxes of up to N axes.
-template <int N>
-class Evaluator {
+// One number of a value, with how it follows from others. Moves only say which number is meant, and
+// sums and inner products are taken apart, so that few kinds are left.
+struct Element {
+  enum Kind { axis, fibre, number, negative, plus, minus, times, scaled, row, expanded };
+  Kind kind;
+  vector<size_t> operands;  // Of a row: k_1, t_1, k_2, t_2, .. and perhaps c.
+  size_t which = 0;         // Of an axis or a fibre.
+  double value = 0.0;       // Of a number.
+  Expansion (*near)(double, double) = nullptr;
+  std::uint32_t needs = 0;  // A bit for each axis that it depends on, and kXi.
+};
+constexpr std::uint32_t kXi = std::uint32_t{1} << kMostAxes;
+
+// A Program as its elements, each after what it needs.
+class Listing {
  public:
-  explicit Evaluator(const Program& program) : program_(program), folded_(program.sizes.size()) {
-    for (size_t k = 0; k < program.constants.size(); ++k) {
-      Value value;
-      for (const double number : program.constants[k]) value.push_back(T(number));
-      folded_[program.inputs() + k] = std::make_shared<Value>(std::move(value));
+  explicit Listing(const Program& program) : layout{program.axes, program.fibres} {
+    vector<vector<size_t>> values(1);
+    for (size_t k = 0; k < program.axes; ++k)
+      values[0].push_back(add({Element::axis, {}, k, 0.0, nullptr, std::uint32_t{1} << k}));
+    if (program.ball) values.emplace_back();
+    for (size_t k = 0; k < program.fibres; ++k)
+      values[1].push_back(add({Element::fibre, {}, k, 0.0, nullptr, kXi}));
+    for (const vector<double>& constant : program.constants) {
+      values.emplace_back();
+      for (const double x : constant)
+        values.back().push_back(add({Element::number, {}, 0, x, nullptr, 0}));
     }
-    evaluate(folded_, [&](size_t number) { return !program.varies[number]; });
+    for (const Operation& op : program.operations) {
+      vector<const vector<size_t>*> operands;
+      for (const size_t operand : op.operands) operands.push_back(&values[operand]);
+      vector<size_t> found = result(op, operands);
+      values.push_back(std::move(found));
+    }
+    for (const auto& [name, value] : program.outputs) outputs[name] = values[value];
   }
 
-  // Margins of some outputs over a box.
-  Margins over(const Box& box, const vector<const Claim*>& claims) const {
-    vector<bool> needed(program_.sizes.size());
-    for (const Claim* claim : claims) needed[program_.outputs.at(claim->name)] = true;
-    for (size_t k = program_.operations.size(); k-- > 0;)
-      if (needed[program_.first_operation() + k])
-        for (const size_t operand : program_.operations[k].operands) needed[operand] = true;
-    Values values = folded_;
-    Value u, xi;
-    for (size_t axis = 0; axis < program_.axes; ++axis)
-      u.push_back(coordinate<T>(box.low[axis], box.high[axis], static_cast<int>(axis)));
-    for (size_t k = 0; k < program_.fibres; ++k)
-      xi.push_back(ball_coordinate<T>(k, program_.fibres));
-    values[0] = std::make_shared<Value>(std::move(u));
-    if (program_.ball) values[1] = std::make_shared<Value>(std::move(xi));
-    evaluate(values, [&](size_t number) { return program_.varies[number] && needed[number]; });
-    std::map<string, std::shared_ptr<const Value>> found;
-    for (const Claim* claim : claims)
-      found[claim->name] = values[program_.outputs.at(claim->name)];
-    return [found](const Claim& claim) {
-      vector<Estimate> margins;
-      for (const std::optional<T>& element : *found.at(claim.name)) {
-        if (!element) throw NoBound();
-        margins.push_back(estimate(*element));
-      }
-      return margins;
-    };
-  }
+  const Layout layout;
+  vector<Element> elements;
+  std::map<string, vector<size_t>> outputs;
 
  private:
-  using T = Taylor<N, true>;
-  using Value = vector<std::optional<T>>;
-  using Values = vector<std::shared_ptr<const Value>>;
-  const Program& program_;
-  Values folded_;  // Those that do not depend on an input.
-
-  template <class Chosen>
-  void evaluate(Values& values, Chosen chosen) const {
-    size_t number = program_.first_operation();
-    for (const Operation& op : program_.operations) {
-      if (chosen(number)) values[number] = std::make_shared<Value>(result(op, values));
-      ++number;
-    }
+  size_t add(Element element) {
+    for (const size_t operand : element.operands) element.needs |= elements[operand].needs;
+    elements.push_back(std::move(element));
+    return elements.size() - 1;
+  }
+  size_t add(Element::Kind kind, vector<size_t> operands) {
+    return add({kind, std::move(operands), 0, 0.0, nullptr, 0});
+  }
+  size_t of(Expansion (*near)(double, double), size_t a) {
+    return add({Element::expanded, {a}, 0, 0.0, near, 0});
+  }
+  size_t product(size_t a, size_t b) {
+    if (elements[a].needs == 0) return add(Element::scaled, {a, b});
+    if (elements[b].needs == 0) return add(Element::scaled, {b, a});
+    return add(Element::times, {a, b});
   }
 
-  Value result(const Operation& op, const Values& values) const {
-    vector<const Value*> operands;
-    for (const size_t operand : op.operands) operands.push_back(values[operand].get());
-    if (op.kind == "move") return moved(op, operands);
-    Value found(op.size);
+  vector<size_t> result(const Operation& op, const vector<const vector<size_t>*>& operands) {
+    vector<size_t> found;
+    if (op.kind == "move") {
+      vector<size_t> joined;
+      for (const vector<size_t>* one : operands) joined.insert(joined.end(), one->begin(), one->end());
+      for (const size_t place : op.index) found.push_back(joined[place]);
+      return found;
+    }
+    const vector<size_t>&a = *operands[0], &b = *operands[operands.size() > 1];
     for (size_t i = 0; i < op.size; ++i) {
-      try {
-        found[i] = element(op, operands, i);
-      } catch (const NoBound&) {  // Left out.
-      }
+      if (op.kind == "affine") found.push_back(row(op, operands, i / op.columns, i % op.columns));
+      else if (op.kind == "sum" || op.kind == "inner") found.push_back(total(op, a, b, i));
+      else found.push_back(elementwise(op.kind, a[a.size() == 1 ? 0 : i], b[b.size() == 1 ? 0 : i]));
     }
     return found;
-  }
-
-  static Value moved(const Operation& op, const vector<const Value*>& operands) {
-    vector<const std::optional<T>*> joined;
-    for (const Value* operand : operands)
-      for (const std::optional<T>& item : *operand) joined.push_back(&item);
-    Value found;
-    for (const size_t place : op.index) found.push_back(*joined[place]);
-    return found;
-  }
-
-  static const T& at(const Value& value, size_t i) {
-    const std::optional<T>& item = value[value.size() == 1 ? 0 : i];
-    if (!item) throw NoBound();
-    return *item;
-  }
-
-  static T element(const Operation& op, const vector<const Value*>& operands, size_t i) {
-    const Value& a = *operands[0];
-    if (op.kind == "affine") return row(op, operands, i / op.columns, i % op.columns);
-    if (op.kind == "sum" || op.kind == "inner") {
-      const size_t count = a.size() / op.size;
-      T total(0.0);
-      for (size_t j = i * count; j < (i + 1) * count; ++j)
-        total = total + (op.kind == "sum" ? at(a, j) : at(a, j) * at(*operands[1], j));
-      return total;
-    }
-    return operands.size() == 1 ? unary(op.kind, at(a, i))
-                                : binary(op.kind, at(a, i), at(*operands[1], i));
   }
 
   // sum_k a_ik b_kj + c_i
-  static T row(const Operation& op, const vector<const Value*>& operands, size_t i, size_t j) {
-    const Value& matrix = *operands[0];
+  size_t row(const Operation& op, const vector<const vector<size_t>*>& operands, size_t i, size_t j) {
     const size_t inner = operands[1]->size() / op.columns;
-    T total = operands.size() == 3 ? at(*operands[2], i) : T(0.0);
+    vector<size_t> all;
     for (size_t k = 0; k < inner; ++k) {
-      const I factor = at(matrix, i * inner + k).c[0];
-      const T& term = at(*operands[1], k * op.columns + j);
-      if (magnitude(factor) != 0.0) total = total + factor * term;
+      all.push_back((*operands[0])[i * inner + k]);
+      all.push_back((*operands[1])[k * op.columns + j]);
     }
-    return total;
+    if (operands.size() == 3) all.push_back((*operands[2])[operands[2]->size() == 1 ? 0 : i]);
+    return add(Element::row, std::move(all));
   }
 
-  static T unary(const string& kind, const T& a) {
-    if (kind == "neg") return -a;
-    if (kind == "square") return a * a;
-    if (kind == "sqrt") return root(a);
-    if (kind == "exp") return exp(a);
-    if (kind == "log1p") return log1p(a);
-    if (kind == "tanh") return tanh(a);
-    if (kind == "logistic") return logistic(a);
-    T sine, cosine;
-    sincos(a, sine, cosine);
-    return kind == "sin" ? sine : cosine;
+  // The sum of a_j, or of a_j b_j, over the i-th part of them.
+  size_t total(const Operation& op, const vector<size_t>& a, const vector<size_t>& b, size_t i) {
+    const size_t count = a.size() / op.size;
+    std::optional<size_t> sum;
+    for (size_t j = i * count; j < (i + 1) * count; ++j) {
+      const size_t term = op.kind == "sum" ? a[j] : product(a[j], b[j]);
+      sum = sum ? add(Element::plus, {*sum, term}) : term;
+    }
+    return *sum;
   }
 
-  static T binary(const string& kind, const T& a, const T& b) {
-    if (kind == "add") return a + b;
-    if (kind == "sub") return a - b;
-    if (kind == "mul") return a * b;
-    return a / b;
+  // Of one operand, b is a.
+  size_t elementwise(const string& kind, size_t a, size_t b) {
+    if (kind == "neg") return add(Element::negative, {a});
+    if (kind == "add") return add(Element::plus, {a, b});
+    if (kind == "sub") return add(Element::minus, {a, b});
+    if (kind == "mul" || kind == "square") return product(a, b);
+    if (kind == "div") return product(a, of(inverse_near, b));
+    if (kind == "sqrt") return of(root_near, a);
+    if (kind == "exp") return of(exp_near, a);
+    if (kind == "log1p") return of(log1p_near, a);
+    if (kind == "tanh") return of(tanh_near, a);
+    if (kind == "logistic") return of(logistic_near, a);
+    return of(kind == "sin" ? sin_near : cos_near, a);
   }
+};
+
+// The elements that some outputs need, and their values on the boxes last looked at.
+class Evaluation {
+ public:
+  Evaluation(const Listing& listing, const vector<const Claim*>& claims)
+      : listing_(listing), arithmetic_(listing.layout), place_(listing.elements.size(), kNone) {
+    for (const Claim* claim : claims)
+      for (const size_t element : listing.outputs.at(claim->name)) place_[element] = 0;
+    for (size_t k = place_.size(); k-- > 0;)
+      if (place_[k] != kNone)
+        for (const size_t operand : listing.elements[k].operands) place_[operand] = 0;
+    size_t numbers = 0, most = 0;
+    for (size_t k = 0; k < place_.size(); ++k) {
+      if (place_[k] == kNone) continue;
+      place_[k] = numbers;
+      numbers += listing.layout.numbers();
+      needed_.push_back(k);
+      most = std::max(most, listing.elements[k].operands.size());
+    }
+    values_.resize(numbers);
+    factors_.resize(most);
+    terms_.resize(most);
+  }
+
+  // What depends on axes only along which no lane has another box than before still holds.
+  void over(const vector<const Box*>& boxes) {
+    const bool first = ends_.empty();
+    ends_.resize(listing_.layout.axes);
+    std::uint32_t changed = 0;
+    for (size_t axis = 0; axis < ends_.size(); ++axis)
+      for (size_t lane = 0; lane < kLanes; ++lane) {
+        const Box& box = *boxes[std::min(lane, boxes.size() - 1)];
+        I& ends = ends_[axis][lane];
+        if (ends.low() == box.low[axis] && ends.high() == box.high[axis]) continue;
+        ends = {-box.low[axis], box.high[axis]};
+        changed |= std::uint32_t{1} << axis;
+      }
+    for (const size_t k : needed_)
+      if (first || (listing_.elements[k].needs & changed)) evaluate(listing_.elements[k], at(k));
+  }
+
+  // An element on one of the boxes.
+  template <int N>
+  Taylor<N, false> value(size_t element, size_t box) {
+    return arithmetic_.on_lane<N>(at(element), static_cast<int>(box));
+  }
+
+ private:
+  static constexpr size_t kNone = SIZE_MAX;
+  const Listing& listing_;
+  const Arithmetic arithmetic_;
+  vector<size_t> place_;   // Of each element's numbers among values_; kNone if it is not needed.
+  vector<size_t> needed_;
+  vector<V> values_;
+  vector<const V*> factors_, terms_;
+  vector<std::array<I, kLanes>> ends_;  // Of each axis, on each lane.
+
+  V* at(size_t element) { return &values_[place_[element]]; }
+
+  void evaluate(const Element& e, V* y) {
+    const auto operand = [&](size_t k) { return at(e.operands[k]); };
+    switch (e.kind) {
+      case Element::axis: return arithmetic_.coordinate(y, e.which, ends_[e.which]);
+      case Element::fibre: return arithmetic_.fibre(y, e.which);
+      case Element::number: return arithmetic_.constant(y, e.value);
+      case Element::negative: return arithmetic_.negative(operand(0), y);
+      case Element::plus: return arithmetic_.plus(operand(0), operand(1), y);
+      case Element::minus: return arithmetic_.minus(operand(0), operand(1), y);
+      case Element::times: return arithmetic_.times(operand(0), operand(1), y);
+      case Element::scaled: return arithmetic_.scaled(operand(0), operand(1), y);
+      case Element::expanded: return arithmetic_.expanded(e.near, operand(0), y);
+      case Element::row: {
+        const size_t count = e.operands.size() / 2;
+        for (size_t k = 0; k < count; ++k) {
+          factors_[k] = operand(2 * k);
+          terms_[k] = operand(2 * k + 1);
+        }
+        const V* offset = e.operands.size() % 2 ? operand(2 * count) : nullptr;
+        return arithmetic_.row(factors_.data(), terms_.data(), count, offset, y);
+      }
+    }
+  }
+};
+
+// Bounds of a Program's outputs over boxes of up to N axes.
+template <int N>
+class ProgramBounder : public Bounder {
+ public:
+  explicit ProgramBounder(std::shared_ptr<const Listing> listing) : listing_(std::move(listing)) {}
+  size_t most_boxes() const override { return kLanes; }
+
+  void over(const vector<const Box*>& boxes, const vector<const Claim*>& claims) override {
+    auto found = known_.find(claims);
+    if (found == known_.end()) {
+      if (known_.size() == kMostKnown) known_.clear();
+      found = known_.emplace(claims, std::make_unique<Evaluation>(*listing_, claims)).first;
+    }
+    now_ = found->second.get();
+    now_->over(boxes);
+  }
+
+  vector<Estimate> margins(size_t box, const Claim& claim) override {
+    vector<Estimate> found;
+    for (const size_t element : listing_->outputs.at(claim.name))
+      found.push_back(estimate(now_->value<N>(element, box)));
+    return found;
+  }
+
+  double least(size_t box, const Claim& claim) override {
+    double found = -HUGE_VAL;  // Minus it.
+    for (const size_t element : listing_->outputs.at(claim.name))
+      found = larger(found, finite(minus_least(now_->value<N>(element, box)), 0.0).n);
+    return -found;
+  }
+
+ private:
+  static constexpr size_t kMostKnown = 8;
+  const std::shared_ptr<const Listing> listing_;
+  std::map<vector<const Claim*>, std::unique_ptr<Evaluation>> known_;
+  Evaluation* now_ = nullptr;
 };
 
 template <int N>
 Bounding bounding_in(const Program& program) {
-  const auto evaluator = std::make_shared<const Evaluator<N>>(program);
-  return [evaluator](const Box& box, const vector<const Claim*>& claims) {
-    return evaluator->over(box, claims);
-  };
+  const auto listing = std::make_shared<const Listing>(program);
+  return [listing] { return std::make_unique<ProgramBounder<N>>(listing); };
 }
 
 // Bounds of a Program's outputs. Each number of axes is compiled for itself: only some are.

@@ -116,9 +116,9 @@ string effort(long boxes, std::chrono::steady_clock::time_point start) {
 const char* good(const ProofFile& file) { return file.program ? "consistent" : "proved"; }
 
 // Checks one statement and prints it.
-Finding check(const ProofFile& file, const Bounding& bounding, const Statement& s) {
+Finding check(const ProofFile& file, const Bounding& bounding, const Statement& s, size_t threads) {
   const auto start = std::chrono::steady_clock::now();
-  const Finding found = Checker(bounding, file.chart, s).run();
+  const Finding found = Checker(bounding, file.chart, s, threads).run();
   const char* const words[] = {good(file), "undecided", "rejected"};
   say(s.region + "," + words_for(s.root_box, file.chart) + "; " + effort(found.boxes, start) + ": " +
       words[found.verdict]);
@@ -185,11 +185,11 @@ void say_model(const ProofFile& file) {
   say("spec " + file.spec + ": " + std::to_string(file.conditions.size()) + " conditions");
 }
 
-int check(const ProofFile& file) {
+int check(const ProofFile& file, size_t threads) {
   if (file.underivable.empty()) say_model(file);
   else say_names(file);
   // What is quickly seen to be wrong comes first.
-  for (const Statement& s : file.statements) leaves(s);
+  for (const Statement& s : file.statements) read_tree(s);
   const auto levels = concluded(file);
   const Bounding bounding =
       file.program ? by_the_program(*file.program) : by_the_model(file.model, file.theorems);
@@ -198,7 +198,7 @@ int check(const ProofFile& file) {
   long boxes = 0;
   size_t claims = 0;
   for (const Statement& s : file.statements) {
-    const Finding found = check(file, bounding, s);
+    const Finding found = check(file, bounding, s, threads);
     boxes += found.boxes;
     claims += s.claims.size();
     if (found.verdict > worst.verdict) worst = found;
@@ -246,6 +246,7 @@ double asked(std::istream& in) {
 int answer_bounds(const ProofFile& file, std::istream& in) {
   const Bounding bounding =
       file.program ? by_the_program(*file.program) : by_the_model(file.model, file.theorems);
+  const std::unique_ptr<Bounder> bounder = bounding();
   vector<Claim> claims;
   for (const auto& [name, output] : file.outputs)
     if (output.unknown.empty()) claims.push_back({name, 1.0, 0.0, &output});
@@ -255,12 +256,12 @@ int answer_bounds(const ProofFile& file, std::istream& in) {
     Box box = {vector<double>(file.chart.size()), vector<double>(file.chart.size())};
     for (double& x : box.low) x = asked(in);
     for (double& x : box.high) x = asked(in);
-    const Margins margins = bounding(box, all);
+    bounder->over({&box}, all);
     for (const Claim* claim : all) {
       const char* name = claim->name.c_str();
       try {
         size_t element = 0;
-        for (const Estimate& margin : margins(*claim))
+        for (const Estimate& margin : bounder->margins(0, *claim))
           printf("%s\t%zu\t%a\t%a\n", name, element++, margin.range.low(), margin.range.high());
       } catch (const NoBound&) {  // The box is too wide.
         printf("%s\tno bound\n", name);
@@ -299,6 +300,7 @@ int run(vector<string> arguments) {
     return found;
   };
   const bool by_program = given("--program"), bounds = given("--bounds");
+  const size_t threads = given("--one-thread") ? 1 : all_threads();
   const bool functions = arguments.size() == 1 && arguments[0] == "--functions";
   if (arguments.size() != 1) {
     fprintf(stderr, "expected one proof file: proofcheck [--program] FILE\n");
@@ -319,7 +321,7 @@ int run(vector<string> arguments) {
     if (functions) return answer_functions(std::cin);
     ProofFile file;
     read_proof(table, by_program, file);
-    return bounds ? answer_bounds(file, std::cin) : check(file);
+    return bounds ? answer_bounds(file, std::cin) : check(file, threads);
   } catch (const NotAProof& problem) {
     say("expected a proof file of format 3, found in " + path + ": " + problem.why +
             "; certify its run again",

@@ -241,14 +241,81 @@ vector<Estimate> estimates(const vector<T>& margins) {
   return found;
 }
 
-// f(a) from f, f' and f''/2 at the middle m of c0; `third(R)` bounds |f'''| within R of m.
-template <class T, class Third>
-T expanded(const T& a, double m, I f, I slope, I curve, Third third) {
+// A function near a point m: f, f' and f''/2 there, and what |f'''| is at most within `reach` of m.
+struct Expansion {
+  I f, slope, curve;
+  double third;
+};
+
+// |sin'''| = |cos| and |cos'''| = |sin|, whose slopes are at most one.
+Expansion sin_near(double m, double reach) {
+  const auto [s, c] = sincos_at(m);
+  return {s, c, I(-0.5) * s, std::min(1.0, magnitude(c) + reach)};
+}
+
+Expansion cos_near(double m, double reach) {
+  const auto [s, c] = sincos_at(m);
+  return {c, -s, I(-0.5) * c, std::min(1.0, magnitude(s) + reach)};
+}
+
+Expansion exp_near(double m, double reach) {
+  const I e = exp_at(m);
+  return {e, e, I(0.5) * e, exp_at(m + reach).high()};
+}
+
+Expansion log1p_near(double m, double reach) {
+  const I slope = inverse(I(1.0) + I(m));
+  const I w = inverse(I(1.0) + I(m) + symmetric(reach));  // log1p''' = 2 / (1 + x)^3
+  return {log1p_at(m), slope, I(-0.5) * square(slope), magnitude(I(2.0) * square(w) * w)};
+}
+
+Expansion tanh_near(double m, double reach) {
+  const I t = tanh_at(m), g = I(1.0) - square(t);
+  // tanh''' = -2 (1 - t^2)(1 - 3 t^2); t moves by at most `reach`.
+  const I u = square(intersection(t + symmetric(reach), symmetric(1.0)));
+  return {t, g, -t * g, magnitude(I(2.0) * (I(1.0) - u) * (I(1.0) - I(3.0) * u))};
+}
+
+// s (1 - s) and s over the values of the logistic function within `reach` of where it is s.
+std::pair<I, I> logistic_nearby(I s, double reach) {
+  const I near = intersection(s + symmetric(0.25 * reach), I(0.0, 1.0));
+  return {I(0.25) - square(near - I(0.5)), near};
+}
+
+Expansion logistic_near(double m, double reach) {
+  const I s = logistic_at(m), g = s * (I(1.0) - s);
+  const I p = logistic_nearby(s, reach).first;  // s''' = p (1 - 6 p), p = s (1 - s)
+  return {s, g, g * (I(0.5) - s), magnitude(p * (I(1.0) - I(6.0) * p))};
+}
+
+Expansion softplus_near(double m, double reach) {
+  const I s = logistic_at(m);
+  const auto [p, near] = logistic_nearby(s, reach);
+  return {softplus_at(m), s, I(0.5) * s * (I(1.0) - s), magnitude(p * (I(1.0) - I(2.0) * near))};
+}
+
+Expansion inverse_near(double m, double reach) {
+  const I v = inverse(I(m));
+  const I w = square(inverse(I(m) + symmetric(reach)));  // |(1/x)'''| = 6 / x^4
+  return {v, -square(v), v * square(v), magnitude(I(6.0) * w * w)};
+}
+
+Expansion root_near(double m, double reach) {
+  const I v = root(I(m)), slope = I(0.5) / v;
+  const I least = I(m) - I(reach), w = root(least);  // sqrt''' = 3/8 x^(-5/2)
+  return {v, slope, I(-0.25) * slope / I(m), magnitude(I(0.375) / (square(least) * w))};
+}
+
+// f(a), around the middle of c0.
+template <class T>
+T expanded(const T& a, Expansion (*near)(double, double)) {
+  const double m = middle(a.c[0]);
   T d = a;
   d.c[0] = d.c[0] - I(m);
   const double reach = magnitude(range(d));
-  T r = slope * d + curve * (d * d);
-  r.c[0] = r.c[0] + f + symmetric(third(reach) * reach * reach * reach / 6.0);
+  const Expansion f = near(m, reach);
+  T r = f.slope * d + f.curve * (d * d);
+  r.c[0] = r.c[0] + f.f + symmetric(f.third * reach * reach * reach / 6.0);
   return r;
 }
 
@@ -261,7 +328,6 @@ void sincos(const Taylor<N, B>& a, Taylor<N, B>& sine, Taylor<N, B>& cosine) {
   d.c[0] = d.c[0] - I(m);
   const Taylor<N, B> half = I(0.5) * (d * d);
   const double reach = magnitude(range(d)), cube = reach * reach * reach / 6.0;
-  // |sin'''| = |cos| and |cos'''| = |sin|, whose slopes are at most one.
   sine = c * d - s * half;
   sine.c[0] = sine.c[0] + s + symmetric(std::min(1.0, magnitude(c) + reach) * cube);
   cosine = -s * d - c * half;
@@ -269,79 +335,17 @@ void sincos(const Taylor<N, B>& a, Taylor<N, B>& sine, Taylor<N, B>& cosine) {
 }
 
 template <int N, bool B>
-Taylor<N, B> exp(const Taylor<N, B>& a) {
-  const double m = middle(a.c[0]);
-  const I e = exp_at(m);
-  return expanded(a, m, e, e, I(0.5) * e,
-                  [m](double reach) { return exp_at(m + reach).high(); });
-}
-
+Taylor<N, B> exp(const Taylor<N, B>& a) { return expanded(a, exp_near); }
 template <int N, bool B>
-Taylor<N, B> log1p(const Taylor<N, B>& a) {
-  const double m = middle(a.c[0]);
-  const I slope = inverse(I(1.0) + I(m));
-  return expanded(a, m, log1p_at(m), slope, I(-0.5) * square(slope), [m](double reach) {
-    const I w = inverse(I(1.0) + I(m) + symmetric(reach));  // log1p''' = 2 / (1 + x)^3
-    return magnitude(I(2.0) * square(w) * w);
-  });
-}
-
+Taylor<N, B> tanh(const Taylor<N, B>& a) { return expanded(a, tanh_near); }
 template <int N, bool B>
-Taylor<N, B> tanh(const Taylor<N, B>& a) {
-  const double m = middle(a.c[0]);
-  const I t = tanh_at(m), g = I(1.0) - square(t);
-  return expanded(a, m, t, g, -t * g, [t](double reach) {
-    // tanh''' = -2 (1 - t^2)(1 - 3 t^2); t moves by at most `reach`.
-    const I u = square(intersection(t + symmetric(reach), symmetric(1.0)));
-    return magnitude(I(2.0) * (I(1.0) - u) * (I(1.0) - I(3.0) * u));
-  });
-}
-
-// s (1 - s) and s over the values of the logistic function within `reach` of where it is s.
-std::pair<I, I> logistic_nearby(I s, double reach) {
-  const I near = intersection(s + symmetric(0.25 * reach), I(0.0, 1.0));
-  return {I(0.25) - square(near - I(0.5)), near};
-}
-
+Taylor<N, B> logistic(const Taylor<N, B>& a) { return expanded(a, logistic_near); }
 template <int N, bool B>
-Taylor<N, B> logistic(const Taylor<N, B>& a) {
-  const double m = middle(a.c[0]);
-  const I s = logistic_at(m), g = s * (I(1.0) - s);
-  return expanded(a, m, s, g, g * (I(0.5) - s), [s](double reach) {
-    const I p = logistic_nearby(s, reach).first;  // s''' = p (1 - 6 p), p = s (1 - s)
-    return magnitude(p * (I(1.0) - I(6.0) * p));
-  });
-}
-
+Taylor<N, B> softplus(const Taylor<N, B>& a) { return expanded(a, softplus_near); }
 template <int N, bool B>
-Taylor<N, B> softplus(const Taylor<N, B>& a) {
-  const double m = middle(a.c[0]);
-  const I s = logistic_at(m);
-  return expanded(a, m, softplus_at(m), s, I(0.5) * s * (I(1.0) - s), [s](double reach) {
-    const auto [p, near] = logistic_nearby(s, reach);
-    return magnitude(p * (I(1.0) - I(2.0) * near));
-  });
-}
-
+Taylor<N, B> inverse(const Taylor<N, B>& a) { return expanded(a, inverse_near); }
 template <int N, bool B>
-Taylor<N, B> inverse(const Taylor<N, B>& a) {
-  const double m = middle(a.c[0]);
-  const I v = inverse(I(m));
-  return expanded(a, m, v, -square(v), v * square(v), [m](double reach) {
-    const I w = square(inverse(I(m) + symmetric(reach)));  // |(1/x)'''| = 6 / x^4
-    return magnitude(I(6.0) * w * w);
-  });
-}
-
-template <int N, bool B>
-Taylor<N, B> root(const Taylor<N, B>& a) {
-  const double m = middle(a.c[0]);
-  const I v = root(I(m)), slope = I(0.5) / v;
-  return expanded(a, m, v, slope, I(-0.25) * slope / I(m), [m](double reach) {
-    const I least = I(m) - I(reach), w = root(least);  // sqrt''' = 3/8 x^(-5/2)
-    return magnitude(I(0.375) / (square(least) * w));
-  });
-}
+Taylor<N, B> root(const Taylor<N, B>& a) { return expanded(a, root_near); }
 
 template <int N, bool B>
 inline Taylor<N, B> operator/(const Taylor<N, B>& a, const Taylor<N, B>& b) {
