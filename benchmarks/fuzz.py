@@ -103,7 +103,7 @@ def base() -> tuple[Path, Path]:
 def report_checker(place: Place, folder: Path) -> None:
     """Exit codes of the C++ checker: 0 proved, 1 rejected, 2 no proof file, 3 undecided."""
     source, plain, strict = "tools/proofcheck/proofcheck.cpp", folder / "plain", folder / "strict"
-    compiler = ["g++", "-std=c++17", "-frounding-math", "-ffp-contract=off", source]
+    compiler = ["g++", "-std=c++17", "-frounding-math", "-ffp-contract=off", "-pthread", source]
     sanitize = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     subprocess.run([*compiler, "-O2", "-o", plain], cwd=REPOSITORY, check=True)
     subprocess.run([*compiler, *sanitize, "-o", strict], cwd=REPOSITORY, check=True)

@@ -4,7 +4,7 @@
 
 namespace {
 
-// --------------------------------------------------------------------------- 14 what follows
+// --------------------------------------------------------------------------- 15 what follows
 //
 // The statements are inequalities on boxes. Levels 2 and 3 put them together: each method draws one
 // conclusion, or says which premise is missing. docs/guarantees.md has the same in prose.

@@ -70,6 +70,14 @@ inline I operator*(I a, I b) {
   return finite(low, high);
 }
 
+// a p where p is not negative: half the products.
+inline I times_positive(I a, I p) {
+  return finite(a.n * (a.n > 0.0 ? p.h : p.low()), a.h * (a.h > 0.0 ? p.h : p.low()));
+}
+
+// a / k for k > 0.
+inline I over(I a, int k) { return finite(a.n / k, a.h / k); }
+
 inline I inverse(I a) {
   if (!(a.n < 0.0 || a.h < 0.0)) throw NoBound();  // 0 may lie in a.
   return finite(-1.0 / a.h, -1.0 / a.n);
@@ -147,7 +155,7 @@ I exp_at(double x) {
   if (!(magnitude(r) <= 0.5)) throw NoBound();
   const int terms = 18;
   I sum(1.0);
-  for (int j = terms - 1; j >= 1; --j) sum = I(1.0) + r * sum / I(j);
+  for (int j = terms - 1; j >= 1; --j) sum = I(1.0) + over(times_positive(r, sum), j);  // > 0, as |r| <= 1/2
   // Rest: |r|^18/18! (1 + |r|/19 + ...) <= 2 |r|^18/18!
   sum = sum + symmetric(2.0 * term_bound(magnitude(r), terms));
   double scale = 1.0;  // A power of two within the normal range: exact.
@@ -211,10 +219,10 @@ SineCosine sincos_at(double x) {
   const I r = I(x) - I(k) * HALF_PI, r2 = square(r);
   if (!(magnitude(r) <= 1.0)) throw NoBound();
   const int terms = 10;
-  I s(1.0), c(1.0);
+  I s(1.0), c(1.0);  // And in [1/2, 1] from then on.
   for (int j = terms - 1; j >= 1; --j) {
-    s = I(1.0) - r2 * s / I((2 * j) * (2 * j + 1));
-    c = I(1.0) - r2 * c / I((2 * j - 1) * (2 * j));
+    s = I(1.0) - over(times_positive(r2, s), (2 * j) * (2 * j + 1));
+    c = I(1.0) - over(times_positive(r2, c), (2 * j - 1) * (2 * j));
   }
   // Alternating with decreasing terms: the rest is at most the first term left out.
   s = r * s + symmetric(term_bound(magnitude(r), 2 * terms + 1));

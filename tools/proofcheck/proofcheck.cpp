@@ -23,11 +23,12 @@
 //    9  conditions           conditions.hpp   what is claimed of single states, also in words
 //   10  set and orbit        premises.hpp     what levels 2 and 3 rest on
 //   11  full order           full_order.hpp   what level 4 rests on; all outputs and their words
-//   12  the check            check.hpp        trees of boxes
-//   13  the Program          program.hpp      the file's own list of operations, on request
-//   14  what follows         conclusions.hpp  from statements about boxes to trajectories
-//   15  the file             file.hpp         consistency of what it says
-//   16  the command          this file
+//   12  the check            check.hpp        trees of boxes, on several threads
+//   13  lanes                lanes.hpp        Taylor models of several boxes at once, in doubles
+//   14  the Program          program.hpp      the file's own list of operations, on request
+//   15  what follows         conclusions.hpp  from statements about boxes to trajectories
+//   16  the file             file.hpp         consistency of what it says
+//   17  the command          this file
 //
 // proofcheck FILE prints the robot and every statement in words, with all numbers that they depend
 // on, and answers with its exit code: 0 proved of what is printed, 1 rejected (false, with a point;
@@ -41,17 +42,25 @@
 // means only that every statement follows from it ("consistent"): nothing is derived from the robot's
 // numbers, and nothing says that the Program is about them.
 //
-// It is compiled in one line: g++ -std=c++17 -O2 -frounding-math -ffp-contract=off proofcheck.cpp
+// Boxes are shared out among the machine's threads, at most eight; proofcheck --one-thread bounds all
+// of them in one. Answers do not depend on it.
+//
+// It is compiled in one line:
+// g++ -std=c++17 -O2 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
+//
+// Add -march=native for a processor with wider registers: more boxes are bounded at once. Nothing
+// else changes; multiplications and additions are not fused, whatever the processor has.
 //
 // Trusted: the C++ compiler, IEEE 754 + - * / sqrt in the rounding mode that is set and tested at
-// the start, and the standard library's strings and containers. Signs and symbols are those of
-// docs/notation.md: x forward, z up, angles counter-clockwise, z2 forward positive.
+// the start and in each thread, and the standard library's strings, containers and threads. Signs and
+// symbols are those of docs/notation.md: x forward, z up, angles counter-clockwise, z2 forward
+// positive.
 
 #include "file.hpp"
 
 namespace {
 
-// ---------------------------------------------------------------------------- 16 the command
+// ---------------------------------------------------------------------------- 17 the command
 
 string read_file(const string& path) {
   string text;
