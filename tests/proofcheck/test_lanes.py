@@ -6,11 +6,11 @@ import re
 import numpy as np
 import pytest
 from flint import arb, ctx
-from test_programs import bowl, file_of, halved, random_program
 
 from neuralgaits.programs import evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from support.checker_case import bounds
+from support.program_case import bowl, file_of, halved, random_program
 
 EXACT = 200
 """Bits of values that stand for exact ones."""
@@ -26,7 +26,9 @@ def exact():
 
 def _drawn(draw, axes: int, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Boxes of widths from 1 down to 1e-9, some of them without width along some axes."""
-    size = 10.0 ** draw.uniform(-9.0, 0.0, size=(number, 1)) * draw.uniform(0.1, 1.0, (number, axes))
+    size = 10.0 ** draw.uniform(-9.0, 0.0, size=(number, 1)) * draw.uniform(
+        0.1, 1.0, (number, axes)
+    )
     size[::3] *= draw.integers(2, size=(len(size[::3]), axes))
     low = draw.uniform(-1.0, 1.0, size=(number, axes))
     return low, low + size
