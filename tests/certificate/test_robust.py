@@ -97,18 +97,6 @@ def test_a_tree_in_sixteen_axes_is_read_as_it_was_written():
     assert highs[:, 10].tolist() == [1.0, 0.5, 1.0]
 
 
-def test_late_axes_are_halved_where_others_have_not_helped():
-    tree = BoxTree.root((0.0,) * 4, (1.0,) * 4, 1, late=2)
-    unknown = np.full((2, 1), -np.inf)
-    cut = []
-    for _ in range(20):
-        leaf = np.array([len(tree.first) - 1])
-        axis = tree.best_axis(leaf)
-        cut.append(int(axis[0]))
-        tree = tree.with_halves(leaf, axis, tree.halves_of(leaf, axis), unknown, -unknown)
-    assert cut == [0, 1] * 10
-
-
 def test_a_page_gives_the_box_back_exactly():
     box = {"mass": 0.1 / 3.0, "com": 1e-5, "rotor": 0.05}
     assert parse_box(again.box(box)) == box

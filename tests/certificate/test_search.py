@@ -14,6 +14,7 @@ from neuralgaits.certificate.search import checkpoint, schedule
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import (
     MOST_AT_START,
+    Search,
     missing,
     search,
     start,
@@ -185,7 +186,7 @@ def test_an_interrupt_carries_what_was_found(calls, monkeypatch):
 
 def test_boxes_have_an_end_and_a_budget_lifts_it(monkeypatch):
     def zero(u):
-        return jnp.tanh(u[0] - 0.3) ** 2
+        return jnp.tanh(u[0] - u[1]) ** 2
 
     problem = _problem(zero=zero, degree=1)
     monkeypatch.setattr(schedule, "MAX_BOXES", 300)
@@ -238,7 +239,7 @@ def test_saved_boxes_of_another_problem_are_refused(tmp_path):
 def test_boxes_of_another_layout_are_refused(tmp_path, monkeypatch):
     problem = _problem(bowl=bowl)
     with monkeypatch.context() as older:
-        older.setattr(checkpoint, "_KEPT", ("first", "axis", "lower", "gain"))
+        older.setattr(checkpoint, "_KEPT", ("first", "axis", "lower", "alone"))
         save(tmp_path / "boxes", problem, _run(problem))
     with pytest.raises(RunError, match="without --resume"):
         load(tmp_path / "boxes", problem)
@@ -344,7 +345,7 @@ def test_a_file_of_boxes_says_what_the_search_knew(tmp_path, floor):
     save(tmp_path / "boxes", problem, state)
     tree = load(tmp_path / "boxes", problem).tree
     decided = floor < 0.1
-    for name in ("low", "high", "first", "axis", "cuts", "lower", *(("gain",) * (not decided))):
+    for name in ("low", "high", "first", "axis", "cuts", "lower", *(("alone",) * (not decided))):
         np.testing.assert_array_equal(getattr(tree, name), getattr(state.tree, name))
     assert prove(problem, load(tmp_path / "boxes", problem)) == prove(problem, state) or not decided
     with pytest.raises(RunError, match="another gait"):
@@ -360,3 +361,21 @@ def test_nothing_is_asked_where_axes_are_not_near():
     (statement,) = prove(near, state)
     assert not state.refuted and 0.0 <= statement.bounds["near"] <= 0.05
     assert float(state.seen[0]) >= 0.05 - 1e-12
+
+
+@pytest.mark.parametrize("late", [0, 2])
+@pytest.mark.parametrize(("weak", "halved"), [(1e-4, {0}), (0.3, {0, 2, 3})])
+def test_what_costs_bounds_is_halved(late, weak, halved):
+    """Along the curved axis; along others only where they cost about as much."""
+
+    def margin(u):
+        curve = jnp.sin(6.0 * u[0]) + weak * (jnp.sin(6.0 * u[2]) + jnp.sin(6.0 * u[3]))
+        return 1.01 + 2.0 * weak + curve + 1e-3 * u[1]
+
+    problem = replace(_problem((0.0,) * 4, (1.0,) * 4, margin=margin), late=late)
+    # What every search begins with is left out: it halves axes in turn.
+    state = search(
+        problem, Search.untouched(problem), _confirm(problem), phase="decide", most=10**5
+    )
+    assert prove(problem, state)
+    assert {int(axis) for axis in state.tree.axis[state.tree.axis >= 0]} == halved

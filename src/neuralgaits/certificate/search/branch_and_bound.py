@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -26,15 +27,14 @@ BoundAll = Callable[[Problem, Sequence[Boxes]], Generator[Bounds, None, None]]
 Phase = Literal["decide", "tighten"]
 
 START_CUTS, MOST_AT_START = 3, 5
-"""The search starts with every axis halved so often, in turn, and no more halvings in all."""
+"""The search starts with every axis that is not late halved so often, in turn, and no more halvings
+in all."""
 MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
 """Halvings an axis to decide, to raise a margin, and around a refutation."""
 MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Boxes added by one search of a root without a deadline, to decide and to raise margins."""
 MOST_POINTS = 2**14
 """Centres of new boxes that are looked at: of more, those with the lowest bounds."""
-MOST_PROBED = 256
-"""Boxes of a round for which it is looked at what halving each axis gains."""
 CORNER_ROUNDS = 2
 """How often ends of late axes are looked for at which margins are smaller."""
 POINTS = 33 * 33
@@ -58,7 +58,7 @@ class Search:
     @classmethod
     def untouched(cls, problem: Problem) -> "Search":
         """The root box, about which nothing is known."""
-        tree = BoxTree.root(problem.low, problem.high, len(problem.names), problem.late)
+        tree = BoxTree.root(problem.low, problem.high, len(problem.names))
         return cls(tree, np.full(len(problem.names), np.inf))
 
     @property
@@ -71,15 +71,17 @@ def start(problem: Problem, confirm: Confirm) -> Search:
     """Bound the first boxes, large and small, and look at points."""
     state = Search.untouched(problem)
     tree = state.tree
-    for depth in range(min(START_CUTS * len(tree.axes), MOST_AT_START)):
+    early = [axis for axis in tree.axes if axis < len(problem.low) - problem.late] or tree.axes
+    for depth in range(min(START_CUTS * len(early), MOST_AT_START)):
         parents = np.flatnonzero(tree.depth == depth)
-        axis = tree.best_axis(parents)
+        axis = np.full(len(parents), early[depth % len(early)])
         unknown = np.full((2 * len(parents), len(problem.names)), np.inf)
         tree = tree.with_halves(parents, axis, tree.halves_of(parents, axis), -unknown, unknown)
     # Large ones as well: where one box is enough, a proof says so with one.
     every = np.arange(len(tree.first))
     for batch in np.split(every, range(problem.batch, len(every), problem.batch)):
-        tree = tree.with_bounds(batch, *problem.bounds(tree.low[batch], tree.high[batch]))
+        low, high = tree.low[batch], tree.high[batch]
+        tree = tree.with_bounds(batch, *_of_asked(problem, low, high, problem.bounds(low, high)))
     points = problem.grid(POINTS)
     state = _look(problem, replace(state, tree=tree), points, confirm)
     for _ in range(CORNER_ROUNDS if problem.late else 0):
@@ -164,20 +166,19 @@ def _round(
     bound_all: BoundAll,
 ) -> Search:
     """Halve the leaves `work`, as many as there is time for."""
-    state = _probed(problem, state, work, lacking)
-    tree, done, parts = state.tree, 0, []
+    tree, done, parts = _measured(problem, state.tree, work, lacking, bound_all), 0, []
     axis = tree.best_axis(work)
     size = problem.batch // 2
     slices = [slice(start, start + size) for start in range(0, len(work), size)]
     batches = [tree.halves_of(work[batch], axis[batch]) for batch in slices]
     with closing(bound_all(problem, batches)) as found:
         for (low, high), bounds in zip(batches, found, strict=False):
-            parts.append((low, high, *bounds))
+            parts.append((low, high, *_of_asked(problem, low, high, bounds)))
             done += len(low) // 2
             if time.monotonic() >= deadline:
                 break
     low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
-    tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, lacking[:done])
+    tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper)
     state = replace(state, tree=tree)
     unsure = np.flatnonzero(np.any(~(lower >= 0.0) | (lower < problem.tight * state.seen), axis=1))
     if len(unsure) > MOST_POINTS:
@@ -193,27 +194,62 @@ def bound_here(problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, 
         yield problem.bounds(low, high)
 
 
-def _probed(problem: Problem, state: Search, work: np.ndarray, lacking: np.ndarray) -> Search:
-    """With what halving each axis gains of what is missing, known for some of the boxes `work`."""
-    tree = state.tree
-    boxes = tree.unprobed(work)[:MOST_PROBED]
+def _of_asked(problem: Problem, low: np.ndarray, high: np.ndarray, bounds: Bounds) -> Bounds:
+    """Bounds on boxes, infinite where nothing is asked. [B, C] each."""
+    asked = problem.asked(low, high)[:, None]
+    return np.where(asked, bounds[0], np.inf), np.where(asked, bounds[1], np.inf)
+
+
+def _measured(
+    problem: Problem, tree: BoxTree, work: np.ndarray, lacking: np.ndarray, bound_all: BoundAll
+) -> BoxTree:
+    """With what each axis costs, known for some of the boxes `work`.
+
+    Late axes are many, and each is of little influence: what another one costs is asked with all of
+    these as wide as they are.
+    """
+    boxes = tree.unmeasured(work)
     if not len(boxes):
-        return state
-    missed = lacking[np.searchsorted(work, boxes)]
-    gain = tree.gain[boxes].copy()
-    for axis in tree.axes:
-        lower, _ = problem.bounds(*tree.halves_of(boxes, np.full(len(boxes), axis)))
-        rise = np.minimum(lower[::2], lower[1::2]) - tree.lower[boxes]
-        known = np.isfinite(rise) & (missed > 0.0)
-        total = np.where(known, np.maximum(rise, 0.0), 0.0).sum(axis=1)
-        gain[:, axis] = total / missed.sum(axis=1)
-    return replace(state, tree=tree.with_gain(boxes, gain))
+        return tree
+    low, high = tree.low[boxes], tree.high[boxes]
+    centre, short = low + (high - low) * 0.5, lacking[np.searchsorted(work, boxes)] > 0.0
+    least, alone = problem.values(centre), np.full(low.shape, -np.inf)
+    late = list(range(low.shape[1] - problem.late, low.shape[1]))
+    looks = [[axis, *late] if late and axis not in late else [axis] for axis in tree.axes]
+    if late:
+        looks.insert(0, late)
+    slices = [slice(k, k + problem.batch) for k in range(0, len(boxes), problem.batch)]
+    lines = [
+        (_with(centre[part], low[part], wide), _with(centre[part], high[part], wide))
+        for wide in looks
+        for part in slices
+    ]
+    beside = least.copy()
+    with closing(bound_all(problem, lines)) as found:
+        for (wide, part), (lower, _) in zip(product(looks, slices), found, strict=True):
+            if wide == late:
+                beside[part] = lower
+                continue
+            with np.errstate(invalid="ignore"):
+                lost = (beside if len(wide) > 1 else least)[part] - lower
+            lost = np.where(np.isfinite(lost), np.maximum(lost, 0.0), np.inf)
+            alone[part, wide[0]] = np.where(short[part], lost, 0.0).max(axis=1)
+    return tree.measured(boxes, alone)
+
+
+def _with(points: np.ndarray, ends: np.ndarray, axes: Sequence[int]) -> np.ndarray:
+    """Points with some coordinates from elsewhere. [B, n]."""
+    moved = points.copy()
+    moved[:, axes] = ends[:, axes]
+    return moved
 
 
 def _look(problem: Problem, state: Search, points: np.ndarray, confirm: Confirm) -> Search:
     """Evaluate the margins at points; confirm the worst where one is negative."""
     values = problem.values(points)
-    worst = np.where(np.isnan(values), np.inf, values)
+    # Where nothing is asked, and where there is no value, nothing is seen.
+    known = problem.asked(points, points)[:, None] & ~np.isnan(values)
+    worst = np.where(known, values, np.inf)
     refuted = dict(state.refuted)
     for column, name in enumerate(problem.names):
         place = int(np.argmin(worst[:, column]))

@@ -18,10 +18,10 @@ from neuralgaits.records.certified import Counterexample
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 
-_KEPT = ("first", "axis", "lower", "upper", "gain")
+_KEPT = ("first", "axis", "lower", "upper", "alone")
 """What a file has of a tree: corners and cuts follow from these."""
 _SMALL = {"first": np.int32, "axis": np.int8}
-_OPEN_ONLY = {"upper": np.inf, "gain": np.inf}
+_OPEN_ONLY = {"upper": np.inf, "alone": np.inf}
 """What is of no use where every condition is proved, and what stands for it then."""
 
 
@@ -72,8 +72,8 @@ def _tree(arrays: Mapping[str, np.ndarray], problem: Problem) -> BoxTree:
     low, high, cuts = _boxes(first, axis, problem.low, problem.high)
     lower = np.asarray(arrays["lower"])
     upper = np.asarray(arrays.get("upper", np.full_like(lower, np.inf)))
-    gain = np.asarray(arrays.get("gain", np.full_like(low, np.inf)))
-    return BoxTree(low, high, first, axis, cuts, lower, upper, gain, problem.late)
+    alone = np.asarray(arrays.get("alone", np.full_like(low, np.inf)))
+    return BoxTree(low, high, first, axis, cuts, lower, upper, alone)
 
 
 def _boxes(

@@ -48,7 +48,7 @@ class Problem:
             and bounds them in another arithmetic, perhaps less tightly.
         tight: share of the smallest margin seen that is worth proving once it is known not to be
             negative: the rest would cost more boxes. 0 if its size is worth none.
-        late: how many axes, the last ones, are of small influence: seldom worth halving.
+        late: how many axes, the last ones, are of small influence: ends of them are looked at.
         near: axes that are near each other: nothing is asked where they are farther apart.
     """
 
@@ -82,22 +82,7 @@ class Problem:
     def bounds(
         self, low: Corners, high: Corners
     ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
-        """Bounds on each condition's smallest margin over boxes, in scales; NaN if unbounded.
-
-        Infinite where nothing is asked.
-        """
-        asked = self._asked(low, high)
-        if asked.all():
-            return self._bounds(low, high)
-        lower = np.full((len(low), len(self.names)), np.inf)
-        upper = lower.copy()
-        if asked.any():
-            lower[asked], upper[asked] = self._bounds(low[asked], high[asked])
-        return lower, upper
-
-    def _bounds(
-        self, low: Corners, high: Corners
-    ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
+        """Bounds on each condition's smallest margin over boxes, in scales; NaN if unbounded."""
         if self._compiled is not None:
             lower, upper = self._compiled.bounds(low, high)
             return self._from_least(lower), self._from_least(upper)
@@ -114,17 +99,15 @@ class Problem:
     def values(self, u: Corners) -> Float[np.ndarray, "B C"]:
         """Each condition's smallest margin at points, in scales, in plain float64.
 
-        A second input is zero. Infinite where nothing is asked.
+        A second input is zero.
         """
         inputs = {item.name: np.zeros((len(u), *item.shape)) for item in self.program.inputs}
         inputs[INPUT] = u
         with np.errstate(all="ignore"):
             values = evaluate(self.program, inputs, POINT)
-        found = self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
-        found[~self._asked(u, u)] = np.inf
-        return found
+        return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
 
-    def _asked(self, low: Corners, high: Corners) -> np.ndarray:
+    def asked(self, low: Corners, high: Corners) -> np.ndarray:
         """Boxes on some point of which something is asked. A reader looks for itself. [B]."""
         apart = np.zeros(len(low), dtype=bool)
         for one, other, change in self.near:
