@@ -69,6 +69,13 @@ def test_the_thin_tube_is_read_at_the_hip_above_the_foot(certified):
     assert found.multiplier == (0.6, 0.7) and found.contraction is None
 
 
+def test_walks_that_come_together_around_no_one_orbit_have_no_thin_tube(certified):
+    """Level 3 of a gait that takes commands: the proof has no fences of a thin tube."""
+    shape = Orbit("any two walks", expansion=(0.1,))
+    together = Conclusion(3, "proved", None, ("converge",), {"contraction_at_most": 0.95})
+    assert proved._orbit(certified, together, shape) is None
+
+
 def test_the_set_of_level_4_keeps_its_constants():
     full = proved._full(Conclusion(4, "proved", None, (), {"r_bar": 0.005, "gamma": 45.0}), FULL)
     assert full is not None

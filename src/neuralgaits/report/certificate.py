@@ -42,7 +42,8 @@ def certificate_of(run: Run) -> Certificate:
 
 def _orbit(run: Run, level: Conclusion | None, orbit: Orbit | None) -> Proved | None:
     """The thin tube around the orbit where it passes z1 = 0, and bounds of the return map."""
-    if level is None or not level.proved or orbit is None:
+    if level is None or not level.proved or orbit is None or not orbit.lower:
+        # Of a gait that takes commands: walks come together, around no one orbit.
         return None
     start, guard = (float(end) for end in run.gait.span)
     middle = 2.0 * (0.0 - start) / (guard - start) - 1.0
