@@ -6,10 +6,12 @@ from numpy.polynomial.chebyshev import chebval
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder
 from neuralgaits.certificate.levels.orbit.theorem import Orbit
-from neuralgaits.certificate.reading import read_certificate
+from neuralgaits.certificate.reading import CertificateReading, read_certificate
+from neuralgaits.records.asked import Range
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
+from neuralgaits.report.page.saved import ProvedOfSome
 from neuralgaits.report.proved import Certificate
 
 
@@ -38,6 +40,27 @@ def certificate_of(run: Run) -> Certificate:
         reason,
         found.map_fits,
     )
+
+
+def part_of(found: CertificateReading) -> ProvedOfSome | None:
+    """What is proved of some commands of a gait, for its page."""
+    part, proof, summary = found.part, found.proof, found.summary
+    if part is None or proof is None or summary is None:
+        return None
+    ranges = {}
+    if part.told:
+        # Before and after have one range; how far they may be apart stands at the second.
+        axes = proof.chart.parameters[1::2]
+        ranges = {
+            axis.name.removesuffix(" after"): Range(axis.low, axis.high, axis.change)
+            for axis in axes
+        }
+    level, above = 0, {entry.level for entry in part.levels}
+    if len(part.conditions) == len(summary.conditions):
+        level = 1
+        while level + 1 in above:
+            level += 1
+    return ProvedOfSome(ranges, len(part.conditions), level)
 
 
 def _orbit(run: Run, level: Conclusion | None, orbit: Orbit | None) -> Proved | None:

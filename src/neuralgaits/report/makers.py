@@ -8,6 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
+from neuralgaits.analysis.family_data import family_data
 from neuralgaits.analysis.gait_data import gait_data
 from neuralgaits.analysis.residual_data import residual_data
 from neuralgaits.analysis.run import Run
@@ -15,10 +16,11 @@ from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.errors import RunError
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.walked import ASKED, SUMMARY, EpisodesDone
-from neuralgaits.report import again
+from neuralgaits.report import again, told
 from neuralgaits.report.figures import (
     barrier_sketches,
     certificate_map,
+    family,
     full_order_set,
     gait_tiles,
     loss_curves,
@@ -169,6 +171,14 @@ def _rounds(source: Source) -> Made:
     return rounds.CAPTION, rounds.draw(EpisodesDone.read(folder / SUMMARY))
 
 
+def _family(source: Source) -> Made:
+    found = family_data(source.run)
+    if not found.periodic:
+        line = again.longer(source.run.folder)
+        raise Absent("no periodic orbit was found at any command: train longer", line)
+    return family.caption(found), family.draw(found)
+
+
 def _periodic(source: Source) -> GaitData:
     """The data of a gait with a periodic orbit."""
     if not source.data.periodic:
@@ -177,7 +187,9 @@ def _periodic(source: Source) -> GaitData:
     return source.data
 
 
-MAKERS: tuple[tuple[str, str, Callable[[Source], Any]], ...] = (
+Maker = tuple[str, str, Callable[[Source], Any]]
+"""Name, title and maker of a figure."""
+MAKERS: tuple[Maker, ...] = (
     ("gait-tiles", gait_tiles.TITLE, _gait_tiles),
     ("walk-tiles", gait_tiles.MEASURED_TITLE, _walk_tiles),
     ("phase-portrait", phase_portrait.TITLE, _phase_portrait),
@@ -192,4 +204,6 @@ MAKERS: tuple[tuple[str, str, Callable[[Source], Any]], ...] = (
     ("residual-field", residual_field.TITLE, _residual_field),
     ("rounds", rounds.TITLE, _rounds),
 )
-"""Name, title and maker of every figure, in the order of a report."""
+"""Every figure that any run can have, in the order of a report."""
+OF_FAMILIES: tuple[Maker, ...] = ((told.FIGURE, family.TITLE, _family),)
+"""Those of gaits that take commands: for others nothing is missing without them."""

@@ -7,7 +7,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.two_pens import Sheet, second_pen, write_all
-from neuralgaits.report.makers import MAKERS, Absent, Source
+from neuralgaits.report.makers import MAKERS, OF_FAMILIES, Absent, Source
 
 FOLDER = "figures"
 
@@ -28,11 +28,12 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
         raise InputError(
             f"expected a folder for the figures, found a file at {folder}: name another"
         )
+    makers = (*OF_FAMILIES, *MAKERS) if run.asked.commands else MAKERS
     source = Source(run, certificate_of(run))
     found: list[tuple[str, str] | Missing] = []
     sheets = []
     with second_pen() as pen:
-        for name, title, make in MAKERS:
+        for name, title, make in makers:
             try:
                 caption, figure = make(source)
             except Absent as absent:

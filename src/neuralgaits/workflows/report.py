@@ -11,6 +11,7 @@ from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.reported import Lack, Reported
 from neuralgaits.records.shown import ShownWalk
+from neuralgaits.report.certificate import part_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import MOST_BYTES, document
@@ -93,7 +94,7 @@ def saved_of(folder: RunFolder) -> Saved:
         walking = found.proof.theorems.walking
         assert walking is not None  # It is claimed.
         disturbance = walking.disturbance if any(walking.disturbance) else ()
-    return read(folder, found.summary, found.reason, disturbance)
+    return read(folder, found.summary, found.reason, disturbance, part_of(found))
 
 
 def _check_writable(path: Path) -> None:

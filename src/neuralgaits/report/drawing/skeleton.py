@@ -17,6 +17,7 @@ def draw(
     *,
     shift: float = 0.0,
     faint: bool = False,
+    colour: str | None = None,
 ) -> None:
     """Draw one pose: stance leg and torso dark, swing leg lighter.
 
@@ -26,11 +27,14 @@ def draw(
         torso: whether the robot has one.
         shift: of the stance foot [m].
         faint: draw it in the background.
+        colour: of all links, for poses that lie over each other; None for dark and lighter.
     """
     hip = hip_index(len(points), torso)
     x, y = points[:, 0] + shift, points[:, 1]
     width = 1.2 if faint else 2.4
     dark, light = (LIGHT, LIGHT) if faint else (BLACK, GREY)
+    if colour is not None:
+        dark = light = colour
     swing = slice(hip + 2 if torso else hip, None)
     line: dict[str, Any] = {"linewidth": width, "solid_capstyle": "round", "zorder": 3}
     axes.plot(x[swing], y[swing], color=light, **line)
@@ -40,5 +44,5 @@ def draw(
         axes.plot(x[hip : hip + 2], y[hip : hip + 2], color=dark, **line)
     if not faint:
         joints = [*range(1, hip + 1), *range(len(points))[swing][1:-1]]
-        axes.plot(x[joints], y[joints], "o", color="white", mec=BLACK, ms=4, zorder=4)
-        axes.plot(x[[0, -1]], y[[0, -1]], "o", color=BLACK, ms=3.5, zorder=4)
+        axes.plot(x[joints], y[joints], "o", color="white", mec=colour or BLACK, ms=4, zorder=4)
+        axes.plot(x[[0, -1]], y[[0, -1]], "o", color=colour or BLACK, ms=3.5, zorder=4)

@@ -11,18 +11,19 @@ from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import (
     Html,
+    captioned,
     facts,
     items,
     join,
     number,
     paragraph,
-    scrolling,
     section,
     shell,
     table,
     tag,
 )
 from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.report.told import FIGURE as FAMILY
 from neuralgaits.runs.commands import command, named, resuming
 
 
@@ -171,17 +172,18 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
         contents: of the page.
         pictures: an image element for each drawn figure, by name.
     """
-    parts = []
-    for figure in contents.figures:
-        if isinstance(figure, Drawn):
-            caption = tag("figcaption", tag("b", f"{figure.title}. "), figure.caption)
-            picture = scrolling(figure.title, pictures[figure.name])
-            parts.append(tag("figure", picture, caption))
-    absent = [figure.title for figure in contents.figures if isinstance(figure, Missing)]
+    # What is told has a part of its own, with its figure.
+    here = [figure for figure in contents.figures if figure.name != FAMILY]
+    parts = [
+        captioned(figure.title, figure.caption, pictures[figure.name])
+        for figure in here
+        if isinstance(figure, Drawn)
+    ]
+    absent = [figure.title for figure in here if isinstance(figure, Missing)]
     if absent:
-        told = f"Not drawn, because what they show is not there: {'; '.join(absent)}. "
+        said = f"Not drawn, because what they show is not there: {'; '.join(absent)}. "
         link = tag("a", "What is missing", href="#missing")
-        parts.append(paragraph(told, link, " has the commands.", class_="quiet"))
+        parts.append(paragraph(said, link, " has the commands.", class_="quiet"))
     if not parts:
         parts.append(paragraph("There are no figures of this run."))
     return section("figures", "Figures", *parts)

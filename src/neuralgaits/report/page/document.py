@@ -8,6 +8,7 @@ from pathlib import Path
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.page.answer import answer, title
 from neuralgaits.report.page.closing import failures, figures, glossary, missing, reproduction
+from neuralgaits.report.page.family import family
 from neuralgaits.report.page.learning import learning
 from neuralgaits.report.page.markup import Html, join, tag
 from neuralgaits.report.page.proof import certificate
@@ -23,6 +24,7 @@ _CONTENTS = (
     ("answer", "The answer"),
     ("walk", "The walk"),
     ("training", "What was trained"),
+    ("told", "What it is told"),
     ("figures", "Figures"),
     ("certificate", "The certificate"),
     ("simulations", "Simulations"),
@@ -48,6 +50,7 @@ def document(contents: Contents) -> str:
     parts = [animation(contents), training(contents)]
     if contents.saved.summary is not None:
         parts += [
+            *family(contents, pictures),
             figures(contents, pictures),
             certificate(contents),
             simulations(contents.saved),

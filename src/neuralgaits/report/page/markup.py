@@ -106,6 +106,12 @@ def scrolling(name: str, wide: Html) -> Html:
     return join([hint, box])
 
 
+def captioned(title: str, caption: str, picture: Html) -> Html:
+    """A picture with its title and what is to be seen below it."""
+    words = tag("figcaption", tag("b", f"{title}. "), caption)
+    return tag("figure", scrolling(title, picture), words)
+
+
 def folded(said: str, *parts: Any) -> Html:
     """Parts behind a line that opens them."""
     return tag("details", tag("summary", said), *parts)

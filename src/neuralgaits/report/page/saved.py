@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from neuralgaits.errors import RunError
 from neuralgaits.records import walked
-from neuralgaits.records.asked import Asked, asked_of
+from neuralgaits.records.asked import Asked, Range, asked_of
 from neuralgaits.records.certified import PROOF, SUMMARY, Certified, ConditionVerdict
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.inspected import RobotFacts
@@ -36,6 +36,21 @@ _HASHED = (
 
 
 @dataclass(frozen=True)
+class ProvedOfSome:
+    """What is proved of some of the commands that a gait takes.
+
+    Attributes:
+        ranges: these commands, by name; empty where they are no ranges of each.
+        conditions: how many are proved on all of their regions.
+        level: up to which all is proved; 0 if some condition is not.
+    """
+
+    ranges: Mapping[str, Range]
+    conditions: int
+    level: int
+
+
+@dataclass(frozen=True)
 class Saved:
     """A run as its files say.
 
@@ -53,6 +68,7 @@ class Saved:
         hashes: sha256 of the files that count, by name.
         nan: that the training ended in NaN, and where, in a sentence; None if it did not.
         damaged: why a part could not be read, by file.
+        of_some: what is proved of some commands; None if the proof is about all, or there is none.
     """
 
     folder: RunFolder
@@ -68,6 +84,7 @@ class Saved:
     hashes: dict[str, str]
     nan: str | None
     damaged: dict[str, str]
+    of_some: ProvedOfSome | None = None
 
     @property
     def name(self) -> str:
@@ -121,6 +138,7 @@ def read(
     certificate: Certified | None,
     no_certificate: str | None = None,
     disturbance: tuple[float, ...] = (),
+    of_some: ProvedOfSome | None = None,
 ) -> Saved:
     """Read a run. A damaged part is left out and named.
 
@@ -129,6 +147,7 @@ def read(
         certificate: what `certify` found, as the run's proof files bear it out.
         no_certificate: why a certificate that is there says nothing of the run.
         disturbance: of level 2.
+        of_some: what is proved of some commands.
 
     Raises: RunError if what was asked or found in training is damaged: pages are about these.
     """
@@ -180,6 +199,7 @@ def read(
         hashes=hashes,
         nan=_nan(part(NAN, EndedInNan)) if folder.ended_in_nan else None,
         damaged=damaged,
+        of_some=of_some,
     )
 
 

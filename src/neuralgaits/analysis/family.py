@@ -1,0 +1,52 @@
+"""What the figure of a family of gaits is drawn from: orbits over ranges of its commands.
+
+N commands that stay, P phases, T nodes of an orbit. Values are in the units of `gait.commands`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+
+
+class Sweep(NamedTuple):
+    """The orbits over the range of one command, the others in the middle of theirs."""
+
+    name: str
+    """Of the command."""
+    values: Float[np.ndarray, " N"]
+    """That it keeps, over all of its range."""
+    speed: Float[np.ndarray, " N"]
+    """Mean forward speed of the orbit, NaN where there is none [m/s]."""
+
+
+class Member(NamedTuple):
+    """One gait of the family: what it is at a command that stays."""
+
+    value: float
+    """Of the command."""
+    fence_z1: Float[np.ndarray, " P"]
+    """[m]"""
+    fence_z2: Float[np.ndarray, "2 P"]
+    """Lower and upper fence [kg m^2/s]."""
+    orbit: Float[np.ndarray, "T 2"]
+    """States from landing to landing; no nodes without an orbit (m, kg m^2/s)."""
+    touchdown: Float[np.ndarray, "K points 2"]
+    """Posture in which the swing foot lands, from the stance foot; K is 0 without an orbit [m]."""
+
+
+class Family(NamedTuple):
+    """A gait that takes commands."""
+
+    sweeps: tuple[Sweep, ...]
+    """One a command, in their order."""
+    members: tuple[Member, ...]
+    """At the lowest, the middle and the highest value of the first command."""
+    torso: bool
+    """Whether the robot has one."""
+
+    @property
+    def periodic(self) -> bool:
+        """Whether any orbit was found."""
+        return any(np.isfinite(sweep.speed).any() for sweep in self.sweeps)

@@ -1,0 +1,91 @@
+"""The orbits of a gait that takes commands, at commands that stay: see `analysis.family`."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits.analysis.family import Family, Member, Sweep
+from neuralgaits.analysis.flow import Mesh, Motion
+from neuralgaits.analysis.orbit import cycle, motion_of, orbit_near
+from neuralgaits.analysis.quantities import Chart, Look
+from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.skeleton import skeleton
+from neuralgaits.errors import InputError
+from neuralgaits.gait import Orbit
+
+VALUES = 7
+"""Of a command over its range: odd, so that the middle is one of them."""
+PHASES = 41
+"""Points along the fences."""
+MIDDLE = 0.5
+"""Level of the tube from which the first orbit is looked for."""
+NODES = 30
+"""Steps of the flow over a step of the robot: errors near 1e-9 of z2, at half the time."""
+
+
+class _Found(NamedTuple):
+    """The gait at a command that stays, and its orbit."""
+
+    run: Run
+    motion: Motion
+    chart: Chart
+    mesh: Mesh
+    orbit: Orbit
+    level: float
+    """Of the orbit where the hip is above the foot; `MIDDLE` without one."""
+
+
+def family_data(run: Run) -> Family:
+    """Find the orbits of a family over the range of each of its commands.
+
+    Raises: InputError for a gait that takes no commands.
+    """
+    told = run.trained.commands
+    if not told:
+        raise InputError("expected a gait that takes commands, found one that takes none")
+    middle = {one.name: 0.5 * (one.low + one.high) for one in told}
+    sweeps, shown = [], []
+    with np.errstate(all="ignore"):
+        for one in told:
+            values = np.linspace(one.low, one.high, VALUES)
+            found: list[_Found] = []
+            for value in values:
+                level = found[-1].level if found else MIDDLE
+                found.append(_at(run, middle | {one.name: float(value)}, level))
+            speed = np.array([each.orbit.speed_m_s for each in found])
+            sweeps.append(Sweep(one.name, values, speed))
+            if not shown:
+                rows = (0, VALUES // 2, VALUES - 1)
+                shown = [_member(float(values[row]), found[row]) for row in rows]
+    return Family(tuple(sweeps), tuple(shown), run.robot.torso is not None)
+
+
+def _at(run: Run, command: dict[str, float], level: float) -> _Found:
+    """Look for the orbit at a command, from a level of the tube there on."""
+    steady = run.at(**command)
+    chart, motion = Chart(steady.gait, run.spec), motion_of(steady.zero_dynamics)
+    mesh = Mesh.of_gait(chart.start, chart.guard, NODES)
+    low, high = 0.5 * chart.section(2) ** 2
+    orbit = orbit_near(motion, float(np.sqrt(2.0 * (low + level * (high - low)))), mesh)
+    found = float((0.5 * orbit.fixed_point[1] ** 2 - low) / (high - low))
+    if 0.0 <= found <= 1.0:
+        return _Found(steady, motion, chart, mesh, orbit, found)
+    # What Newton's method finds outside of the fences is not of this gait.
+    none = orbit._replace(period_s=float("nan"), result="no periodic orbit between the fences")
+    return _Found(steady, motion, chart, mesh, none, MIDDLE)
+
+
+def _member(value: float, found: _Found) -> Member:
+    robot, chart = found.run.robot, found.chart
+    phase = np.linspace(0.0, 1.0, PHASES)
+    orbit = cycle(found.motion, found.orbit, found.mesh).z[:, 0]
+    zd = found.run.zero_dynamics
+    theta = Look(lambda z: {"theta": zd.point(z).theta})(orbit[-1:])["theta"] if len(orbit) else ()
+    foot = np.asarray(robot.foot)
+    return Member(
+        value,
+        chart.z(phase, np.zeros(PHASES))[:, 0],
+        chart.fences(phase),
+        orbit,
+        skeleton(np.reshape(theta, (-1, len(foot))), foot, robot.torso),
+    )

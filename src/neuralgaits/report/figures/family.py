@@ -1,0 +1,180 @@
+"""A family of gaits: what is told and what is walked, tubes and orbits, postures at touchdown."""
+
+from itertools import zip_longest
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from neuralgaits.analysis.family import Family, Member, Sweep
+from neuralgaits.report import told
+from neuralgaits.report.drawing import skeleton
+from neuralgaits.report.drawing.style import (
+    BLACK,
+    GREY,
+    marker,
+    new_figure,
+    panel,
+    series,
+    styled,
+)
+
+TITLE = "A family of gaits"
+HEIGHT, HEIGHT_A_COMMAND = 4.3, 2.1
+"""Of the figure, and at least for each command [in]."""
+LEAST_SPAN = 0.02
+"""Of the axis of speeds, so that rounding does not look like a result [m/s]."""
+LEVEL = 1e-6
+"""Footholds no higher or lower than this are on one level [m]."""
+LEDGE = 0.045
+"""Half the width of the piece of ground that is drawn under a foothold [m]."""
+
+
+def caption(family: Family) -> str:
+    """What is to be seen."""
+    first = family.sweeps[0]
+    shown = [told.written(first.name, member.value) for member in family.members]
+    text = (
+        "The periodic orbits at commands that stay, computed from the model: nothing here is "
+        "simulated or proved. a) The mean speed at which each orbit walks forward"
+    )
+    if any(sweep.name == "speed" for sweep in family.sweeps):
+        text += "; on the dashed line it would be exactly what was told"
+    text += (
+        f". b) The tubes, the states that the gait is made for, tinted, and one step of the orbit, "
+        f"at {told.words(first.name).short} {', '.join(shown[:-1])} and {shown[-1]}. c) The "
+        "posture in which these steps end, over each other, with a mark at the next foothold."
+    )
+    if len(family.sweeps) > 1:
+        text += " Every other command stays in the middle of its range."
+    if absent := _absent(family):
+        text += f" No periodic orbit was found at {', '.join(absent)}."
+    return text
+
+
+def _absent(family: Family) -> list[str]:
+    """Commands without an orbit."""
+    return [
+        f"{told.words(sweep.name).short} {told.written(sweep.name, value)}"
+        for sweep in family.sweeps
+        for value in sweep.values[~np.isfinite(sweep.speed)]
+    ]
+
+
+@styled
+def draw(family: Family) -> Figure:
+    """Commands and speeds, the plane of the zero dynamics, and postures."""
+    count = len(family.sweeps)
+    figure = new_figure(max(HEIGHT, HEIGHT_A_COMMAND * count))
+    grid = figure.add_gridspec(count, 3, width_ratios=(1.0, 1.25, 0.95))
+    for row, sweep in enumerate(family.sweeps):
+        axes = figure.add_subplot(grid[row, 0])
+        _speeds(axes, sweep, family.members if row == 0 else ())
+        if row == 0:
+            panel(axes, "a", "told and walked")
+    plane, postures = (figure.add_subplot(grid[:, column]) for column in (1, 2))
+    for number, member in enumerate(family.members):
+        _tube_and_orbit(plane, number, member)
+    plane.set(xlabel="z1, hip ahead of the foot [m]", ylabel="z2, momentum [kg m²/s]")
+    panel(plane, "b", "tubes and orbits")
+    _postures(postures, family)
+    panel(postures, "c", "as the foot lands")
+    figure.legend(handles=_legend(family), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _speeds(axes: Axes, sweep: Sweep, members: tuple[Member, ...]) -> None:
+    """Mean speed of the orbits over a command, with the members that the other panels show."""
+    x = np.array([told.value(sweep.name, value) for value in sweep.values])
+    if sweep.name == "speed":
+        axes.plot(x[[0, -1]], x[[0, -1]], color=GREY, linestyle="--", linewidth=1.0)
+    axes.plot(x, sweep.speed, color=BLACK, marker=".", ms=5, linewidth=1.2)
+    for number, member in enumerate(members):
+        at = int(np.argmin(np.abs(sweep.values - member.value)))
+        axes.plot(x[at], sweep.speed[at], marker(number), color=series(number)["color"], ms=8)
+    name = told.words(sweep.name)
+    axes.set_xlabel(f"{name.short}, told [{name.unit or '-'}]")
+    axes.set_ylabel("walked [m/s]")
+    low, high = axes.get_ylim()
+    if high - low < LEAST_SPAN:
+        axes.set_ylim(0.5 * (low + high - LEAST_SPAN), 0.5 * (low + high + LEAST_SPAN))
+    axes.margins(x=0.1)
+    if not np.isfinite(sweep.speed).any():
+        _say(axes, "no periodic orbit")
+
+
+def _tube_and_orbit(axes: Axes, number: int, member: Member) -> None:
+    look = series(number)
+    low, high = member.fence_z2
+    axes.fill_between(
+        member.fence_z1, low, high, color=look["color"], alpha=0.13, linewidth=0, zorder=1
+    )
+    for fence in (low, high):
+        axes.plot(member.fence_z1, fence, linewidth=1.0, zorder=2, **look)
+    axes.plot(*member.orbit.T, linewidth=2.4, zorder=3, **look)
+
+
+def _postures(axes: Axes, family: Family) -> None:
+    poses = [pose for member in family.members for pose in member.touchdown]
+    if not poses:
+        _say(axes, "no periodic orbit")
+        axes.set_axis_off()
+        return
+    points = np.concatenate(poses)
+    low, high = points[:, 0].min(), points[:, 0].max()
+    ends = np.array([low, high]) + (high - low) * np.array([-0.15, 0.15])
+    feet = np.array([pose[-1] for pose in poses])
+    sloping = any(sweep.name == "slope" for sweep in family.sweeps)
+    level = float(np.abs(feet[:, 1]).max()) < LEVEL
+    if level:
+        axes.plot(ends, [0.0, 0.0], color=GREY, linewidth=1.0, zorder=1)
+    elif not sloping:
+        axes.plot([-LEDGE, LEDGE], [0.0, 0.0], color=GREY, linewidth=1.6, zorder=1)
+    for number, member in enumerate(family.members):
+        colour = series(number)["color"]
+        for pose in member.touchdown:
+            foot = pose[-1]
+            if sloping and not level:
+                rise = foot[1] / foot[0]
+                axes.plot(ends, rise * ends, color=colour, linewidth=1.0, zorder=1)
+            elif not level:
+                ledge = foot[0] + np.array([-LEDGE, LEDGE])
+                axes.plot(ledge, [foot[1]] * 2, color=colour, linewidth=1.6, zorder=1)
+            skeleton.draw(axes, pose, family.torso, colour=colour)
+            axes.plot(*foot, marker(number), color=colour, ms=8, zorder=5)
+    axes.set_aspect("equal")
+    axes.set_xlim(*ends)
+    axes.set(xlabel="ahead of the foot [m]", ylabel="height [m]")
+
+
+def _say(axes: Axes, words: str) -> None:
+    axes.text(0.5, 0.5, words, ha="center", va="center", color=GREY, transform=axes.transAxes)
+
+
+def _legend(family: Family) -> list:
+    """Members in the upper row, the rest below it: matplotlib fills columns first."""
+    name = family.sweeps[0].name
+    members = [
+        Line2D(
+            [],
+            [],
+            linewidth=2.4,
+            marker=marker(number),
+            ms=8,
+            label=f"{told.words(name).short} {told.written(name, member.value)}",
+            **series(number),
+        )
+        for number, member in enumerate(family.members)
+    ]
+    below: list = [
+        Patch(facecolor=GREY, alpha=0.25, label="tube, between its fences"),
+        Line2D([], [], color=BLACK, marker=".", ms=5, linewidth=1.2, label="the orbits"),
+    ]
+    if any(sweep.name == "speed" for sweep in family.sweeps):
+        below.append(
+            Line2D([], [], color=GREY, linestyle="--", linewidth=1.0, label="just as told")
+        )
+    pairs = zip_longest(members, below)
+    return [handle for pair in pairs for handle in pair if handle is not None]
