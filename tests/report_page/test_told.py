@@ -14,10 +14,12 @@ from neuralgaits.records.asked import Range
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
 from neuralgaits.report.certificate import part_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
-from neuralgaits.report.page.closing import figures
+from neuralgaits.report.page.answer import answer
+from neuralgaits.report.page.closing import figures, missing_parts
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.family import family
 from neuralgaits.report.page.markup import Html
+from neuralgaits.report.page.proof import certificate
 from neuralgaits.report.page.saved import ProvedOfSome
 from neuralgaits.report.told import FIGURE
 from neuralgaits.workflows import demo
@@ -110,6 +112,18 @@ def test_a_whole_proof_is_said_to_its_level_and_no_further(commanded, level):
     assert ("walk for ever" in page) is (level >= 2)
     assert ("come together" in page) is (level >= 3)
     assert "only" not in page
+
+
+def test_no_part_of_the_page_speaks_of_one_orbit_of_a_gait_with_many(commanded):
+    """Level 3 is about two walks that are told the same: none of them need repeat itself."""
+    page = commanded(certificate=certified(*CONDITIONS, levels=(2, 3)))
+    for part in (answer(page), certificate(page), said(page)):
+        assert "one motion that repeats" not in part and "one periodic orbit" not in part
+        assert "told the same" in part
+    assert "from what it is told and two numbers" in answer(page)
+    open_ = commanded(certificate=replace(certified(*CONDITIONS, levels=(2,)), level=2))
+    (third,) = [what for what, _ in missing_parts(open_) if what.startswith("level 3")]
+    assert "told the same" in third
 
 
 def test_conditions_of_which_some_are_open_are_counted(commanded):

@@ -23,6 +23,20 @@ PROVED = {
     "joints exactly on target, it comes nearer and nearer to one motion that repeats.",
 }
 """What the highest proved level means for a reader who knows none of the words."""
+_TOLD = {
+    2: "from every state of the walking set the zero dynamics walk for ever, however what they are "
+    "told changes within its bounds",
+    3: "any two walks in the walking set that are told the same come together",
+}
+"""What a level states of a gait that takes commands, where it differs from `LEVELS`."""
+_PROVED_TOLD = {
+    2: "as long as the joints follow the network exactly, the robot walks for ever from every "
+    "state of the walking set, whatever it is told within its bounds.",
+    3: "as long as the joints follow the network exactly, the robot walks for ever from every "
+    "state of the walking set, whatever it is told within its bounds, and walks that are told the "
+    "same come nearer and nearer to each other.",
+}
+"""The same for `PROVED`."""
 _RIGID = (
     "links are rigid; the foot on the ground is a point that neither slips nor rolls; an impact is "
     "sudden and without bounce; {robot}; the network's weights are those stored in the run"
@@ -61,12 +75,23 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     return rigid, f"at levels 1 to 3: {following}", f"at level {LAST_LEVEL}: {_LINEARISED}"
 
 
-def proved(found: Certified) -> str:
-    """What is proved, level by level up to the highest; for a gait of which level 1 is."""
+def states(level: int, told: bool) -> str:
+    """What a level states of a gait, `told` whether that takes commands."""
+    return (LEVELS | _TOLD if told else LEVELS)[level]
+
+
+def proved(found: Certified, told: bool) -> str:
+    """What is proved, level by level up to the highest; for a gait of which level 1 is.
+
+    Args:
+        found: with which it is.
+        told: whether the gait takes commands.
+    """
     level, count = found.proved_level, len(found.conditions)
+    meant = (PROVED | _PROVED_TOLD if told else PROVED)[level]
     robots = f", of every robot within {found.robots} of the file's" if found.robots else ""
     return (
-        f"Proved, to level {level} of {LAST_LEVEL}{robots}: {PROVED[level]} Every one of the "
+        f"Proved, to level {level} of {LAST_LEVEL}{robots}: {meant} Every one of the "
         f"{count} conditions was shown at every state of its region, rounding errors included, "
         f"with at least {_least(found)} of its typical size to spare."
     )

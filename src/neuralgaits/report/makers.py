@@ -74,7 +74,8 @@ Made = tuple[str, Figure]
 
 def _phase_portrait(source: Source) -> Made:
     data, walk = source.data, source.walk
-    words = phase_portrait.caption(data, walk, source.certificate.level)
+    told_some = bool(source.run.asked.commands)
+    words = phase_portrait.caption(data, walk, source.certificate.level, told_some)
     return words, phase_portrait.draw(data, walk)
 
 

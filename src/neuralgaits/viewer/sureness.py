@@ -66,7 +66,7 @@ def _of_part(part: ProvedPart, count: int) -> str:
 def _lines(run: Run, answer: Certified, part: ProvedPart | None) -> list[str]:
     """The report's words; what is seen here is another matter."""
     level = answer.proved_level
-    told = in_plain_words.proved(answer) if level else _not_proved(answer)
+    told = in_plain_words.proved(answer, bool(run.asked.commands)) if level else _not_proved(answer)
     lines = [markdown.text(told)]
     if part is not None and part.conditions:
         lines = [_of_part(part, len(answer.conditions))]

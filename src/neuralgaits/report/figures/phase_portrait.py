@@ -28,13 +28,14 @@ RESETS = 3
 """Arrows of the reset map: from the fences and between them."""
 
 
-def caption(data: GaitData, walk: MeasuredWalk | None, level: int) -> str:
+def caption(data: GaitData, walk: MeasuredWalk | None, level: int, told: bool = False) -> str:
     """What is to be seen.
 
     Args:
         data: of the gait.
         walk: measured, or None.
         level: up to which the gait is proved, 0 if nothing is.
+        told: whether it takes commands: its level 3 is about two walks, not about an orbit.
     """
     text = (
         "As long as the joints follow the policy exactly, a point is the whole state of the "
@@ -46,10 +47,8 @@ def caption(data: GaitData, walk: MeasuredWalk | None, level: int) -> str:
     # Where barrier functions are negative on the tube, the walking set is the rest of it.
     where = "the blue tube" if np.min(chart, initial=0.0) >= 0.0 else "the tube's safe part"
     if level >= 3:
-        text += (
-            f"No such walk that begins in {where} leaves it, and every one settles on one orbit: "
-            "that is proved"
-        )
+        ends = "any two of them come together" if told else "every one settles on one orbit"
+        text += f"No such walk that begins in {where} leaves it, and {ends}: that is proved"
     elif level == 2:
         text += f"No such walk that begins in {where} leaves it: that is proved"
     else:

@@ -98,8 +98,9 @@ def _counted(done: Simulated) -> str:
 
 
 def _why(saved: Saved) -> str:
+    numbers = "what it is told and two numbers" if saved.asked.commands else "two numbers alone"
     known = (
-        "two numbers alone: how far the hip is ahead of the foot on the ground, and with how much "
+        f"{numbers}: how far the hip is ahead of the foot on the ground, and with how much "
         "momentum the body turns over that foot"
     )
     if saved.asked.parameters:
@@ -137,9 +138,10 @@ def _how_sure(saved: Saved) -> str:
     if level == 0:
         told = in_plain_words.not_proved(certificate)
         return f"Not proved. {told} {_sampled(saved)} Samples are evidence only."
+    proved = in_plain_words.proved(certificate, bool(saved.asked.commands))
     return (
-        f"{in_plain_words.proved(certificate)}{_borne(saved)} So its proof file states; this page "
-        "has not checked it again, other programs can."
+        f"{proved}{_borne(saved)} So its proof file states; this page has not checked it again, "
+        "other programs can."
     )
 
 

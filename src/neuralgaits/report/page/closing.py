@@ -109,7 +109,8 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
             yield "a certificate", command("certify", saved.name)
     elif (level := saved.certificate.level) < saved.asked.last_level:
         line = again.certifying(saved.folder.path, level + 1)
-        yield f"level {level + 1}: {in_plain_words.LEVELS[level + 1]}", line
+        stated = in_plain_words.states(level + 1, bool(saved.asked.commands))
+        yield f"level {level + 1}: {stated}", line
     for figure in contents.figures:
         if isinstance(figure, Missing):
             yield f"figure “{figure.title}”: {figure.reason}", figure.command

@@ -2,19 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 
+from neuralgaits.records import in_plain_words
 from neuralgaits.records.asked import Range
 from neuralgaits.report import told
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.page.markup import Html, captioned, paragraph, section, table, tag
 from neuralgaits.report.page.saved import Contents, ProvedOfSome, Saved
-
-_PROVED = {
-    1: "every condition holds at every state of its region",
-    2: "from every state of the walking set the zero dynamics walk for ever, however "
-    "what they are told changes within these bounds",
-    3: "any two walks that are told the same come together",
-}
-"""What each level says of a gait that takes commands."""
 
 OTHERS = "Other figures of the gait as it is designed show the one in the middle of every range."
 
@@ -113,8 +106,7 @@ def _range(name: str, one: Range) -> str:
 
 
 def _statements(level: int) -> str:
-    said = [words for number, words in _PROVED.items() if number <= level]
-    return "; ".join(said)
+    return "; ".join(in_plain_words.states(one, told=True) for one in range(1, level + 1))
 
 
 def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:

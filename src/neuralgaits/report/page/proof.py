@@ -55,7 +55,7 @@ def certificate(contents: Contents) -> Html:
             "Here nothing rests on samples. The region is cut into boxes, and on each box the "
             "margin is bounded from below by interval arithmetic, every rounding error included."
         ),
-        _ladder(found),
+        _ladder(found, bool(saved.asked.commands)),
         *(_level(entry) for entry in found.levels),
         tag("h3", "Condition by condition (level 1)"),
         _conditions(found),
@@ -89,11 +89,11 @@ def _absent(saved: Saved) -> Html:
     )
 
 
-def _ladder(found: Certified) -> Html:
-    """A row a level."""
+def _ladder(found: Certified, told: bool) -> Html:
+    """A row a level; `told` whether the gait takes commands."""
     answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
     rows = [
-        (level, in_plain_words.LEVELS[level], words.verdict(answers.get(level, "not asked")))
+        (level, in_plain_words.states(level, told), words.verdict(answers.get(level, "not asked")))
         for level in LEVELS
     ]
     head = ("level", "states that", "verdict")
