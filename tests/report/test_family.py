@@ -93,13 +93,11 @@ def test_what_is_drawn_is_what_was_found(family, orbit):
     assert drawn(np.column_stack([sweep.values, sweep.speed]), speeds)
     assert drawn([(0.9, orbit.speed_m_s)], speeds)
     for number, member in enumerate(family.members):
-        assert drawn(member.orbit, plane)
-        (line,) = [
-            one
-            for one in plane.lines
-            if len(one.get_xdata()) == len(member.orbit)
-            and np.allclose(one.get_xdata(), member.orbit[:, 0])
-        ]
+        at = [
+            line.shape == member.orbit.shape and np.allclose(line, member.orbit)
+            for line in lines(plane)
+        ].index(True)
+        line = plane.lines[at]
         assert to_hex(line.get_color()) == series(number)["color"]
         assert all(drawn(np.column_stack([member.fence_z1, f]), plane) for f in member.fence_z2)
         assert drawn(member.touchdown[0, -1:], postures)
