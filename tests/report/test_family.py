@@ -127,6 +127,7 @@ def test_slopes_are_drawn_in_degrees_and_their_grounds_slope(family):
     found = Family((Sweep("slope", SWEPT, FASTER),), tuple(members), family.torso)
     speeds, _, postures = drawing.draw(found).axes
     assert drawn(np.column_stack([(-5.0, 0.0, 5.0), FASTER]), speeds)
+    assert [text.get_text() for text in speeds.get_xticklabels()] == ["−5", "0", "5"]
     assert "[°]" in speeds.get_xlabel() and "−5°, 0° and 5°" in drawing.caption(found)
     grounds = {
         round(float(np.degrees(np.arctan2(*(line[1] - line[0])[::-1]))), 6)
@@ -153,7 +154,8 @@ def test_where_there_is_no_orbit_the_rest_is_drawn_and_it_is_said(family):
     part = without(family, 0)
     assert part.periodic
     assert drawing.caption(part).endswith("No periodic orbit was found at mean speed 0.55 m/s.")
-    _, plane, postures = drawing.draw(part).axes
+    speeds, plane, postures = drawing.draw(part).axes
+    assert speeds.get_xlim()[0] < 0.55, "the whole range"
     assert drawn(family.members[2].orbit, plane) and not drawn(family.members[0].orbit, plane)
     assert drawn(family.members[2].touchdown[0, -1:], postures)
     none = without(family, 0, 1, 2)

@@ -78,7 +78,7 @@ def test_a_gait_that_is_told_nothing_has_no_such_part(contents):
 
 def test_what_is_told_stands_there_with_its_range_and_its_change(commanded):
     page = said(commanded())
-    assert "the mean speed of the next step" in page
+    assert "the mean speed to walk at" in page
     for text in ("0.55 m/s", "0.9 m/s", "0.042 m/s", "spread over several steps"):
         assert text in page
     whole = document(commanded())

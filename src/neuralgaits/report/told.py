@@ -7,6 +7,7 @@ from neuralgaits._digits import at_least, at_most
 
 FIGURE = "family"
 """Name of the figure of a gait that takes commands."""
+MINUS = "\u2212"
 DIGITS = 4
 """Of a value that is shown: half a millimetre of a step, a hundredth of a degree."""
 
@@ -23,7 +24,7 @@ class Words(NamedTuple):
 
 
 _WORDS = {
-    "speed": Words("mean speed", "how fast to walk: the mean speed of the next step", "m/s"),
+    "speed": Words("mean speed", "the mean speed to walk at", "m/s"),
     "slope": Words("slope of the ground", "the slope of the ground under the next foothold", "°"),
     "step_length": Words("step length", "how far ahead the next foothold is", "m"),
     "step_height": Words(
@@ -42,11 +43,16 @@ def value(name: str, command: float) -> float:
     return math.degrees(command) if name == "slope" else command
 
 
-def written(name: str, command: float) -> str:
-    """A value with its unit."""
+def number(name: str, command: float) -> str:
+    """A value as it is shown, without its unit."""
     # Middles of ranges around zero are rounding errors.
     rounded = round(value(name, command), 9) + 0.0
-    return _with_unit(name, f"{rounded:.{DIGITS}g}")
+    return f"{rounded:.{DIGITS}g}".replace("-", MINUS)
+
+
+def written(name: str, command: float) -> str:
+    """A value with its unit."""
+    return _with_unit(name, number(name, command))
 
 
 def within(name: str, low: float, high: float) -> tuple[str, str]:
@@ -61,7 +67,7 @@ def change_within(name: str, change: float) -> str:
     return _with_unit(name, at_least(value(name, change), DIGITS))
 
 
-def _with_unit(name: str, number: str) -> str:
+def _with_unit(name: str, shown: str) -> str:
     unit = words(name).unit
     space = "" if unit in ("°", "") else " "
-    return f"{number}{space}{unit}".replace("-", "\u2212")
+    return f"{shown}{space}{unit}".replace("-", MINUS)

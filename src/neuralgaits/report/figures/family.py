@@ -22,7 +22,7 @@ from neuralgaits.report.drawing.style import (
 )
 
 TITLE = "A family of gaits"
-HEIGHT, HEIGHT_A_COMMAND = 4.3, 2.1
+HEIGHT, HEIGHT_A_COMMAND = 4.3, 1.9
 """Of the figure, and at least for each command [in]."""
 LEAST_SPAN = 0.02
 """Of the axis of speeds, so that rounding does not look like a result [m/s]."""
@@ -100,7 +100,13 @@ def _speeds(axes: Axes, sweep: Sweep, members: tuple[Member, ...]) -> None:
     low, high = axes.get_ylim()
     if high - low < LEAST_SPAN:
         axes.set_ylim(0.5 * (low + high - LEAST_SPAN), 0.5 * (low + high + LEAST_SPAN))
-    axes.margins(x=0.1)
+    # All of the range, where there is no orbit, too: its ends and its middle.
+    axes.set_xlim(*(x[[0, -1]] + np.ptp(x) * np.array([-0.1, 0.1])))
+    ends_and_middle = sweep.values[0], sweep.values.mean(), sweep.values[-1]
+    axes.set_xticks(
+        [told.value(sweep.name, value) for value in ends_and_middle],
+        [told.number(sweep.name, value) for value in ends_and_middle],
+    )
     if not np.isfinite(sweep.speed).any():
         _say(axes, "no periodic orbit")
 
