@@ -10,7 +10,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.barriers.regions import CommandedTube
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
-from neuralgaits.gait.commands import Command, Pair, pair_at, plain_curves, values
+from neuralgaits.gait.commands import Command, Pair, all_pairs, pair_at, plain_curves, values
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.step_ends import Foothold, on_foothold_exactly
@@ -150,6 +150,19 @@ def test_the_chart_holds_every_pair_that_may_follow(command):
     again = jax.vmap(lambda v: pair_at((command,), v))(np.stack([first, second], axis=1))
     np.testing.assert_allclose(again.before[:, 0], before, atol=1e-12)
     np.testing.assert_allclose(again.after[:, 0], after, atol=1e-12)
+
+
+@pytest.mark.parametrize("command", [SPEED, LENGTH])
+def test_pairs_are_admissible_and_reach_every_end(command):
+    before, after = command.pairs(5).T
+    change = command.largest_change or command.high - command.low
+    for values_ in (before, after):
+        assert values_.min() == command.low and values_.max() == command.high
+    assert np.max(np.abs(after - before)) == pytest.approx(change)
+    assert np.all(np.abs(after - before) <= change + 1e-12)
+    both = all_pairs((SPEED, LENGTH), 2)
+    assert both.shape == (16, 4) and len(np.unique(both, axis=0)) == 16
+    assert all_pairs((), 2).shape == (1, 0)
 
 
 def test_fences_depend_on_the_command_before_at_the_start_and_after_at_the_guard():

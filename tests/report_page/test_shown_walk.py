@@ -4,13 +4,16 @@ import json
 import shutil
 from pathlib import Path
 
+import jax
+import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.report.shown_walk import STEPS, Asked, asked_of
+from neuralgaits.report.shown_walk import STEPS, Asked, _walked, asked_of
 from neuralgaits.robots import load_robot
 from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
 
 SIMULATED = {
@@ -42,20 +45,29 @@ def test_the_first_fall_is_walked_again_to_its_end(shipped):
     assert asked.origin == "repeats the last simulation of this run"
 
 
-@pytest.mark.parametrize(
-    "changed",
-    [
-        {"push": 4.0},
-        {"disturb": vars(Disturbance(encoder_noise=0.001))},
-        {"disturb": vars(Disturbance(floor_height=0.01))},
-        {"controller": "c", "link": {"law": "pd", "mode": "lock-step"}},
-    ],
-)
-def test_a_walk_that_meets_other_chances_is_not_called_a_repetition(shipped, changed):
-    assert "not repeating" in _simulated(shipped, **changed).origin
-    # The first walk draws what the first walk drew.
-    first = _simulated(shipped, **changed, fell=[True])
-    assert ("not repeating" in first.origin) == ("link" in changed)
+def test_only_a_process_of_its_own_is_not_repeated(shipped):
+    linked = {"controller": "c", "link": {"law": "pd", "mode": "lock-step"}}
+    assert "not repeating" in _simulated(shipped, **linked).origin
+    for drawn in ({"push": 4.0}, {"disturb": vars(Disturbance(encoder_noise=0.001))}):
+        assert "repeats the last simulation" in _simulated(shipped, **drawn).origin
+
+
+def test_what_is_shown_is_the_walk_that_fell_and_what_it_met(shipped):
+    """Its start, push, floors and noise are drawn by its number: so are those that are shown."""
+    run, seed = open_run(shipped), SIMULATED["seed"]
+    disturbance = Disturbance(floor_height=0.003, encoder_noise=0.001)
+    done = simulate(
+        run, steps=3, start="region", push=4.0, disturb=disturbance, seed=seed, episodes=3
+    )
+    asked = Asked(steps=3, start="region", push=4.0, disturbance=disturbance, seed=seed, episode=2)
+    all_three, shown = done.walk.episodes.gauge, _walked(run, asked).episodes.gauge
+    for told, again in zip(jax.tree.leaves(all_three), jax.tree.leaves(shown), strict=True):
+        np.testing.assert_array_equal(np.asarray(told)[2], np.asarray(again)[0])
+    differs = [
+        not np.array_equal(np.asarray(leaf)[2], np.asarray(leaf)[0])
+        for leaf in jax.tree.leaves(all_three)
+    ]
+    assert any(differs)
 
 
 def test_a_walk_on_a_terrain_is_shown_on_level_ground_and_says_so(shipped):

@@ -1,9 +1,7 @@
 """The Program of a gait under its spec: traced once, read by every other interpreter."""
 
 import contextlib
-from collections.abc import Iterable
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +23,7 @@ from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.levels.chart import MOST_AXES, PLANE
 from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.gait.commands import Command, Pair
+from neuralgaits.gait.commands import Pair, all_pairs
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
@@ -196,18 +194,7 @@ def after_impact(
     except SpecError:
         return None
     guard = np.stack([np.ones(LEVELS), np.linspace(0.0, 1.0, LEVELS)], axis=1)
-    pairs = product(*map(_ends, gait.commands))
-    guard = np.concatenate([np.hstack([guard, np.tile(v, (LEVELS, 1))]) for v in map(_flat, pairs)])
+    pairs = all_pairs(gait.commands, 2)
+    guard = np.concatenate([np.hstack([guard, np.tile(v, (LEVELS, 1))]) for v in pairs])
     values = evaluate(program, {"u": guard}, POINT)
     return {name: float(np.max(np.abs(value))) for name, value in values.items()}
-
-
-def _ends(command: Command) -> list[tuple[float, float]]:
-    """Pairs (before, after) at the ends of what a command may be."""
-    low, high, change = command.low, command.high, command.largest_change
-    far = high - low if change is None else change
-    return [(low, low), (high, high), (low, low + far), (high, high - far)]
-
-
-def _flat(pairs: Iterable[tuple[float, float]]) -> list[float]:
-    return [value for pair in pairs for value in pair]

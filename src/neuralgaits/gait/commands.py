@@ -100,12 +100,29 @@ class Command:
         largest = float(self.largest_change or 0.0)
         return 1.0 - change * change / (largest * (self.high - self.low))
 
+    def pairs(self, count: int) -> Float[np.ndarray, "P 2"]:
+        """Admissible pairs (before, after): `count` values of either, the ends among them."""
+        before = np.linspace(self.low, self.high, count)
+        if self.largest_change is None:
+            return np.stack(np.meshgrid(before, before, indexing="ij"), axis=-1).reshape(-1, 2)
+        changes = np.linspace(-self.largest_change, self.largest_change, count)
+        after = np.clip(before[:, None] + changes, self.low, self.high).ravel()
+        return np.stack([np.repeat(before, count), after], axis=1)
+
     def scaled(self, value: Float[Array, "..."]) -> Float[Array, "..."]:
         """Values in units of half the range, 0 in its middle."""
         return (value - 0.5 * (self.low + self.high)) / (0.5 * (self.high - self.low))
 
 
 Commands = tuple[Command, ...]
+
+
+def all_pairs(commands: Commands, count: int) -> Float[np.ndarray, "N k"]:
+    """`Command.pairs` of every command with those of every other. [N, 2 p]."""
+    each = [command.pairs(count) for command in commands]
+    chosen = np.meshgrid(*(np.arange(len(pairs)) for pairs in each), indexing="ij")
+    parts = [pairs[number.ravel()] for pairs, number in zip(each, chosen, strict=True)]
+    return np.hstack(parts) if parts else np.zeros((1, 0))
 
 
 class Limits(NamedTuple):

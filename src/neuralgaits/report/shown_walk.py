@@ -38,8 +38,6 @@ _LONGEST = 1500
 _BEFORE_FALL = 400
 """Frames kept before a fall: eight seconds."""
 _FENCE_POINTS = 41
-_DRAWN = ("floor_height", "encoder_noise", "rate_noise")
-"""Disturbances that are drawn at random along a walk."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ class Asked:
         push: forward impulse (N s).
         disturbance: of the plant.
         seed: of everything random.
-        episode: number of the episode whose start is taken.
+        episode: number of the walk, on which all that is drawn at random depends.
         origin: what asked for it, in words.
         command: what the gait is told; None for the middle of its ranges.
     """
@@ -101,12 +99,10 @@ def asked_of(run: Run) -> Asked:
         steps = done.steps
         shown = steps if fallen or push else min(STEPS, steps)
         disturbance, episode = Disturbance(**done.disturb), fallen[0] if fallen else 0
-        # Pushes, floors and noise are drawn by the number of an episode, and this one is the first.
-        drawn = push or any(getattr(disturbance, name) for name in _DRAWN)
         other = done.link is not None or law not in LAWS or done.commands is not None
         if done.terrain is not None:
             origin = "walks on level ground, unlike the last simulation of this run"
-        elif other or (episode and drawn):
+        elif other:
             origin = (
                 "starts as a walk of the last simulation of this run did, not repeating its course"
             )
@@ -168,12 +164,17 @@ def _key(run: Run, asked: Asked) -> str:
 
 def _walked(run: Run, asked: Asked) -> Walk:
     starts = full_states(
-        run.zero_dynamics, run.gait, asked.start, seed=asked.seed, episodes=asked.episode + 1
+        run.zero_dynamics,
+        run.gait,
+        asked.start,
+        seed=asked.seed,
+        episodes=1,
+        first=asked.episode,
     )
     return walk(
         run.robot,
         run.gait.policy,
-        starts[-1:],
+        starts,
         plant=asked.plant,
         controller=asked.law,
         steps=asked.steps,
@@ -183,6 +184,7 @@ def _walked(run: Run, asked: Asked) -> Walk:
         seed=asked.seed,
         record=True,
         library=engine_of_run(run).library,
+        first=asked.episode,
     )
 
 

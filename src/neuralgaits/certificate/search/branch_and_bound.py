@@ -166,7 +166,8 @@ def _round(
     bound_all: BoundAll,
 ) -> Search:
     """Halve the leaves `work`, as many as there is time for."""
-    tree, done, parts = _measured(problem, state.tree, work, lacking, bound_all), 0, []
+    tree = _measured(problem, state.tree, work, lacking, deadline, bound_all)
+    done, parts = 0, []
     axis = tree.best_axis(work)
     size = problem.batch // 2
     slices = [slice(start, start + size) for start in range(0, len(work), size)]
@@ -201,9 +202,14 @@ def _of_asked(problem: Problem, low: np.ndarray, high: np.ndarray, bounds: Bound
 
 
 def _measured(
-    problem: Problem, tree: BoxTree, work: np.ndarray, lacking: np.ndarray, bound_all: BoundAll
+    problem: Problem,
+    tree: BoxTree,
+    work: np.ndarray,
+    lacking: np.ndarray,
+    deadline: float,
+    bound_all: BoundAll,
 ) -> BoxTree:
-    """With what each axis costs, known for some of the boxes `work`.
+    """With what each axis costs, known for some of the boxes `work` if there is time.
 
     Late axes are many, and each is of little influence: what another one costs is asked with all of
     these as wide as they are.
@@ -234,6 +240,8 @@ def _measured(
                 lost = (beside if len(wide) > 1 else least)[part] - lower
             lost = np.where(np.isfinite(lost), np.maximum(lost, 0.0), np.inf)
             alone[part, wide[0]] = np.where(short[part], lost, 0.0).max(axis=1)
+            if time.monotonic() >= deadline:
+                return tree
     return tree.measured(boxes, alone)
 
 

@@ -21,8 +21,8 @@ from neuralgaits.runs.arrays import SHA256
 _KEPT = ("first", "axis", "lower", "upper", "alone")
 """What a file has of a tree: corners and cuts follow from these."""
 _SMALL = {"first": np.int32, "axis": np.int8}
-_OPEN_ONLY = {"upper": np.inf, "alone": np.inf}
-"""What is of no use where every condition is proved, and what stands for it then."""
+_OPEN_ONLY = ("upper", "alone")
+"""What is of no use where every condition is proved."""
 
 
 def save(path: Path, problem: Problem, state: Search) -> None:

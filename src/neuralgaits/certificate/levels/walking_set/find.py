@@ -10,7 +10,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
-from neuralgaits.gait.commands import Command
+from neuralgaits.gait.commands import all_pairs
 
 Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 """Chart points [n, 2] to "foot" [m], "foot_rate" [m/s] and "after" (phase, zeta) [n, 2]."""
@@ -112,21 +112,7 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
 
 def over_pairs(spec: GaitSpec, look: Look) -> Look:
     """Looks at points of (phase, level) with many pairs of commands, one point after the other."""
-    each = [_pairs(command) for command in spec.commands]
-    chosen = np.meshgrid(*(np.arange(len(pairs)) for pairs in each), indexing="ij")
-    parts = [pairs[number.ravel()] for pairs, number in zip(each, chosen, strict=True)]
-    return _with_each(np.hstack(parts), look)
-
-
-def _pairs(command: Command) -> Float[np.ndarray, "P 2"]:
-    """Some pairs (before, after) of a command, the ends of what it may be among them."""
-    before = np.linspace(command.low, command.high, PAIRS)
-    after = before
-    if (change := command.largest_change) is not None:
-        after = (before[:, None] + np.linspace(-change, change, PAIRS)).ravel()
-        before = np.repeat(before, PAIRS)
-        return np.stack([before, np.clip(after, command.low, command.high)], axis=1)
-    return np.stack(np.meshgrid(before, after, indexing="ij"), axis=-1).reshape(-1, 2)
+    return _with_each(all_pairs(spec.commands, PAIRS), look)
 
 
 def over_robots(spec: GaitSpec, look: Look) -> Look:
