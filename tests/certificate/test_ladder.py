@@ -27,12 +27,12 @@ class Hovering:
 
 def _conclude(known, boxes, bounds):
     del boxes
-    proved = bounds.get(("hover/up", *BOX), -1.0) > known[5].height
-    return Conclusion(5, "proved" if proved else "undecided", None if proved else "low", (), {})
+    proved = bounds.get(("hover/up", *BOX), -1.0) > known[9].height
+    return Conclusion(9, "proved" if proved else "undecided", None if proved else "low", (), {})
 
 
 DUMMY = Level(
-    5,
+    9,
     "hover",
     Hovering,
     lambda part: {"curve": part.curve},
@@ -43,7 +43,7 @@ DUMMY = Level(
 
 @pytest.fixture
 def taller(monkeypatch):
-    """The package with a fifth level: its entry in the tuple, and nothing else."""
+    """The package with one more level: its entry in the tuple, and nothing else."""
     monkeypatch.setattr(ladder, "LEVELS", (*ladder.LEVELS, DUMMY))
     monkeypatch.setattr(theorem_tables, "LEVELS", ladder.LEVELS)
     by_number = {level.number: level for level in ladder.LEVELS}
@@ -53,7 +53,7 @@ def taller(monkeypatch):
 
 def test_an_entry_is_all_that_a_proof_file_and_its_check_need(taller):
     del taller
-    theorems = Theorems.of(Hovering(1.0, (0.5, 0.25)), claimed=(5,))
+    theorems = Theorems.of(Hovering(1.0, (0.5, 0.25)), claimed=(9,))
     assert Theorems.read(theorems.tables()) == theorems
     assert coverage.premise_names(theorems) == {"hover/up"}
     (high,) = ladder.conclude(theorems.parameters, [], {("hover/up", *BOX): 2.0})
@@ -74,7 +74,7 @@ def test_a_theorem_holds_for_each_fixed_value_of_further_axes(taller, tmp_path):
     box = chart.whole(*BOX)
     bowl, up = (small_proof.statement(about, {name: 2.0}, box=box) for name in ("bowl", "hover/up"))
     up |= {"region": "hovering", "scales": {"hover/up": 1.0}}
-    theorems = Theorems.of(Hovering(0.5, (0.5, 0.25)), claimed=(5,))
+    theorems = Theorems.of(Hovering(0.5, (0.5, 0.25)), claimed=(9,))
     table = small_proof.with_program(small_proof.proof(), about) | {
         "chart": chart.table(),
         "statements": [bowl, up],
@@ -89,8 +89,8 @@ def test_a_theorem_holds_for_each_fixed_value_of_further_axes(taller, tmp_path):
 
 
 def test_without_its_entry_it_is_refused():
-    tables = [{"level": 5, "claimed": True, "parameters": {"height": (1.0).hex(), "curve": []}}]
-    with pytest.raises(ValueError, match="a theorem of level 5"):
+    tables = [{"level": 9, "claimed": True, "parameters": {"height": (1.0).hex(), "curve": []}}]
+    with pytest.raises(ValueError, match="a theorem of level 9"):
         Theorems.read(tables)
 
 

@@ -192,7 +192,10 @@ class Conclusions {
     full_order_premises(f);
     const I w(f.bandwidth), gamma = I(1.5) * w, radius(f.radius), shrink(f.shrink),
         guard_radius(f.guard_radius), start(f.start_strip), zero(0.0);
-    const auto falls_to = [&](I phase) { return radius * exp(-(shrink * square(phase))); };
+    const I floor(f.floor);
+    const auto falls_to = [&](I phase) {
+      return floor + (radius - floor) * exp(-(shrink * square(phase)));
+    };
     const I mismatch = size(f.mismatch) +
                        size(f.drift) * I(larger((I(1.0) - I(f.near)).high(),
                                                 (I(f.far) - I(1.0)).high()));
@@ -201,6 +204,15 @@ class Conclusions {
     need("0 < least pace", zero, I(f.slowest));
     need("0 < inertia", zero, I(f.inertia));
     need("0 < radius", zero, radius);
+    if (f.floor != 0.0) {
+      need("0 < floor", zero, floor);
+      need("floor < radius", floor, radius);
+    }
+    if (!f.weights.empty()) {
+      const size_t joints = joints_of(f);
+      for (size_t i = 0, at = 0; i < joints; at += joints - i++)
+        if (f.weights[at] == 0.0) throw DoesNotFollow{"weights without an inverse"};
+    }
     need("0 < start_strip", zero, start);
     need("start_strip < 0.05", start, I(0.05));
     need("guard_strip < 0.05", I(f.guard_strip), I(0.05));
@@ -237,8 +249,14 @@ class Conclusions {
     const I time = (I(f.before) - start) / I(f.fastest);
     return {"D is every full state with z2 > 0, phase from " + brief(f.first) + " to " +
                 brief(f.last) + ", swing foot on or above the ground, sqrt(V) <= " +
-                brief(f.radius) + " exp(-" + brief(f.shrink) + " phase^2), and " + steps +
-                "; V is the sum of (dy/w)^2 + 4 (y + dy/w)^2 over the outputs, w = " +
+                (f.floor == 0.0 ? brief(f.radius)
+                                : brief(f.floor) + " + (" + brief(f.radius) + " - " +
+                                      brief(f.floor) + ")") +
+                " exp(-" + brief(f.shrink) + " phase^2), and " + steps +
+                "; V is the sum of (dy/w)^2 + 4 (y + dy/w)^2 over " +
+                (f.weights.empty() ? "the outputs"
+                                   : "the elements of S times the outputs, S the upper triangle " +
+                                         numbers(f.weights) + " by rows") + ", w = " +
                 brief(f.bandwidth) + " rad/s",
             "under exact input-output linearisation, ddy = -w^2 y - 2 w dy, in continuous time, "
             "every trajectory that starts in D stays in D between impacts, meets the ground once "
@@ -250,8 +268,63 @@ class Conclusions {
             "within the robot's limits"};
   }
 
+  // Level 5, which rests on level 4: docs/level5.md. With b = sqrt(5) / w, V' <= -gamma V + 2 b
+  // sqrt(V) push.
+  vector<string> disturbed() const {
+    const FullOrder& f = *file_.theorems.full;
+    const Disturbed& d = *file_.theorems.disturbed;
+    const I w(f.bandwidth), gamma = I(1.5) * w, push(d.push), zero(0.0);
+    const I factor = root(I(5.0)) / w;
+    positive("disturbed/contact", f.tube());
+    positive("disturbed/torque", f.tube());
+    need("0 < push", zero, push);
+    need("2 b push < gamma floor", I(2.0) * factor * push, gamma * I(f.floor));
+    string names;
+    for (size_t i = 0; i < d.barriers.size(); ++i) {
+      const DisturbedBarrier& its = d.barriers[i];
+      const BarrierConstants& of = f.barriers[i];
+      not_negative("disturbed/decrease " + its.name, f.tube());
+      const I alpha(its.alpha), sigma(of.sigma);
+      need(its.name + ": 0 < alpha, disturbed", zero, alpha);
+      need(its.name + ": alpha < gamma, disturbed", alpha, gamma);
+      need(its.name + ": 0 < sigma", zero, sigma);
+      const I rest = I(4.0) * sigma * (gamma - alpha), spare = I(its.weight) * rest - I(1.0);
+      need(its.name + ": 1 < 4 sigma (gamma - alpha) weight", zero, spare);
+      const I tightening = square(I(of.reading)) / (I(4.0) * sigma);
+      const I moved = I(2.0) * sigma * factor * push;
+      need(its.name + ": alpha t and what the push takes < lost",
+           alpha * tightening + (I(1.0) + I(1.0) / spare) * square(moved) / rest, I(its.lost));
+      names += (names.empty() ? "" : ", ") + its.name;
+    }
+    const string size = f.weights.empty() ? "|e|" : "|S e|";
+    return {"the same set D, whatever measurable e(t) with " + size + " <= " + brief(d.push) +
+                " rad/s^2 is added: under torques that give the outputs ddy = -w^2 y - 2 w dy + e, "
+                "every trajectory that starts in D stays in D between impacts, meets the ground "
+                "once and transversally in each step, and is in D after the impact: it walks for "
+                "ever",
+            "all along, " + names + " are not negative on the robot itself, the contact force and "
+            "every impulse stay in the friction cone, and the torques that are applied stay within "
+            "the robot's limits: none saturates",
+            "which e a held torque, a wrong model or a measurement makes is not part of this "
+            "theorem"};
+  }
+
  private:
   const ProofFile& file_;
+
+  // Of a triangle of weights.
+  static size_t joints_of(const FullOrder& f) {
+    size_t joints = 0;
+    while (joints * (joints + 1) / 2 < f.weights.size()) ++joints;
+    if (joints * (joints + 1) / 2 != f.weights.size()) throw DoesNotFollow{"weights of no triangle"};
+    return joints;
+  }
+
+  static string numbers(const vector<double>& all) {
+    string words;
+    for (const double one : all) words += (words.empty() ? "" : ", ") + brief(one);
+    return words;
+  }
 
   // A constant of which the premises speak by its square: its sign is free there.
   static I size(double bound) { return I(std::abs(bound)); }

@@ -163,6 +163,7 @@ Statement statement_of(const Json& table, const Chart& chart,
 string label_of(const string& premise) {
   if (premise.rfind("set/", 0) == 0) return "walking set";
   if (premise.rfind("full/", 0) == 0) return "full order";
+  if (premise.rfind("disturbed/", 0) == 0) return "disturbed";
   static const std::set<string> of_return_map = {"orbit/expansion", "orbit/gain", "orbit/moved",
                                                 "orbit/along"};
   return of_return_map.count(premise) ? "return map" : "orbit";
@@ -264,9 +265,13 @@ Orbit orbit_of(const Json& table, const Tube& tube) {
 
 FullOrder full_order_of(const Json& table) {
   const string what = "level 4";
-  only(table, what, {"bandwidth", "radius", "shrink", "guard_radius", "start_strip", "guard_strip",
-                     "crossing", "risen", "pace", "inertia", "mismatch", "drift", "gain", "landing",
-                     "landing_slope", "barriers"});
+  vector<string> fields = {"bandwidth",   "radius",   "shrink", "guard_radius", "start_strip",
+                           "guard_strip", "crossing", "risen",  "pace",         "inertia",
+                           "mismatch",    "drift",    "gain",   "landing",      "landing_slope",
+                           "barriers"};
+  for (const char* name : {"floor", "weights"})
+    if (table.find(name)) fields.push_back(name);
+  only(table, what, fields);
   const auto number = [](const Json& from, const char* name) {
     return hexadecimal(field(from, "level 4", name), name);
   };
@@ -285,6 +290,8 @@ FullOrder full_order_of(const Json& table) {
   f.gain = number(table, "gain");
   f.landing = number(table, "landing");
   f.landing_slope = number(table, "landing_slope");
+  if (table.find("floor")) f.floor = number(table, "floor");
+  if (const Json* weights = table.find("weights")) f.weights = series_of(*weights, "weights");
   const vector<double> pace = series_of(*table.find("pace"), "a pace");
   if (pace.size() != 2) refuse("a pace that is not two numbers");
   f.slowest = pace[0];
@@ -317,6 +324,22 @@ FullOrder full_order_of(const Json& table) {
   return f;
 }
 
+Disturbed disturbed_of(const Json& table) {
+  const string what = "level 5";
+  only(table, what, {"push", "barriers"});
+  const auto number = [&what](const Json& from, const char* name) {
+    return hexadecimal(field(from, what, name), name);
+  };
+  Disturbed d;
+  d.push = number(table, "push");
+  for (const Json& row : list_of(*table.find("barriers"), "barriers")) {
+    only(row, "a barrier", {"name", "alpha", "weight", "lost"});
+    d.barriers.push_back({text_of(*row.find("name"), "a barrier's name"), number(row, "alpha"),
+                          number(row, "weight"), number(row, "lost")});
+  }
+  return d;
+}
+
 // Which condition each barrier is of: NAME, or NAME[k] for an element of several.
 void find_conditions(FullOrder& f, const std::map<string, Condition>& conditions) {
   for (size_t i = 2; i < f.barriers.size(); ++i) {
@@ -339,7 +362,7 @@ void find_conditions(FullOrder& f, const std::map<string, Condition>& conditions
   }
 }
 
-// Levels 2, 3 and 4, in this order, and whether anything is claimed of them.
+// Levels 2 to 5, in this order, and whether anything is claimed of them.
 Theorems theorems_of(const Json& list, const Tube& tube) {
   Theorems found;
   for (const Json& table : list_of(list, "the theorems")) {
@@ -357,8 +380,16 @@ Theorems theorems_of(const Json& list, const Tube& tube) {
     } else if (level == 4 && !found.full) {
       found.full = full_order_of(parameters);
       found.full->claimed = claimed.number_value != 0.0;
+    } else if (level == 5 && found.full && !found.disturbed) {
+      found.disturbed = disturbed_of(parameters);
+      found.disturbed->claimed = claimed.number_value != 0.0;
+      const auto& barriers = found.full->barriers;
+      bool same = found.disturbed->barriers.size() == barriers.size();
+      for (size_t i = 0; same && i < barriers.size(); ++i)
+        same = found.disturbed->barriers[i].name == barriers[i].name;
+      if (!same) throw Inconsistent{"barriers of level 5 that are not those of level 4"};
     } else {
-      refuse("theorems that are not of level 2, then 3, then 4");
+      refuse("theorems that are not of level 2, then 3, then 4, then 5");
     }
   }
   return found;
@@ -379,9 +410,17 @@ std::map<string, vector<double>> lists_of(const Theorems& theorems) {
     lists["full.set"] = {f->bandwidth, f->radius,  f->shrink,  f->guard_radius,
                          f->inertia,   f->mismatch, f->drift,  f->gain,
                          f->landing,   f->landing_slope, f->slowest, f->fastest};
+    if (f->floor != 0.0) lists["full.set"].push_back(f->floor);
+    if (!f->weights.empty()) lists["full.weights"] = f->weights;
     vector<double>& rows = lists["full.barriers"];
     for (const BarrierConstants& b : f->barriers)
       rows.insert(rows.end(), {b.alpha, b.epsilon, b.coupling, b.reading, b.reset, b.reset_slope});
+  }
+  if (const auto& d = theorems.disturbed; d) {
+    lists["disturbed.push"] = {d->push};
+    vector<double>& rows = lists["disturbed.barriers"];
+    for (const DisturbedBarrier& b : d->barriers)
+      rows.insert(rows.end(), {b.alpha, b.weight, b.lost});
   }
   return lists;
 }
@@ -444,6 +483,7 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
     const bool of_set = name.rfind("set/", 0) == 0 && theorems.walking;
     const bool of_orbit = name.rfind("orbit/", 0) == 0 && theorems.orbit;
     const bool of_full = name.rfind("full/", 0) == 0 && theorems.full;
+    const bool pushed = name.rfind("disturbed/", 0) == 0 && theorems.disturbed;
     const size_t space = name.find(' ');
     if (known != theorem_outputs().end() && (of_set || of_orbit)) {
       output = output_of(name, known->second);
@@ -451,6 +491,15 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
       output = output_of_full_order(name, full_outputs().at(name));
     } else if (of_full && space != string::npos) {
       output = barrier_output(name.substr(0, space), name.substr(space + 1), *theorems.full);
+    } else if (pushed && disturbed_outputs().count(name)) {
+      output = output_of_disturbed(name, disturbed_outputs().at(name));
+    } else if (pushed && name.rfind("disturbed/decrease ", 0) == 0) {
+      const auto& barriers = theorems.disturbed->barriers;
+      size_t number = 0;
+      while (number < barriers.size() && barriers[number].name != name.substr(space + 1)) ++number;
+      if (number == barriers.size())
+        throw Inconsistent{"the Program's output " + name + " is about no barrier of level 5"};
+      output = output_of_decrease(number);
     } else if (of_set && space != string::npos) {
       const string what = name.substr(0, space), barrier = name.substr(space + 1);
       if (what != "set/after" && what != "set/value" && what != "set/rate")

@@ -8,13 +8,52 @@ namespace {
 //
 // Level 4 is about states whose outputs are off zero: with w the double pole of the outputs y,
 //
-//     xi = (dy / w, 2 (y + dy / w)),  V = |xi|^2,
+//     xi = (S dy / w, 2 S (y + dy / w)),  V = |xi|^2,
 //
-// and |xi| is at most radius exp(-shrink phase^2), or guard_radius in the guard's strip. Models have
-// a slope in xi over that radius, of the unit ball. docs/full_order.md has the premises and why the
-// conclusion follows from them.
+// S an upper triangular matrix over the joints, and |xi| at most floor + (radius - floor)
+// exp(-shrink phase^2), or guard_radius in the guard's strip. Models have a slope in xi over that
+// bound, of the unit ball. docs/full_order.md has the premises and why the conclusion follows from
+// them; docs/level5.md has those of level 5, about the same states.
 
 constexpr double kStiff = 2.0;  // The 2 in xi.
+
+using Matrix = vector<vector<I>>;
+
+// S of the norm, from the upper triangle that the file has by rows.
+Matrix weighting(const FullOrder& f, size_t joints) {
+  Matrix s(joints, vector<I>(joints, I(0.0)));
+  if (!f.weights.empty() && f.weights.size() != joints * (joints + 1) / 2)
+    throw Inconsistent{"weights of level 4 that are no triangle over the joints"};
+  size_t next = 0;
+  for (size_t i = 0; i < joints; ++i)
+    for (size_t j = i; j < joints; ++j)
+      s[i][j] = f.weights.empty() ? I(i == j ? 1.0 : 0.0) : I(f.weights[next++]);
+  return s;
+}
+
+// Its inverse, column by column, from the last row up.
+Matrix inverse_of(const Matrix& s) {
+  const size_t n = s.size();
+  Matrix out(n, vector<I>(n, I(0.0)));
+  for (size_t k = 0; k < n; ++k)
+    for (size_t i = n; i-- > 0;) {
+      I left(i == k ? 1.0 : 0.0);
+      for (size_t j = i + 1; j < n; ++j) left = left - s[i][j] * out[j][k];
+      out[i][k] = left / s[i][i];
+    }
+  return out;
+}
+
+template <class S>
+vector<S> times(const Matrix& matrix, const vector<S>& x) {
+  vector<S> out;
+  for (const vector<I>& row : matrix) {
+    S total(I(0.0));
+    for (size_t j = 0; j < x.size(); ++j) total = total + row[j] * x[j];
+    out.push_back(total);
+  }
+  return out;
+}
 
 class FullState {
  public:
@@ -22,9 +61,11 @@ class FullState {
   const FullOrder& shape;
   const Model& model;
   const size_t joints;
+  const Matrix weights, unweighted;  // S and its inverse.
 
   FullState(const Model& m, const FullOrder& f, const Box& box)
       : shape(f), model(m), joints(static_cast<size_t>(m.robot.joints())),
+        weights(weighting(f, joints)), unweighted(inverse_of(weights)),
         phase_(coordinate<BM>(box.low[0], box.high[0], 0)),
         level_(coordinate<BM>(box.low[1], box.high[1], 1)) {}
 
@@ -32,7 +73,16 @@ class FullState {
   Motion<BM>& centre() { return kept(centre_, [] { return std::optional<Off<BM>>(); }); }
   Motion<BM>& step() {
     return kept(step_, [this] {
-      return off(I(shape.radius) * exp(I(-shape.shrink) * (phase_ * phase_)));
+      return off(bound());
+    });
+  }
+  // The same, pushed: S times what is added to ddy is 1 for one of them.
+  Motion<BM>& pushed(size_t one) {
+    if (pushed_.empty()) pushed_.resize(joints);
+    return kept(pushed_[one], [this, one] {
+      std::optional<Off<BM>> found = off(bound());
+      for (size_t j = 0; j < joints; ++j) found->push.push_back(BM(unweighted[j][one]));
+      return found;
     });
   }
   Motion<BM>& guard() {
@@ -52,6 +102,7 @@ class FullState {
  private:
   const BM phase_, level_;
   std::optional<Motion<BM>> centre_, step_, guard_;
+  vector<std::optional<Motion<BM>>> pushed_;
   vector<Moved> step_moved_, guard_moved_;
   std::optional<Moved> centre_ahead_, guard_ahead_;
 
@@ -64,13 +115,25 @@ class FullState {
     return *motion;
   }
 
+  BM bound() const {
+    const I floor(shape.floor);
+    return BM(floor) + (I(shape.radius) - floor) * exp(I(-shape.shrink) * (phase_ * phase_));
+  }
+
   std::optional<Off<BM>> off(const BM& radius) const {
     Off<BM> found = {{}, {}, bandwidth()};
+    vector<BM> rates, mixed;
     for (size_t j = 0; j < joints; ++j) {
-      const BM rate = radius * ball_coordinate<BM>(j, 2 * joints);
-      const BM mixed = radius * ball_coordinate<BM>(joints + j, 2 * joints);
-      found.y.push_back(I(1.0 / kStiff) * mixed - rate);
-      found.dy.push_back(bandwidth() * rate);
+      rates.push_back(radius * ball_coordinate<BM>(j, 2 * joints));
+      mixed.push_back(radius * ball_coordinate<BM>(joints + j, 2 * joints));
+    }
+    if (!shape.weights.empty()) {
+      rates = times(unweighted, rates);
+      mixed = times(unweighted, mixed);
+    }
+    for (size_t j = 0; j < joints; ++j) {
+      found.y.push_back(I(1.0 / kStiff) * mixed[j] - rates[j]);
+      found.dy.push_back(bandwidth() * rates[j]);
     }
     return found;
   }
@@ -80,8 +143,11 @@ class FullState {
     vector<Moved> all;
     for (size_t k = 0; k < 2 * joints; ++k) {
       vector<BM> y(joints), dy(joints);
-      y[k % joints] = k < joints ? BM(-1.0) : BM(1.0 / kStiff);
-      if (k < joints) dy[k] = BM(bandwidth());
+      for (size_t j = 0; j < joints; ++j) {
+        const I part = unweighted[j][k % joints];
+        y[j] = BM(k < joints ? -part : I(1.0 / kStiff) * part);
+        if (k < joints) dy[j] = BM(bandwidth() * part);
+      }
       all.push_back(from.moving(BM(0.0), BM(0.0), y, dy));
     }
     return found = std::move(all);
@@ -122,8 +188,13 @@ S height(const BarrierConstants& barrier, bool upper, Motion<S>& p) {
 
 // The outputs after an impact, as xi.
 template <class S>
-vector<S> xi_after(Motion<S>& p, I bandwidth) {
-  const vector<S> y = output_mismatch(p), dy = rate_mismatch(p);
+vector<S> xi_after(Motion<S>& p, const FullState& f) {
+  const I bandwidth = f.bandwidth();
+  vector<S> y = output_mismatch(p), dy = rate_mismatch(p);
+  if (!f.shape.weights.empty()) {
+    y = times(f.weights, y);
+    dy = times(f.weights, dy);
+  }
   vector<S> rates, mixed;
   for (size_t j = 0; j < y.size(); ++j) {
     rates.push_back(inverse(bandwidth) * dy[j]);
@@ -164,6 +235,22 @@ vector<BM> cone(I friction, const Vec<BM>& force) {
   return {force.z, friction * force.z - force.x, friction * force.z + force.x};
 }
 
+// In weights: normal force and both slacks of the friction cone.
+vector<BM> contact_slacks(const Robot& robot, Motion<BM>& p) {
+  const I weight = robot.weight_mass * robot.gravity;
+  const Vec<BM>& ground = p.forces().ground;
+  return cone(robot.friction, {inverse(weight) * ground.x, inverse(weight) * ground.z});
+}
+
+// In limits: to both limits of each joint.
+vector<BM> torque_slacks(const Robot& robot, Motion<BM>& p) {
+  vector<BM> left;
+  for (const double sign : {-1.0, 1.0})
+    for (size_t j = 0; j < robot.torque_limit.size(); ++j)
+      left.push_back(BM(1.0) + I(sign) / robot.torque_limit[j] * p.forces().torque[j]);
+  return left;
+}
+
 // Premises without a barrier.
 vector<BM> full_margins(const string& n, FullState& f) {
   using Moved = FullState::Moved;
@@ -175,19 +262,8 @@ vector<BM> full_margins(const string& n, FullState& f) {
     return {pace - BM(its.slowest), BM(its.fastest) - pace};
   }
   if (n == "full/inertia") return {-f.step().transversal() - BM(its.inertia)};
-  if (n == "full/contact") {
-    const I weight = robot.weight_mass * robot.gravity;
-    const Vec<BM>& ground = f.step().forces().ground;
-    return cone(robot.friction, {inverse(weight) * ground.x, inverse(weight) * ground.z});
-  }
-  if (n == "full/torque") {
-    vector<BM> left;
-    for (const double sign : {-1.0, 1.0})
-      for (size_t j = 0; j < f.joints; ++j)
-        left.push_back(BM(1.0) +
-                       I(sign) / robot.torque_limit[j] * f.step().forces().torque[j]);
-    return left;
-  }
+  if (n == "full/contact") return contact_slacks(robot, f.step());
+  if (n == "full/torque") return torque_slacks(robot, f.step());
   if (n == "full/foot-rises") return {f.step().foot_velocity().z};
   if (n == "full/foot-above") return {f.step().foot().z};
   if (n == "full/foot-below") return {-f.guard().foot().z};
@@ -197,10 +273,10 @@ vector<BM> full_margins(const string& n, FullState& f) {
   if (n == "full/guard-slope") return {-f.guard_ahead().foot().z.d};
   if (n == "full/impulse") return cone(robot.friction, f.guard().impact().impulse);
   if (n == "full/momentum-after") return {f.guard().z2_after()};
-  if (n == "full/mismatch") return {room(its.mismatch, xi_after(f.centre(), f.bandwidth()))};
+  if (n == "full/mismatch") return {room(its.mismatch, xi_after(f.centre(), f))};
   if (n == "full/drift") {
     vector<BM> slopes;
-    for (const DualOf<BM>& xi : xi_after(f.centre_ahead(), f.bandwidth())) slopes.push_back(xi.d);
+    for (const DualOf<BM>& xi : xi_after(f.centre_ahead(), f)) slopes.push_back(xi.d);
     return {room(its.drift, slopes)};
   }
   if (n == "full/landing") {
@@ -208,7 +284,7 @@ vector<BM> full_margins(const string& n, FullState& f) {
     return {BM(its.landing) - phase, BM(its.landing) + phase};
   }
   if (n == "full/gain") {
-    const auto after = [&f](Moved& p) { return xi_after(p, f.bandwidth()); };
+    const auto after = [&f](Moved& p) { return xi_after(p, f); };
     return {room(its.gain, along_guard(f, after))};
   }
   if (n == "full/landing-slope") {
@@ -216,6 +292,16 @@ vector<BM> full_margins(const string& n, FullState& f) {
     return {room(its.landing_slope, along_guard(f, landing))};
   }
   throw Unknown{"the output " + n};
+}
+
+// Slopes in xi of dh/dt, h being a function of z: its rate depends on xi through dz alone.
+vector<BM> couplings(const BarrierConstants& its, bool upper, FullState& f) {
+  using Moved = FullState::Moved;
+  Moved first = f.centre().moving(BM(1.0), BM(0.0)), second = f.centre().moving(BM(0.0), BM(1.0));
+  const BM h1 = height(its, upper, first).d, h2 = height(its, upper, second).d;
+  vector<BM> slopes;
+  for (Moved& p : f.step_moved()) slopes.push_back(h1 * p.dz1().d + h2 * p.dz2().d);
+  return slopes;
 }
 
 // And those of one: `upper` says which fence it is, if it is one.
@@ -227,12 +313,7 @@ vector<BM> barrier_margins(const string& n, const BarrierConstants& its, bool up
     return {h.d + I(its.alpha) * h.v - BM(its.epsilon)};
   }
   if (n == "full/coupling") {
-    // h is a function of z: its rate depends on xi through dz alone.
-    Moved first = f.centre().moving(BM(1.0), BM(0.0)), second = f.centre().moving(BM(0.0), BM(1.0));
-    const BM h1 = height(its, upper, first).d, h2 = height(its, upper, second).d;
-    vector<BM> slopes;
-    for (Moved& p : f.step_moved()) slopes.push_back(h1 * p.dz1().d + h2 * p.dz2().d);
-    return {room(its.coupling, slopes)};
+    return {room(its.coupling, couplings(its, upper, f))};
   }
   if (n == "full/reading") {
     vector<BM> slopes;
@@ -247,6 +328,33 @@ vector<BM> barrier_margins(const string& n, const BarrierConstants& its, bool up
     return {room(its.reset_slope, along_guard(f, after))};
   }
   throw Unknown{"the output " + n};
+}
+
+// Level 5: squares of slacks, less those of what a push may take of them. Forces are affine in it,
+// so that their slopes are differences.
+vector<BM> disturbed_margins(const string& n, double push, FullState& f) {
+  const auto slacks = n == "disturbed/contact" ? contact_slacks : torque_slacks;
+  const Robot& robot = f.model.robot;
+  const vector<BM> still = slacks(robot, f.step());
+  vector<BM> left;
+  for (const BM& slack : still) left.push_back(slack * slack);
+  for (size_t one = 0; one < f.joints; ++one) {
+    const vector<BM> moved = slacks(robot, f.pushed(one));
+    for (size_t i = 0; i < still.size(); ++i) {
+      const BM slope = moved[i] - still[i];
+      left[i] = left[i] - square(I(push)) * (slope * slope);
+    }
+  }
+  return left;
+}
+
+// disturbed/decrease of a barrier.
+vector<BM> decrease(const DisturbedBarrier& its, const BarrierConstants& of, bool upper,
+                    FullState& f) {
+  const DualOf<BM> h = height(of, upper, f.centre().flow());
+  BM left = h.d + I(its.alpha) * h.v - BM(its.lost);
+  for (const BM& slope : couplings(of, upper, f)) left = left - I(its.weight) * (slope * slope);
+  return {left};
 }
 
 const std::map<string, Meaning>& full_outputs() {
@@ -329,6 +437,35 @@ Output output_of(const string& what, const Condition& c) {
 Output output_of_full_order(const string& name, const Meaning& meaning) {
   return {0, "", [name](Place& at) { return estimates(full_margins(name, full_state(at))); },
           [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+}
+
+// disturbed/NAME.
+const std::map<string, Meaning>& disturbed_outputs() {
+  static const std::map<string, Meaning> table = {
+      {"disturbed/contact", {"squares of the contact's slacks, less a push's", "weights^2"}},
+      {"disturbed/torque", {"squares of the torques' slacks, less a push's", "limits^2"}}};
+  return table;
+}
+
+Output output_of_disturbed(const string& name, const Meaning& meaning) {
+  return {0, "",
+          [name](Place& at) {
+            return estimates(disturbed_margins(name, at.theorems.disturbed->push, full_state(at)));
+          },
+          [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+}
+
+// disturbed/decrease BARRIER, the barrier of that number.
+Output output_of_decrease(size_t number) {
+  return {0, "",
+          [number](Place& at) {
+            return estimates(decrease(at.theorems.disturbed->barriers[number],
+                                      at.theorems.full->barriers[number], number == 1,
+                                      full_state(at)));
+          },
+          [](double least) {
+            return with_unit("dh/dt + alpha h - weight |slope of dh/dt in xi|^2 - lost", least, "/s");
+          }};
 }
 
 // full/WHAT BARRIER, the barrier of that number: the first two are the fences.

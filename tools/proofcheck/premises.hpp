@@ -92,8 +92,9 @@ struct FullOrder {
   double bandwidth = 0.0, radius = 0.0, shrink = 0.0, guard_radius = 0.0, start_strip = 0.0,
          guard_strip = 0.0, crossing = 0.0, risen = 0.0, slowest = 0.0, fastest = 0.0,
          inertia = 0.0, mismatch = 0.0, drift = 0.0, gain = 0.0, landing = 0.0,
-         landing_slope = 0.0;
+         landing_slope = 0.0, floor = 0.0;
   vector<BarrierConstants> barriers;
+  vector<double> weights;  // S, upper triangle by rows; the identity if empty.
   // Phases -start_strip, 1 + guard_strip, 1 - guard_strip, 1 - crossing, 1 + crossing, as doubles.
   double first = 0.0, last = 0.0, before = 0.0, near = 0.0, far = 0.0;
   bool claimed = false;
@@ -103,10 +104,23 @@ struct FullOrder {
   Box around() const { return {{near, 0.0}, {far, 1.0}}; }
 };
 
+// Level 5: what outputs may be pushed by, and what each barrier of level 4 loses by that.
+struct DisturbedBarrier {
+  string name;
+  double alpha = 0.0, weight = 0.0, lost = 0.0;
+};
+
+struct Disturbed {
+  double push = 0.0;
+  vector<DisturbedBarrier> barriers;
+  bool claimed = false;
+};
+
 struct Theorems {
   std::optional<WalkingSet> walking;
   std::optional<Orbit> orbit;
   std::optional<FullOrder> full;
+  std::optional<Disturbed> disturbed;  // Only beside `full`.
 };
 
 class FullState;

@@ -1,7 +1,7 @@
 // proofcheck: an independent check of a gait certificate.
 //
 // A proof file says: at every state of a region, this condition of the gait holds with this margin;
-// and, at levels 2 to 4, what that means for trajectories: they walk for ever, converge to one
+// and, at levels 2 to 5, what that means for trajectories: they walk for ever, converge to one
 // periodic orbit, and do so with outputs that are off zero. It contains link data of a robot, the
 // numbers of a policy, of a tube in the plane of the zero dynamics and of the orbit, and for each
 // statement a tree of boxes. This program derives everything else from those numbers: positions,
@@ -22,7 +22,7 @@
 //    8  mechanics            mechanics.hpp    from a state to forces and impact, link by link
 //    9  conditions           conditions.hpp   what is claimed of single states, also in words
 //   10  set and orbit        premises.hpp     what levels 2 and 3 rest on
-//   11  full order           full_order.hpp   what level 4 rests on; all outputs and their words
+//   11  full order           full_order.hpp   what levels 4 and 5 rest on; all outputs and their words
 //   12  the check            check.hpp        trees of boxes, on several threads
 //   13  lanes                lanes.hpp        Taylor models of several boxes at once, in doubles
 //   14  the Program          program.hpp      the file's own list of operations, on request
@@ -96,7 +96,7 @@ vector<string> unclaimed(const ProofFile& file) {
 // What the claimed levels say, in words, if it follows from the statements.
 std::map<int, vector<string>> concluded(const ProofFile& file) {
   std::map<int, vector<string>> found;
-  const auto& [walking, orbit, full] = file.theorems;
+  const auto& [walking, orbit, full, disturbed] = file.theorems;
   int level = 2;
   try {
     const bool third = orbit && orbit->claimed;
@@ -104,7 +104,10 @@ std::map<int, vector<string>> concluded(const ProofFile& file) {
     level = 3;
     if (third) found[3] = Conclusions(file).attraction();
     level = 4;
-    if (full && full->claimed) found[4] = Conclusions(file).full_order();
+    const bool fifth = disturbed && disturbed->claimed;
+    if (full && (full->claimed || fifth)) found[4] = Conclusions(file).full_order();
+    level = 5;
+    if (fifth) found[5] = Conclusions(file).disturbed();
   } catch (const DoesNotFollow& missing) {
     throw Inconsistent{"level " + std::to_string(level) + " does not follow: " + missing.why};
   } catch (const NoBound&) {

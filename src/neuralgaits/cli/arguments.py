@@ -142,7 +142,8 @@ class Certify:
     level: Annotated[int | None, arg(metavar="N")] = None
     """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
     3: and that one orbit attracts all of it, 4: and that the robot walks on at full order, with
-    outputs off zero and across impacts. 3 if not given; 2, which is the most, with parameters."""
+    outputs off zero and across impacts, 5: and does so under torques that are not exact, up to a
+    bound that is found. 3 if not given; 2, which is the most, with parameters."""
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
     """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
     the run's residual may still be off by."""
@@ -256,7 +257,7 @@ class Sweep:
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps of each training; the spec's own number if not given."""
     certify: Annotated[int | None, arg(metavar="LEVEL")] = None
-    """Prove each run up to this level, 1 to 4; no proof if not given."""
+    """Prove each run up to this level, 1 to 5; no proof if not given."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """With --certify: time for each proof. What is proved then depends on the machine."""
     controllers: Annotated[str | None, arg(metavar="C,...")] = None

@@ -8,6 +8,7 @@ docs/full_order.md; Westervelt et al. (2007), section 5.
 
 from functools import cached_property
 
+import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
@@ -15,13 +16,15 @@ from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.linear import solve
 
 
 class FullPoint(Point):
     """The robot in the state Phi^-1(z, eta); at eta = 0 it is the `Point` of z.
 
     Every physical quantity of a `Point` can be read here too, torques and contact forces
-    included: they are those of the outputs' own acceleration -w^2 y - 2 w dy.
+    included: they are those of the outputs' own acceleration, -w^2 y - 2 w dy unless another
+    one is given.
     """
 
     def __init__(
@@ -31,10 +34,15 @@ class FullPoint(Point):
         z: ZeroState,
         eta: Float[Array, " two_m"],
         bandwidth: float | Scalar,
+        acceleration: Actuated | None = None,
     ):
-        """Fix robot, policy, z [2], eta = (y, dy) [2m] and w, the outputs' double pole [rad/s]."""
+        """Fix robot, policy, z [2], eta = (y, dy) [2m] and w, the outputs' double pole [rad/s].
+
+        And ddy [m] (rad/s^2), if it is not that of exact input-output linearisation.
+        """
         super().__init__(robot, policy, None, z)
         self.bandwidth = bandwidth
+        self._acceleration = acceleration
         m = robot.n - 1
         self.output = jnp.asarray(eta)[:m]
         self.output_rate = jnp.asarray(eta)[m:]
@@ -45,7 +53,9 @@ class FullPoint(Point):
 
     @cached_property
     def output_acceleration(self) -> Actuated:
-        """Output accelerations -w^2 y - 2 w dy [rad/s^2]. [m]."""
+        """Output accelerations, -w^2 y - 2 w dy if no other is given [rad/s^2]. [m]."""
+        if self._acceleration is not None:
+            return self._acceleration
         w = self.bandwidth
         return -(w * w) * self.output - (2.0 * w) * self.output_rate
 
@@ -83,3 +93,24 @@ class FullPoint(Point):
         dz2 = self.robot.mass * self.robot.gravity * self.robot.centre_of_mass(after.q)[0]
         rates = after.dq[1:] - desired.d1 * dz1 - desired.d2 * dz2
         return jnp.concatenate([after.q[1:] - desired.y, rates])
+
+
+def held_jerk(point: FullPoint) -> Actuated:
+    """Third derivatives of the outputs while the joint torques stay as they are. [m] (rad/s^3).
+
+    With u = U(z, y, dy, ddy) of the inverse dynamics, 0 = dU/dt is linear in it. Source:
+    docs/level5.md.
+    """
+    m = point.robot.n - 1
+
+    def torque(z: ZeroState, y: Actuated, dy: Actuated, ddy: Actuated) -> Actuated:
+        eta = jnp.concatenate([y, dy])
+        return FullPoint(point.robot, point.policy, z, eta, point.bandwidth, ddy).torque
+
+    z, y, dy, ddy = point.z, point.output, point.output_rate, point.output_acceleration
+    _, rate = jax.jvp(lambda *at: torque(*at, ddy), (z, y, dy), (point.dz, dy, ddy))
+    slopes = [
+        jax.jvp(lambda a: torque(z, y, dy, a), (ddy,), (row,))[1]
+        for row in jnp.eye(m, dtype=ddy.dtype)
+    ]
+    return -solve(jnp.stack(slopes, axis=1), rate)

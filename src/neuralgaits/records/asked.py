@@ -121,7 +121,7 @@ class Asked(Record):
         """
         if self.described.get("parameters"):
             return 2
-        return 3 if self.commands else 4
+        return 3 if self.commands else 5
 
     @property
     def learning_rate(self) -> float | None:

@@ -8,9 +8,12 @@ LEVELS = {
     2: "every trajectory that starts in the walking set walks for ever",
     3: "one periodic orbit attracts the whole walking set",
     4: "the whole robot walks for ever, joints that are off their targets included",
+    5: "and does so under any error of the motors, or of what computes them, up to a bound",
 }
 """What each level states, as in docs/guarantees.md."""
 LAST_LEVEL = max(LEVELS)
+FULL_ORDER = 4
+"""The level from which on joints may be off their targets."""
 PROVED = {
     1: "every condition holds at every state of its region. That is about single states: nothing "
     "follows yet for whole walks.",
@@ -21,6 +24,10 @@ PROVED = {
     4: "as long as the motors do at once exactly what the controller asks, the whole robot walks "
     "for ever from every state of a set in which joints may be a little off their targets. With "
     "joints exactly on target, it comes nearer and nearer to one motion that repeats.",
+    5: "the whole robot walks for ever from every state of a set in which joints may be a little "
+    "off their targets, as long as what the motors do and what the controller asks differ by no "
+    "more than a bound. With joints exactly on target, it comes nearer and nearer to one motion "
+    "that repeats.",
 }
 """What the highest proved level means for a reader who knows none of the words."""
 _TOLD = {
@@ -47,6 +54,10 @@ _LINEARISED = (
     "motors do without delay exactly what the controller asks (exact input-output linearisation in "
     "continuous time)"
 )
+_BOUNDED = (
+    "the torques of exact input-output linearisation, up to an error that moves the joints' "
+    "accelerations by no more than the bound that is stated"
+)
 NOT_CLAIMED = (
     "control in ticks of a computer, delays, motors at their limits, ground that gives way as in "
     "MuJoCo, or the real machine"
@@ -70,9 +81,10 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     if level <= 1:
         return rigid, _EXACT
     following = f"{_EXACT}, and are so again after each impact"
-    if level < LAST_LEVEL:
+    if level < FULL_ORDER:
         return rigid, following
-    return rigid, f"at levels 1 to 3: {following}", f"at level {LAST_LEVEL}: {_LINEARISED}"
+    found = rigid, f"at levels 1 to 3: {following}", f"at level {FULL_ORDER}: {_LINEARISED}"
+    return found if level == FULL_ORDER else (*found, f"at level {LAST_LEVEL}: {_BOUNDED}")
 
 
 def states(level: int, told: bool) -> str:

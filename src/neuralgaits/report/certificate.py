@@ -86,4 +86,5 @@ def _full(level: Conclusion | None, shape: FullOrder | None) -> FullOrderSet | N
         {part.name: part.reading**2 / (4.0 * part.sigma) for part in shape.barriers},
         float(level.figures["r_bar"]),
         float(level.figures["gamma"]),
+        shape.floor,
     )

@@ -53,7 +53,7 @@ from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdic
 from neuralgaits.robots.parameters import Axis, axes_of, box_of, checked_box
 from neuralgaits.runs.names import MAP
 
-LEVEL, HIGHEST, OF_A_BOX = 3, 4, 2
+LEVEL, HIGHEST, OF_A_BOX = 3, 5, 2
 """What is proved if no level is asked for, and the most that can be: of one robot, of a box."""
 _TIGHTEST = 5
 """Conditions that a notebook shows."""
@@ -148,8 +148,9 @@ def certify(
         run: a run, its folder, or `latest`.
         level: 1: every condition holds on its region, or a state that breaks it is found; 2: and
             the walking set is invariant; 3: and one orbit attracts all of it; 4: and the
-            robot walks on at full order, with outputs off zero, in continuous time. None for 3,
-            for 2 with parameters.
+            robot walks on at full order, with outputs off zero, in continuous time; 5: and under
+            torques that are not exact, up to a bound that is found. None for 3, for 2 with
+            parameters.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         budget: seconds after which what is proved so far is kept and reported.
         resume: go on with the boxes of the run's last certificate.
@@ -226,8 +227,8 @@ def _refuse(level: int, disturbance: tuple[float, float]) -> None:
     """Raises: InputError on a level or disturbance that makes no statement."""
     if level not in range(1, HIGHEST + 1):
         raise InputError(
-            "expected level 1 (conditions), 2 (walking set), 3 (orbit) or 4 (full order), "
-            f"found {level}"
+            "expected level 1 (conditions), 2 (walking set), 3 (orbit), 4 (full order) or 5 "
+            f"(full order, disturbed), found {level}"
         )
     check_disturbance(disturbance)
     if any(disturbance) and level < 2:

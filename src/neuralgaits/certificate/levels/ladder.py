@@ -5,6 +5,8 @@ from dataclasses import fields, replace
 from typing import Any
 
 from neuralgaits.certificate.levels.chart import PLAIN, Chart, Corner
+from neuralgaits.certificate.levels.disturbed import theorem as disturbed
+from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
 from neuralgaits.certificate.levels.full_order import theorem as full_order
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.level import Level, Parameters
@@ -51,6 +53,16 @@ LEVELS = (
         full_order.series,
         lambda known, boxes: full_order.labelled_premises(known[4]),
         lambda known, boxes, bounds: conclude_full_order(known[4], bounds),
+        full_order=True,
+    ),
+    Level(
+        5,
+        "disturbed",
+        disturbed.Disturbed,
+        disturbed.series,
+        lambda known, boxes: disturbed.labelled_premises(known[4], known[5]),
+        lambda known, boxes, bounds: conclude_disturbed(known[4], known[5], bounds),
+        rests_on=(4,),
         full_order=True,
     ),
 )

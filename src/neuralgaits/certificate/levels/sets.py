@@ -13,8 +13,11 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.levels.chart import PLAIN, PLANE, Chart, Corner
+from neuralgaits.certificate.levels.disturbed import margins as disturbed
+from neuralgaits.certificate.levels.disturbed.find import find_disturbed
+from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
 from neuralgaits.certificate.levels.full_order import margins as full_order
-from neuralgaits.certificate.levels.full_order.looks import set_of
+from neuralgaits.certificate.levels.full_order.looks import looks_in, set_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
 from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
 from neuralgaits.certificate.levels.level import Parameters
@@ -40,9 +43,11 @@ from neuralgaits.records.certified import Counterexample
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import Axis, model_of
 
+FULL_ORDER_LEVEL = 4
+"""The level whose set the one above it is about."""
 CLAIMED = 0.4
 """Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
-TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25}
+TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25, DISTURBED: 0.0}
 """Share of the smallest margin seen that is proved, by label: level 4 tells slack, and each further
 box costs; of the others the sign is all that matters."""
 SIGN_ONLY: dict[str, Any] = {"claimed": CLAIMED, "tight": 0.0}
@@ -60,12 +65,14 @@ class Subject:
     Attributes:
         spec, gait, zd: of a run.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
+        pushed: whether the set at full order is to stand a disturbance as well (level 5).
     """
 
     spec: GaitSpec
     gait: AnyGait
     zd: ZeroDynamics
     disturbance: tuple[float, float] = (0.0, 0.0)
+    pushed: bool = False
 
     @cached_property
     def look(self) -> Look:
@@ -79,11 +86,11 @@ class Sought(NamedTuple):
     Attributes:
         find: of a subject and the parameters below: parameters, and what outputs that enclose
             constants must reach; or one sentence that says why there are none.
-        margins: its premises as functions of parameters, a chart point, and xi of the unit ball.
+        margins: its premises as functions of all parameters, a chart point, and xi of the unit ball.
     """
 
     find: Callable[[Subject, Parameters], tuple[Any, Mapping[str, float]] | str]
-    margins: Callable[[GaitSpec, Gait, ZeroDynamics, Any, Array, Array], Margins]
+    margins: Callable[[GaitSpec, Gait, ZeroDynamics, Parameters, Array, Array], Margins]
 
 
 def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
@@ -107,27 +114,43 @@ def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, 
     if of.zd.residual is not None or of.zd.reset_residual is not None:
         return "it is about the rigid model, and the run's dynamics carry a residual"
     try:
-        found = set_of(full_order.FullOrderModel(of.zd.robot, of.gait, of.spec))
+        found = set_of(full_order.FullOrderModel(of.zd.robot, of.gait, of.spec), of.pushed)
     except SpecError as error:  # The levels below read less of the robot.
         return str(error)
     return found if isinstance(found, str) else (found, {})
 
 
+def _find_disturbed(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+    assert isinstance(of.gait, Gait)
+    model = full_order.FullOrderModel(of.zd.robot, of.gait, of.spec)
+    found = find_disturbed(looks_in(model, known[4]), known[4])
+    return found if isinstance(found, str) else (found, {})
+
+
+def _full_order_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
+    model = full_order.FullOrderModel(zd.robot, gait, spec)
+    return full_order.margins(model, known[4], u, xi)
+
+
+def _disturbed_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
+    model = full_order.FullOrderModel(zd.robot, gait, spec)
+    return disturbed.margins(model, known[4], known[5], u, xi)
+
+
 SOUGHT = {
     2: Sought(
         _find_walking,
-        lambda spec, gait, zd, shape, u, xi: walking_set.margins(spec, gait, zd, shape, u),
+        lambda spec, gait, zd, known, u, xi: walking_set.margins(spec, gait, zd, known[2], u),
     ),
     3: Sought(
         _find_orbit,
-        lambda spec, gait, zd, shape, u, xi: orbit_set.margins(gait, zd, shape, u),
+        lambda spec, gait, zd, known, u, xi: orbit_set.margins(gait, zd, known[3], u),
     ),
     4: Sought(
         _find_full_order,
-        lambda spec, gait, zd, shape, u, xi: full_order.margins(
-            full_order.FullOrderModel(zd.robot, gait, spec), shape, u, xi
-        ),
+        _full_order_margins,
     ),
+    5: Sought(_find_disturbed, _disturbed_margins),
 }
 """By number."""
 
@@ -170,7 +193,7 @@ def find_sets(
 
     Raises: SpecError if nothing can be traced.
     """
-    of = Subject(spec, gait, zd, disturbance)
+    of = Subject(spec, gait, zd, disturbance, pushed=level > FULL_ORDER_LEVEL)
     parameters, reasons, least = {}, {}, {}
     for entry in LEVELS:
         if entry.number > level or not set(entry.rests_on) <= set(parameters):
@@ -280,8 +303,8 @@ def set_margins(
 ) -> Margins:
     """Margins of the sets at one chart point and one xi, by output name."""
     found = {}
-    for number, shape in sets.parameters.items():
-        found |= SOUGHT[number].margins(spec, gait, zd, shape, u, xi)
+    for number in sets.parameters:
+        found |= SOUGHT[number].margins(spec, gait, zd, sets.parameters, u, xi)
     return found
 
 

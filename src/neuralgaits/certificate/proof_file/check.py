@@ -53,7 +53,8 @@ ASSUMPTIONS = (
     "levels 2 and 3 are about the projected hybrid zero dynamics: outputs are zero, and set to "
     "zero again at each impact; level 1 alone says nothing of trajectories",
     "level 4 is about the full order under exact input-output linearisation in continuous time, "
-    "with rigid contact",
+    "with rigid contact; level 5 about the same with errors of the outputs' acceleration up to a "
+    "bound, whatever makes them",
     "trusted: this checker, python-flint (Arb), NumPy's handling of arrays, Python",
 )
 

@@ -31,7 +31,7 @@ _MAP = LinearSegmentedColormap.from_list("errors", ["#f4faff", "#9ecae1", "#0830
 
 @dataclass(frozen=True)
 class FullOrderSet:
-    """The set {h_i - t_i >= sigma_i V for all i, sqrt(V) <= radius exp(-shrink phase^2)}.
+    """The set {h_i - t_i >= sigma_i V for all i, sqrt(V) <= its bound at the phase}.
 
     Attributes:
         radius: [rad].
@@ -40,6 +40,7 @@ class FullOrderSet:
         tightening: t of each barrier [h].
         after_impact: largest sqrt(V) after an impact [rad].
         decay: rate gamma at which V falls [1/s].
+        floor: what the bound on sqrt(V) shrinks to [rad].
     """
 
     radius: float
@@ -48,10 +49,11 @@ class FullOrderSet:
     tightening: Mapping[str, float]
     after_impact: float
     decay: float
+    floor: float = 0.0
 
     def tube(self, phase: np.ndarray | float) -> np.ndarray:
         """Bound on sqrt(V) that depends on the phase alone [rad]."""
-        return self.radius * np.exp(-self.shrink * phase**2)
+        return self.floor + (self.radius - self.floor) * np.exp(-self.shrink * phase**2)
 
     def room(self, name: str, h: np.ndarray | float) -> np.ndarray:
         """Bound on sqrt(V) by one barrier's value; zero where z itself is outside [rad]."""

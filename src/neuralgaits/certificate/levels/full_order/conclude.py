@@ -5,6 +5,7 @@ only if it is certain; where one does not, it is the obstacle, and by how much i
 argument is in docs/full_order.md. Needs no JAX.
 """
 
+import math
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -16,8 +17,10 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     FullOrder,
     decays,
+    joints_of,
     lyapunov_rate,
     premises,
+    weighting,
 )
 from neuralgaits.certificate.levels.premises import Bounds, above, below
 from neuralgaits.records.certified import Conclusion, Constant
@@ -59,6 +62,8 @@ def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
         reasons.insert(0, f"barriers {names}: two fences, then barriers of other names, are needed")
     if not decays(shape.bandwidth):
         reasons.insert(0, "A^T P + P A <= -gamma P does not hold")
+    if not is_norm(shape):
+        reasons.insert(0, "weights that are no upper triangle without zeros on its diagonal")
     if reasons:
         return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, known)
     return Conclusion(LEVEL, "proved", None, _words(shape), figures, known)
@@ -71,8 +76,7 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
     # The edges that the boxes have: 1 + g, 1 - g and 1 -+ e, each rounded to a double.
     last, before = arb(shape.ends[1]), arb(shape.guard_from)
     shrink, radius = arb(shape.shrink), arb(shape.radius)
-    kept = radius * (-shrink * arb(shape.start_strip) ** 2).exp()
-    at_guard = radius * (-shrink * before**2).exp()
+    kept, at_guard = bound_at(shape, arb(shape.start_strip)), bound_at(shape, before)
     landing = arb(shape.landing) + _size(shape.landing_slope) * arb(shape.guard_radius)
     found = [
         Inequality("the phase moves on: 0 < its least rate", zero, least),
@@ -100,9 +104,32 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
             "outputs after an impact are in the set: sqrt(V+) < radius", _after(shape), kept
         ),
     ]
+    if shape.floor != 0.0:
+        floor = arb(shape.floor)
+        found += [
+            Inequality("0 < floor", zero, floor),
+            Inequality("floor < radius", floor, radius),
+        ]
     for barrier in shape.barriers:
         found += _of_barrier(shape, barrier, gamma)
     return found
+
+
+def is_norm(shape: FullOrder) -> bool:
+    """Whether S of V = |S dy/w|^2 + ... is an upper triangular matrix with an inverse."""
+    joints = joints_of(shape.weights)
+    if joints is None:
+        return False
+    matrix = weighting(shape.weights, joints)
+    return all(math.isfinite(w) for w in shape.weights) and all(
+        matrix[i][i] != 0.0 for i in range(joints)
+    )
+
+
+def bound_at(shape: FullOrder, phase: arb) -> arb:
+    """Bound on sqrt(V) in D at a phase."""
+    floor = arb(shape.floor)
+    return floor + (arb(shape.radius) - floor) * (-arb(shape.shrink) * phase**2).exp()
 
 
 def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list[Inequality]:
@@ -151,16 +178,17 @@ def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
         Constant("P stiffness", float(STIFF) ** 2, "1", "V = sum (dy/w)^2 + this (y + dy/w)^2"),
         Constant("gamma", rate, "1/s", "V' <= -gamma V"),
         Constant("radius", shape.radius, "rad", "sqrt(V) in the set, at the start of a step"),
-        Constant("shrink", shape.shrink, "1", "at later phases: radius exp(-shrink phase^2)"),
+        Constant("shrink", shape.shrink, "1", f"at later phases: {_bound_in_words()}"),
+        Constant("floor", shape.floor, "rad", "what the bound on sqrt(V) shrinks to"),
         Constant("guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"),
         Constant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
         Constant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
         Constant("T_min", below(_least_time(shape)), "s", "time of a step, at least"),
         Constant("inertia", shape.inertia, "kg m", "-J.s, at least"),
-        Constant("sqrt v_sym", above(_mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"),
+        Constant("sqrt v_sym", above(mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"),
         Constant("L_D", shape.gain, "1", "growth of sqrt(V) across an impact, at most"),
         Constant("r_bar", after, "rad", "sqrt(V+) after any impact of the set, at most"),
-        Constant("step factor", above(_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
+        Constant("step factor", above(step_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
         Constant("r_end", above(_end(shape)), "rad", "what sqrt(V+) falls to, step by step"),
         Constant("L_z", shape.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
         Constant("start strip", shape.start_strip, "phase", "the set begins so far before phase 0"),
@@ -233,10 +261,10 @@ def _gamma(shape: FullOrder) -> arb:
 
 def _after(shape: FullOrder) -> arb:
     """Bound on sqrt(V) after any impact of the set."""
-    return _mismatch(shape) + _size(shape.gain) * arb(shape.guard_radius)
+    return mismatch(shape) + _size(shape.gain) * arb(shape.guard_radius)
 
 
-def _mismatch(shape: FullOrder) -> arb:
+def mismatch(shape: FullOrder) -> arb:
     """sqrt(v_sym): bound on sqrt(V) after an impact from eta = 0."""
     near, far = map(arb, shape.crossings)
     return _size(shape.mismatch) + _size(shape.drift) * (1 - near).max(far - 1)
@@ -252,15 +280,15 @@ def _least_time(shape: FullOrder) -> arb:
     return (arb(shape.guard_from) - arb(shape.start_strip)) / arb(shape.pace[1])
 
 
-def _factor(shape: FullOrder) -> arb:
+def step_factor(shape: FullOrder) -> arb:
     """sqrt(V) after an impact is at most this times its value after the last one, and v_sym."""
     return _size(shape.gain) * (-_gamma(shape) * _least_time(shape) / 2).exp()
 
 
 def _end(shape: FullOrder) -> arb:
     """Limit of r+ = sqrt(v_sym) + factor r, and never more than after any one impact."""
-    factor = _factor(shape)
-    limit = _mismatch(shape) / (1 - factor)
+    factor = step_factor(shape)
+    limit = mismatch(shape) / (1 - factor)
     return limit if factor < 1 and limit < _after(shape) else _after(shape)
 
 
@@ -289,8 +317,8 @@ def _words(shape: FullOrder) -> tuple[str, ...]:
     square = float(STIFF) ** 2
     return (
         f"D is every full state with z2 > 0, phase from {first!r} to {last!r}, swing foot on or "
-        f"above the ground, sqrt(V) <= {shape.radius!r} exp(-{shape.shrink!r} phase^2), and "
-        f"{steps}; V is the sum of (dy/w)^2 + {square:g} (y + dy/w)^2 over the outputs, "
+        f"above the ground, sqrt(V) <= {_bound_in_words(shape)}, and {steps}; V is the sum of "
+        f"(dy/w)^2 + {square:g} (y + dy/w)^2 over {_outputs_in_words(shape)}, "
         f"w = {shape.bandwidth!r} rad/s",
         "under exact input-output linearisation, ddy = -w^2 y - 2 w dy, in continuous time, every "
         "trajectory that starts in D stays in D between impacts, meets the ground once and "
@@ -299,6 +327,23 @@ def _words(shape: FullOrder) -> tuple[str, ...]:
         "the contact force stays in the friction cone, so does every impulse, and torques stay "
         "within the robot's limits",
     )
+
+
+def _bound_in_words(shape: FullOrder | None = None) -> str:
+    """The bound on sqrt(V) along the phase."""
+    if shape is None:
+        return "floor + (radius - floor) exp(-shrink phase^2)"
+    radius, shrink, floor = shape.radius, shape.shrink, shape.floor
+    if floor == 0.0:
+        return f"{radius!r} exp(-{shrink!r} phase^2)"
+    return f"{floor!r} + ({radius!r} - {floor!r}) exp(-{shrink!r} phase^2)"
+
+
+def _outputs_in_words(shape: FullOrder) -> str:
+    if not shape.weights:
+        return "the outputs"
+    rows = weighting(shape.weights, joints_of(shape.weights) or 0)
+    return f"the elements of S times the outputs, S = {rows!r}"
 
 
 def _tightened(barrier: BarrierConstants) -> str:

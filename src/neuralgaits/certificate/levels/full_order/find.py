@@ -5,11 +5,12 @@ Nothing here is trusted: a bad choice makes a premise fail, not a false one hold
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.certificate.levels.full_order.norm import IMPACT, Plan, doubled, in_norm
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     FullOrder,
@@ -51,10 +52,28 @@ class Looks:
     step: Look
     guard: Look
     size: int
+    pushed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
+
+    def in_norm(self, matrix: np.ndarray) -> "Looks":
+        """The same with xi and pushes in the norm of S."""
+        inverse = np.linalg.inv(matrix)
+        back, pushed = doubled(inverse).T, self.pushed
+
+        def seen(look: Look) -> Look:
+            return lambda u, xi: in_norm(look(u, xi @ back), matrix)
+
+        def seen_off(u: Float[np.ndarray, "n 2"]) -> Samples:
+            assert pushed is not None
+            found = dict(pushed(u))
+            found["jerk"] = found["jerk"] @ matrix.T
+            return found | {n: d @ inverse for n, d in found.items() if n.endswith("/push")}
+
+        off = None if pushed is None else seen_off
+        return replace(self, step=seen(self.step), guard=seen(self.guard), pushed=off)
 
 
 def find_full_order(
-    looks: Looks, names: Sequence[str], bandwidth: float, share: float
+    looks: Looks, names: Sequence[str], bandwidth: float, share: float, plan: Plan | None = None
 ) -> FullOrder | str:
     """Constants of the theorem, or one sentence that says why there are none.
 
@@ -63,9 +82,11 @@ def find_full_order(
         names: of the barriers, in the order of their quantities.
         bandwidth: w [rad/s].
         share: of the largest radius that forces, torques and foot stand at points.
+        plan: norm, radius and floor, if they are not to be found: the share counts for nothing.
     """
+    looks = looks if plan is None else looks.in_norm(plan.matrix)
     levels = np.linspace(0.0, 1.0, LEVELS)
-    u = _grid(np.linspace(0.0, 1.0, PHASES), levels)
+    u = grid(np.linspace(0.0, 1.0, PHASES), levels)
     seen = looks.step(u, np.zeros((len(u), looks.size)))
     if seen["pace"].min() <= 0.0 or seen["inertia"].min() <= 0.0:
         return "the hip does not move forward everywhere in the tube"
@@ -77,14 +98,16 @@ def find_full_order(
         )
     gamma = float(lyapunov_rate(bandwidth))
     limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
-    radius = min(share * limit, LARGEST)
-    most, shrink = _fastest(seen, u[:, 0], radius, gamma)
-    slowest = _over(seen, "pace", u[:, 0], -radius, shrink).min()
-    strip = _guard_strip(looks, levels, crossing, radius, shrink)
+    radius = plan.radius if plan else min(share * limit, LARGEST)
+    floor = plan.floor if plan else 0.0
+    most, shrink = _fastest(seen, u[:, 0], radius, floor, gamma)
+    slowest = _over(seen, "pace", u[:, 0], -radius, -floor, shrink).min()
+    strip = _guard_strip(looks, levels, crossing, _at(radius, floor, shrink, 0.98))
     if slowest <= 0.0 or strip is None:
         return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
-    guard_radius = _at(radius, shrink, 1.0 - strip) * (1.0 + 1e-12)
-    impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius)
+    guard_radius = _at(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
+    ample = AMPLE if plan is None else IMPACT
+    impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius, ample)
     return FullOrder(
         bandwidth=bandwidth,
         radius=radius,
@@ -102,8 +125,10 @@ def find_full_order(
         landing=impacts.landing,
         landing_slope=impacts.landing_slope,
         barriers=tuple(
-            _barrier(k, name, seen, impacts, gamma, radius) for k, name in enumerate(names)
+            _barrier(k, name, seen, impacts, gamma, radius, plan) for k, name in enumerate(names)
         ),
+        floor=floor,
+        weights=plan.weights if plan else (),
     )
 
 
@@ -114,18 +139,26 @@ class _Impacts:
     line: Samples
     crossing: Samples
     rim: Samples
+    ample: float
 
     @classmethod
     def look(
-        cls, looks: Looks, levels: np.ndarray, crossing: float, strip: float, radius: float
+        cls,
+        looks: Looks,
+        levels: np.ndarray,
+        crossing: float,
+        strip: float,
+        radius: float,
+        ample: float,
     ) -> "_Impacts":
-        line = _grid(np.array([1.0]), levels)
-        near = _grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
-        edge = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
+        line = grid(np.array([1.0]), levels)
+        near = grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
+        edge = grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
         return cls(
             looks.guard(line, np.zeros((len(line), looks.size))),
             looks.guard(near, np.zeros((len(near), looks.size))),
             looks.guard(edge, _sphere(len(edge), looks.size, radius)),
+            ample,
         )
 
     @property
@@ -139,7 +172,7 @@ class _Impacts:
     @property
     def gain(self) -> float:
         squares = (self.rim["after/slope"] ** 2).sum(axis=(1, 2))
-        return AMPLE * float(np.sqrt(squares.max()))
+        return self.ample * float(np.sqrt(squares.max()))
 
     @property
     def landing(self) -> float:
@@ -150,7 +183,7 @@ class _Impacts:
         return AMPLE * float(_norms(self.rim, "landing").max())
 
 
-def _grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
+def grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
     return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
@@ -165,21 +198,26 @@ def _norms(seen: Samples, name: str) -> np.ndarray:
     return np.linalg.norm(seen[f"{name}/slope"], axis=2)
 
 
-def _at(radius: float, shrink: float, phase: float) -> float:
-    return radius * math.exp(-shrink * phase * phase)
+def _at(radius: float, floor: float, shrink: float, phase: float) -> float:
+    return floor + (radius - floor) * math.exp(-shrink * phase * phase)
 
 
-def _over(seen: Samples, name: str, phase: np.ndarray, radius: float, shrink: float) -> np.ndarray:
+def _over(
+    seen: Samples, name: str, phase: np.ndarray, radius: float, floor: float, shrink: float
+) -> np.ndarray:
     """A quantity and what outputs of the given radius may add, generously. [n]."""
-    reach = ABOVE * radius * np.exp(-shrink * phase**2) * _norms(seen, name)[:, 0]
+    bound = floor + (radius - floor) * np.exp(-shrink * phase**2)
+    reach = ABOVE * bound * _norms(seen, name)[:, 0]
     return (1.02 if radius > 0.0 else 1.0) * seen[name][:, 0] + reach
 
 
-def _fastest(seen: Samples, phase: np.ndarray, radius: float, gamma: float) -> tuple[float, float]:
+def _fastest(
+    seen: Samples, phase: np.ndarray, radius: float, floor: float, gamma: float
+) -> tuple[float, float]:
     """The fastest pace, and how fast the bound on sqrt(V) may shrink: one depends on the other."""
     most, shrink = 0.0, 0.0
     for _ in range(3):
-        most = float(_over(seen, "pace", phase, radius, shrink).max())
+        most = float(_over(seen, "pace", phase, radius, floor, shrink).max())
         shrink = gamma / (4.25 * most)  # Somewhat less than 4, for the strip beyond phase 1.
     return most, shrink
 
@@ -187,7 +225,7 @@ def _fastest(seen: Samples, phase: np.ndarray, radius: float, gamma: float) -> t
 def _crossing(looks: Looks, levels: np.ndarray) -> float | None:
     """The narrowest strip around phase 1 with the foot up before it and down behind it."""
     for width in CROSSINGS:
-        before, behind = (_grid(np.array([1.0 + side * width]), levels) for side in (-1, 1))
+        before, behind = (grid(np.array([1.0 + side * width]), levels) for side in (-1, 1))
         zero = np.zeros((LEVELS, looks.size))
         above, below = looks.step(before, zero)["foot"], looks.step(behind, zero)["foot"]
         if above.min() > CLEAR and below.max() < -CLEAR:
@@ -213,13 +251,13 @@ def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, flo
 
 
 def _guard_strip(
-    looks: Looks, levels: np.ndarray, crossing: float, radius: float, shrink: float
+    looks: Looks, levels: np.ndarray, crossing: float, bound: float
 ) -> float | None:
     """Half width of the strip that holds the guard for all outputs in the set."""
-    line = _grid(np.array([1.0]), levels)
+    line = grid(np.array([1.0]), levels)
     seen = looks.guard(line, np.zeros((len(line), looks.size)))
     moved = (np.linalg.norm(seen["foot/slope"], axis=1) / -seen["fall"]).max()
-    strip = crossing + 2.0 * _at(radius, shrink, 0.98) * float(moved)
+    strip = crossing + 2.0 * bound * float(moved)
     return strip if 0.0 < strip < CROSSINGS[-1] else None
 
 
@@ -230,10 +268,12 @@ def _barrier(
     impacts: _Impacts,
     gamma: float,
     radius: float,
+    plan: Plan | None,
 ) -> BarrierConstants:
     """Constants of one barrier: the gain that needs the least sigma."""
-    coupling = ABOVE * float(_norms(step, "rate")[:, k].max())
-    reading = ABOVE * float(_norms(step, "reading")[:, k].max())
+    above = ABOVE if plan is None else 1.2
+    coupling = above * float(_norms(step, "rate")[:, k].max())
+    reading = above * float(_norms(step, "reading")[:, k].max())
     best = None
     for alpha in (a for a in ALPHAS if a < gamma):
         worst = float((step["rate"][:, k] + alpha * step["h"][:, k]).min())
@@ -248,7 +288,8 @@ def _barrier(
     if not math.isfinite(sigma):
         sigma = 0.0
     # For what reads outputs a larger sigma tightens less: l / (2 radius) costs least at the rim.
-    sigma = max((1.0 + 1e-9) * sigma, reading / (2.0 * radius))
+    least = reading / (2.0 * radius) if plan is None else plan.sigma[k]
+    sigma = max((1.0 + 1e-9) * sigma, least)
     lowest = float(impacts.crossing["reset"][:, k].min())
     return BarrierConstants(
         name=name,
@@ -257,6 +298,6 @@ def _barrier(
         coupling=coupling,
         reading=reading,
         reset=lowest - 0.02 * abs(lowest) - 1e-9,
-        reset_slope=AMPLE * float(_norms(impacts.rim, "reset")[:, k].max()),
+        reset_slope=impacts.ample * float(_norms(impacts.rim, "reset")[:, k].max()),
         sigma=sigma,
     )

@@ -5,32 +5,84 @@ from collections.abc import Callable, Mapping
 import jax
 import numpy as np
 
+from neuralgaits.certificate.levels.chart import PLANE, Corner
 from neuralgaits.certificate.levels.full_order.conclude import inequalities, obstacle
-from neuralgaits.certificate.levels.full_order.find import Look, Looks, find_full_order
-from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.levels.full_order.find import Look, Looks, find_full_order, grid
+from neuralgaits.certificate.levels.full_order.margins import FullOrderModel, margins
+from neuralgaits.certificate.levels.full_order.norm import Seen, find_plan
+from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, weighting
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.gait.full_order import held_jerk
 from neuralgaits.programs import POINT, evaluate, fold
+from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 
+PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
+"""Shares of the planned push that are tried, one after the other."""
+SMALL = 1.0 / 200.0
+"""Half width of boxes on which premises are tried before any search, in sides of the root."""
+RISEN = 0.06
+"""Until this phase the foot is taken to rise, then to be up."""
 SHARES = (0.6, 0.3, 0.1)
 """Shares of the largest radius seen at points that are tried, one after the other."""
 
 
-def set_of(model: FullOrderModel) -> FullOrder | str:
+def set_of(model: FullOrderModel, pushed: bool = False) -> FullOrder | str:
     """The largest set tried whose constants fit together, or one sentence that says why none does.
+
+    Args:
+        model: of the gait.
+        pushed: look first for one that stands a disturbance (level 5): in a norm of its own, and
+            shrinking to a floor.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
-    looks, reason = looks_of(model), ""
-    for share in SHARES:
-        shape = find_full_order(looks, model.names, float(model.bandwidth), share)
+    looks, reason, w = looks_of(model), "", float(model.bandwidth)
+    seen = what_is_seen(looks) if pushed else None
+    plan = None if seen is None else find_plan(seen, w)
+    tries = [(1.0, plan.smaller(share)) for share in PLANNED] if plan else []
+    tries += [(share, None) for share in SHARES]
+    for share, planned in tries:
+        if planned is not None and planned.push == 0.0:
+            continue
+        shape = find_full_order(looks, model.names, w, share, planned)
         if isinstance(shape, str):
-            return reason or shape
+            if planned is None:
+                return reason or shape
+            continue
         broken = [obstacle(step) for step in inequalities(shape) if not step.holds]
-        if not broken:
+        if not broken and (planned is None or bounded(model, shape)):
             return shape
+        if planned is not None:
+            continue
         reason = reason or "; ".join(broken)
     return reason
+
+
+def looks_in(model: FullOrderModel, shape: FullOrder) -> Looks:
+    """What is looked at in the norm of a set. Raises: SpecError."""
+    plain, joints = looks_of(model), model.size // 2
+    return plain.in_norm(np.array(weighting(shape.weights, joints)))
+
+
+def bounded(model: FullOrderModel, shape: FullOrder) -> bool:
+    """Whether premises hold on small boxes: outputs are never cut, so smaller ones do little."""
+    program = trace(
+        lambda u, xi: margins(model, shape, u, xi), {"u": (PLANE,), "xi": (model.size,)}
+    )
+    roots: dict[tuple[Corner, Corner], list[str]] = {}
+    for output, low, high, _ in premises(shape):
+        roots.setdefault((low, high), []).append(output)
+    for (low, high), names in roots.items():
+        ends = np.array(low), np.array(high)
+        half = SMALL * (ends[1] - ends[0])
+        share = grid(np.linspace(0.0, 1.0, 25), np.linspace(0.0, 1.0, 3))
+        at = ends[0] + half + (ends[1] - ends[0] - 2.0 * half) * share
+        scales = (1.0,) * len(names)
+        problem = Problem("", low, high, tuple(names), scales, prune(program, names))
+        if not (problem.bounds(at - half, at + half)[0] >= 0.0).all():
+            return False
+    return True
 
 
 def looks_of(model: FullOrderModel) -> Looks:
@@ -53,11 +105,69 @@ def looks_of(model: FullOrderModel) -> Looks:
         found |= {"fall": slopes.fall, "foot/slope": slopes.foot}
         return found | {"drift": model.at_crossing(u)[1]}
 
-    return Looks(_look(step, model), _look(guard, model), model.size)
+    def pushed(u, xi):
+        m = model.size // 2
+
+        def forces(push):
+            found = model.in_step(model.point(u, xi[:-m], push))
+            return {"contact": found["contact"], "torque": found["torque"]}
+
+        found = {f"{name}/push": d for name, d in jax.jacfwd(forces)(xi[-m:]).items()}
+        return found | {"jerk": held_jerk(model.point(u, xi[:-m], xi[-m:]))}
+
+    size = model.size
+    off = _look(pushed, size + size // 2)
+    return Looks(
+        _look(step, size),
+        _look(guard, size),
+        size,
+        lambda u: off(u, np.zeros((len(u), size + size // 2))),
+    )
 
 
-def _look(function: Callable, model: FullOrderModel) -> Look:
-    program = trace(function, {"u": (2,), "xi": (model.size,)})
+def what_is_seen(looks: Looks) -> Seen | None:
+    """What the search for a norm stands on; None if the gait has no set at all."""
+    levels = np.linspace(0.0, 1.0, 5)
+    u = grid(np.linspace(0.0, 1.0, 31), levels)
+    impact = grid(np.array([1.0]), levels)
+    assert looks.pushed is not None
+    step, off = looks.step(u, np.zeros((len(u), looks.size))), looks.pushed(u)
+    guard = looks.guard(impact, np.zeros((len(impact), looks.size)))
+    if step["pace"].min() <= 0.0 or step["inertia"].min() <= 0.0:
+        return None
+    phase = u[:, 0]
+    apart = {"foot-rate": phase <= RISEN, "foot": (phase > RISEN) & (phase < 0.995)}
+    names = ("contact", "torque", *apart)
+    value = [np.where(apart[n][:, None], step[n], np.inf) if n in apart else step[n] for n in names]
+    pushes = [off[f"{n}/push"] for n in names[:2]]
+    pushes.append(np.zeros((len(u), 2, looks.size // 2)))
+    joints = looks.size // 2
+    # d torque / d acceleration, in units of the limits: the second half of the torque's slacks.
+    inertia = off["torque/push"][:, joints:].mean(axis=0)
+    inertia = 0.5 * (inertia + inertia.T)
+    if not np.linalg.eigvalsh(inertia).min() > 0.0:
+        inertia = np.eye(joints)
+    return Seen(
+        slack=(
+            np.concatenate(value, axis=1),
+            np.concatenate([step[f"{n}/slope"] for n in names], axis=1),
+            np.concatenate(pushes, axis=1),
+        ),
+        rate=(step["rate"], step["rate/slope"]),
+        h=step["h"],
+        reading=step["reading/slope"],
+        jerk=off["jerk"],
+        after=guard["after/slope"],
+        reset=guard["reset/slope"],
+        inlet=guard["reset"].min(axis=0),
+        phase=phase,
+        pace=float(step["pace"].max()),
+        inertia=inertia,
+    )
+
+
+def _look(function: Callable, size: int) -> Look:
+    program = trace(function, {"u": (2,), "xi": (size,)})
     folded = fold(program, POINT)
 
     def look(u: np.ndarray, xi: np.ndarray) -> Mapping[str, np.ndarray]:

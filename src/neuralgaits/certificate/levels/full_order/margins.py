@@ -1,7 +1,7 @@
 """What the full-order theorem asks of a gait (level 4): margins that must not be negative.
 
 The second argument of a margin is xi: outputs and rates in units in which sqrt(V) is |xi| times
-the set's radius at that phase. So the set's states are xi of the unit ball, over every box of u.
+the set's bound at that phase. So the set's states are xi of the unit ball, over every box of u.
 Which margin belongs to which root box stands in `full_order_theorem`.
 """
 
@@ -34,17 +34,43 @@ Vector = Float[Array, " _"]
 """Of any length."""
 Outputs = Float[Array, " two_m"]
 Quantities = dict[str, Float[Array, "..."]]
+Weights = Sequence[float] | Vector
+"""Of `FullOrder.weights`."""
 
 
-def output_coordinates(xi: Outputs, bandwidth: float | Scalar) -> Outputs:
+def weighted(weights: Weights, x: Vector) -> Vector:
+    """S x. [m]."""
+    if len(weights) == 0:
+        return x
+    rows, start, size = [], 0, len(x)
+    for i in range(size):
+        rows.append(sum(weights[start + j - i] * x[j] for j in range(i, size)))
+        start += size - i
+    return jnp.stack(rows)
+
+
+def unweighted(weights: Weights, x: Vector) -> Vector:
+    """The y with S y = x, from the last row up. [m]."""
+    if len(weights) == 0:
+        return x
+    size = len(x)
+    found: dict[int, Scalar] = {}
+    for i in reversed(range(size)):
+        start = i * size - i * (i - 1) // 2
+        rest = sum(weights[start + j - i] * found[j] for j in range(i + 1, size))
+        found[i] = (x[i] - rest) / weights[start]
+    return jnp.stack([found[i] for i in range(size)])
+
+
+def output_coordinates(xi: Outputs, bandwidth: float | Scalar, weights: Weights = ()) -> Outputs:
     """Outputs eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
-    rate, mixed = jnp.split(xi, 2)
+    rate, mixed = (unweighted(weights, part) for part in jnp.split(xi, 2))
     return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
 
 
-def scaled_coordinates(eta: Outputs, bandwidth: float | Scalar) -> Outputs:
+def scaled_coordinates(eta: Outputs, bandwidth: float | Scalar, weights: Weights = ()) -> Outputs:
     """The inverse of `output_coordinates`. Returns: [2m] (rad)."""
-    y, dy = jnp.split(eta, 2)
+    y, dy = (weighted(weights, part) for part in jnp.split(eta, 2))
     rate = dy / bandwidth
     return jnp.concatenate([rate, float(STIFF) * (y + rate)])
 
@@ -56,6 +82,8 @@ BANDWIDTH = 30.0
 APART = {
     "full/contact": "forces",
     "full/torque": "forces",
+    "disturbed/contact": "forces",
+    "disturbed/torque": "forces",
     "full/gain": "impact",
     "full/landing-slope": "impact",
     "full/reset-slope": "impact",
@@ -76,12 +104,14 @@ class FullOrderModel:
     Attributes:
         robot, gait, spec: of a run.
         bandwidth: w, the double pole of the outputs [rad/s].
+        weights: of the norm.
     """
 
     robot: PlanarBiped
     gait: Gait
     spec: GaitSpec
     bandwidth: float | Scalar = BANDWIDTH
+    weights: Weights = ()
 
     @property
     def size(self) -> int:
@@ -103,10 +133,21 @@ class FullOrderModel:
             found += alone if size == 1 else [f"{condition.name}[{k}]" for k in range(size)]
         return found
 
-    def point(self, u: Float[Array, "2"], xi: Outputs) -> FullPoint:
-        """The robot at a chart point with scaled outputs."""
-        eta = output_coordinates(xi, self.bandwidth)
-        return FullPoint(self.robot, self.gait.policy, self.gait.z(u), eta, self.bandwidth)
+    def point(self, u: Float[Array, "2"], xi: Outputs, push: Vector | None = None) -> FullPoint:
+        """The robot at a chart point with scaled outputs.
+
+        Args:
+            u: phase and level.
+            xi: scaled outputs [rad]. [2m]
+            push: S times what is added to the outputs' acceleration [rad/s^2], none if None. [m]
+        """
+        w = self.bandwidth
+        eta = output_coordinates(xi, w, self.weights)
+        acceleration = None
+        if push is not None:
+            y, dy = jnp.split(eta, 2)
+            acceleration = unweighted(self.weights, push) - (w * w) * y - (2.0 * w) * dy
+        return FullPoint(self.robot, self.gait.policy, self.gait.z(u), eta, w, acceleration)
 
     def barriers(self, z: ZeroState) -> Vector:
         """h_Z of every barrier. [I]."""
@@ -160,7 +201,7 @@ class FullOrderModel:
         found = {
             "foot": point.foot[1],
             "impulse": jnp.stack([normal, cone - tangential, cone + tangential]),
-            "after": scaled_coordinates(point.eta_after, self.bandwidth),
+            "after": scaled_coordinates(point.eta_after, self.bandwidth, self.weights),
             "momentum": point.z_after[1],
             "landing": self.gait.phase(point.z_after[0]),
             "reset": self.barriers(point.z_after),
@@ -205,26 +246,27 @@ def margins(
     model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """All margins of the theorem at one chart point and one xi of the unit ball."""
-    its = _Numbers.of(shape, model.names)
-    model = replace(model, bandwidth=its.set["bandwidth"])
-    radius = its.set["radius"] * jnp.exp(-its.set["shrink"] * u[0] * u[0])
+    its = Numbers.of(shape, model.names)
+    xi, model = xi[: model.size], its.model(model)
+    bound = its.bound(u[0])
     return (
-        _step_margins(model, its, model.point(u, radius * xi))
-        | _decay_margins(model, its, u, radius * xi)
+        _step_margins(model, its, model.point(u, bound * xi))
+        | _decay_margins(model, its, u, bound * xi)
         | _guard_margins(model, its, u, its.set["guard_radius"] * xi)
         | _crossing_margins(model, its, u)
     )
 
 
-class _Numbers(NamedTuple):
+class Numbers(NamedTuple):
     """Constants of the theorem as elements of arrays, so that a Program names where they are."""
 
     set: Mapping[str, Scalar]
     barriers: Mapping[str, Mapping[str, Scalar]]
     """By barrier."""
+    weights: Weights
 
     @classmethod
-    def of(cls, shape: FullOrder, names: Sequence[str]) -> "_Numbers":
+    def of(cls, shape: FullOrder, names: Sequence[str]) -> "Numbers":
         """Of a set whose barriers have these names, the model's."""
         parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
         rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
@@ -234,10 +276,22 @@ class _Numbers(NamedTuple):
                 name: dict(zip(OF_BARRIER, row, strict=True))
                 for name, row in zip(names, rows, strict=True)
             },
+            parts.get("weights", ()),
         )
 
+    def model(self, of: FullOrderModel) -> FullOrderModel:
+        """The model with this set's bandwidth and norm."""
+        return replace(of, bandwidth=self.set["bandwidth"], weights=self.weights)
 
-def _step_margins(model: FullOrderModel, its: _Numbers, point: FullPoint) -> Quantities:
+    def bound(self, phase: Scalar) -> Scalar:
+        """On sqrt(V) in the set [rad]."""
+        shape = jnp.exp(-self.set["shrink"] * phase * phase)
+        if "floor" not in self.set:
+            return self.set["radius"] * shape
+        return self.set["floor"] + (self.set["radius"] - self.set["floor"]) * shape
+
+
+def _step_margins(model: FullOrderModel, its: Numbers, point: FullPoint) -> Quantities:
     """Between impacts: the robot walks on, its contact and torques are possible."""
     found = model.in_step(point)
     least, most = its.set["slowest"], its.set["fastest"]
@@ -252,7 +306,7 @@ def _step_margins(model: FullOrderModel, its: _Numbers, point: FullPoint) -> Qua
 
 
 def _decay_margins(
-    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, its: Numbers, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Between impacts: what keeps h - sigma V from becoming negative."""
     centre = model.point(u, jnp.zeros_like(xi))
@@ -270,7 +324,7 @@ def _decay_margins(
 
 
 def _guard_margins(
-    model: FullOrderModel, its: _Numbers, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, its: Numbers, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """In the guard's strip: the guard is met once, and how far an impact moves the state."""
     point = model.point(u, xi)
@@ -290,7 +344,7 @@ def _guard_margins(
     return found
 
 
-def _crossing_margins(model: FullOrderModel, its: _Numbers, u: Float[Array, "2"]) -> Quantities:
+def _crossing_margins(model: FullOrderModel, its: Numbers, u: Float[Array, "2"]) -> Quantities:
     """What an impact from eta = 0 leaves."""
     impact, drift = model.at_crossing(u)
     landing, after = impact["landing"], impact["after"]

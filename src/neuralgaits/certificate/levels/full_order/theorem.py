@@ -2,7 +2,7 @@
 
 Outputs obey eta' = A eta exactly; V = |xi|^2 decays at least at the rate gamma. The set is
 
-    D = {z in the tube, h_i(z) - t_i >= sigma_i V for all i, sqrt(V) <= radius(phase), foot up},
+    D = {z in the tube, h_i(z) - t_i >= sigma_i V for all i, sqrt(V) <= bound(phase), foot up},
 
 its barriers h_i being the level above the lower fence, the level below the upper fence, and the
 spec's own barrier functions, tightened by t_i because outputs off zero move what they read. Each
@@ -11,7 +11,8 @@ prove it. `conclude` does the arithmetic from the constants to the theorem in ba
 is in docs/full_order.md. Needs no JAX.
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -65,7 +66,7 @@ class FullOrder:
     Attributes:
         bandwidth: w, the double pole of the outputs [rad/s].
         radius: bound on sqrt(V) at phase 0 [rad].
-        shrink: at other phases the bound is radius exp(-shrink phase^2) [1].
+        shrink: at other phases the bound is floor + (radius - floor) exp(-shrink phase^2) [1].
         guard_radius: that bound where the guard's strip begins, rounded up [rad].
         start_strip, guard_strip: the tube goes on for this many phases at either end.
         crossing: at eta = 0 the foot meets the ground within this many phases of phase 1.
@@ -78,6 +79,9 @@ class FullOrder:
         landing: largest |phase| after an impact from eta = 0.
         landing_slope: its change per sqrt(V) along the guard [1/rad].
         barriers: constants of each.
+        floor: what the bound on sqrt(V) shrinks to [rad].
+        weights: S of the norm, an upper triangular matrix over the joints, row by row from its
+            diagonal on; the identity if empty. V = |S dy/w|^2 + STIFF^2 |S (y + dy/w)|^2.
     """
 
     bandwidth: float
@@ -96,6 +100,8 @@ class FullOrder:
     landing: float
     landing_slope: float
     barriers: tuple[BarrierConstants, ...]
+    floor: float = 0.0
+    weights: tuple[float, ...] = ()
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -117,13 +123,32 @@ def constants_of_set(shape: FullOrder) -> dict[str, float]:
     """The set's numbers that the margins have in them, by name."""
     alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
     least, most = shape.pace
-    return {n: getattr(shape, n) for n in alone.split()} | {"slowest": least, "fastest": most}
+    found = {n: getattr(shape, n) for n in alone.split()} | {"slowest": least, "fastest": most}
+    # A bound without a floor has none in its Program.
+    return found | ({"floor": shape.floor} if shape.floor != 0.0 else {})
 
 
 def series(shape: FullOrder) -> dict[str, tuple[float, ...]]:
-    """All of them in two lists: the Program has both as constants of these names."""
+    """All of them in lists: the Program has them as constants of these names."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
-    return {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
+    found = {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
+    return found | ({"weights": shape.weights} if shape.weights else {})
+
+
+def weighting(weights: Sequence[float], joints: int) -> list[list[float]]:
+    """The matrix S, zeros and all. Raises: ValueError if these are no triangle of its size."""
+    if not weights:
+        return [[float(i == j) for j in range(joints)] for i in range(joints)]
+    if len(weights) != joints * (joints + 1) // 2:
+        raise ValueError(f"{len(weights)} weights of {joints} joints")
+    rest = iter(weights)
+    return [[next(rest) if j >= i else 0.0 for j in range(joints)] for i in range(joints)]
+
+
+def joints_of(weights: Sequence[float]) -> int | None:
+    """How many joints weights are for; None if they are no triangle."""
+    count = math.isqrt(2 * len(weights))
+    return count if 2 * len(weights) == count * (count + 1) else None
 
 
 def lyapunov(bandwidth: float) -> tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]:

@@ -1,0 +1,1 @@
+"""Level 5: the full order under a disturbance of what the outputs do."""

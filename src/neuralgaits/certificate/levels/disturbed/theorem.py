@@ -1,0 +1,74 @@
+"""The set D of level 4 under torques that are not exact (level 5): constants and premises.
+
+Outputs obey ddy = -w^2 y - 2 w dy + e with any measurable e, |S e| <= push, S being that of level
+4's norm. Then V' <= -gamma V + 2 b sqrt(V) push with b = sqrt(1 + STIFF^2) / w, nothing else of
+the flow changes, and forces and torques are affine in e. The argument is in docs/level5.md. Needs
+no JAX.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.levels.premises import Premise
+
+REGION = "disturbed"
+"""Label of the statements that level 5 rests on beside those of level 4."""
+
+OF_BARRIER = ("alpha", "weight", "lost")
+
+
+@dataclass(frozen=True)
+class DisturbedBarrier:
+    """Constants of one barrier h of level 4. Units: those of h, seconds, sqrt(V) in rad.
+
+    Attributes:
+        name: of the barrier.
+        alpha: gain [1/s].
+        weight, lost: dh/dt + alpha h - weight |d(dh/dt)/d xi|^2 - lost >= 0 in the set, the rate
+            at eta = 0 and its slope at any eta [s/h, h/s].
+    """
+
+    name: str
+    alpha: float
+    weight: float
+    lost: float
+
+
+@dataclass(frozen=True)
+class Disturbed:
+    """The constants that level 5 adds to those of level 4.
+
+    Attributes:
+        push: |S e| at most [rad/s^2].
+        barriers: constants of each, in the order of level 4.
+    """
+
+    push: float
+    barriers: tuple[DisturbedBarrier, ...]
+
+
+def series(shape: Disturbed) -> dict[str, tuple[float, ...]]:
+    """All of them in lists: the Program has them as constants of these names."""
+    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
+    return {"push": (shape.push,), "barriers": rows}
+
+
+def premises(full: FullOrder, shape: Disturbed) -> list[Premise]:
+    """What the conclusion rests on beside level 4, all of it on level 4's tube."""
+    first, last = full.ends
+    tube = (first, 0.0), (last, 1.0)
+    found = [Premise("disturbed/contact", *tube), Premise("disturbed/torque", *tube)]
+    return found + [
+        Premise(f"disturbed/decrease {barrier.name}", *tube, sign="not negative")
+        for barrier in shape.barriers
+    ]
+
+
+def labelled_premises(
+    full: FullOrder, shape: Disturbed
+) -> Iterator[tuple[str, str, Corner, Corner]]:
+    """(label, output, low, high) of all of them."""
+    for output, low, high, _ in premises(full, shape):
+        yield REGION, output, low, high

@@ -1,0 +1,233 @@
+"""The norm of V in which outputs may be pushed the most, found by looking at points.
+
+S of V = |S dy/w|^2 + STIFF^2 |S (y + dy/w)|^2 leaves the decay as it is, but decides how much an
+impact enlarges V, and how much of it contact and torques stand. Looked for is the S for which
+torques could be held the longest: the pushes that the set bears, over how fast holding makes them
+grow. Nothing here is trusted.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
+
+SPARE = 1.6
+"""Contact, torque and foot are left this much of room."""
+FULL = 0.96
+"""Share of the set that an impact may fill."""
+IMPACT = 1.18
+"""What an impact does is this much more than what was seen: bounds over outputs cost so much."""
+ABOVE_FLOOR = 1.04
+"""The bound on sqrt(V) is this much above what the push alone would keep outputs at."""
+STRIP = 0.97
+"""Where the guard's strip begins [phases]."""
+SHARES = (1.0, 0.85, 0.7)
+"""Of the largest push: a smaller one may be held for longer, as the set is smaller."""
+GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
+"""Gains alpha tried [1/s]."""
+TRIES = 500
+"""Norms that are tried."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was seen at points, outputs in plain coordinates xi. n points of the step, q of impacts.
+
+    Attributes:
+        slack: of contact, torques and foot, with slopes in xi and in the outputs' acceleration.
+            [n, k], [n, k, 2m], [n, k, m]
+        rate, h: of each barrier, with slopes of its rate and of what it reads. [n, I], [n, I, 2m]
+        jerk: of the outputs while torques are held. [n, m]
+        after, reset: slopes in xi of xi and barriers after an impact. [q, 2m, 2m], [q, I, 2m]
+        inlet: least barriers after an impact. [I]
+        phase: [n].
+        pace: the largest [1/s].
+        inertia: d torque / d acceleration of the outputs, symmetric. [m, m]
+    """
+
+    slack: tuple[np.ndarray, np.ndarray, np.ndarray]
+    rate: tuple[np.ndarray, np.ndarray]
+    h: np.ndarray
+    reading: np.ndarray
+    jerk: np.ndarray
+    after: np.ndarray
+    reset: np.ndarray
+    inlet: np.ndarray
+    phase: np.ndarray
+    pace: float
+    inertia: np.ndarray
+
+
+class Plan(NamedTuple):
+    """A set that stands pushes, as far as points tell.
+
+    Attributes:
+        matrix: S. [m, m]
+        push: |S e| at most, e being added to the outputs' acceleration [rad/s^2].
+        radius, floor: of the set [rad].
+        sigma: weight of V in each barrier.
+        hold: for how long torques could be held [s].
+        planned: the norm's, for smaller pushes.
+    """
+
+    matrix: np.ndarray
+    push: float
+    radius: float
+    floor: float
+    sigma: tuple[float, ...]
+    hold: float
+    planned: "Planned"
+
+    def smaller(self, share: float) -> "Plan":
+        """The same for this share of the push."""
+        return self.planned.plan(share * self.push)
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """S as `FullOrder` has it."""
+        size = len(self.matrix)
+        return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
+
+
+def doubled(matrix: np.ndarray) -> np.ndarray:
+    """A matrix on both halves of xi."""
+    return np.kron(np.eye(2), matrix)
+
+
+def push_factor(bandwidth: float) -> float:
+    """|d xi'/d e| for a unit |S e|: xi' has S e/w and STIFF S e/w [s]."""
+    return math.sqrt(1.0 + float(STIFF) ** 2) / bandwidth
+
+
+def find_plan(seen: Seen, bandwidth: float) -> Plan | None:
+    """The best plan found; None if no set was."""
+    from scipy.optimize import minimize  # Slow to import, and only proofs need it.
+
+    m = len(seen.inertia)
+    rows = np.tril_indices(m)
+
+    def matrix(x: np.ndarray) -> np.ndarray:
+        lower = np.zeros((m, m))
+        lower[rows] = x
+        lower[np.diag_indices(m)] = np.exp(np.diagonal(lower))
+        return lower.T
+
+    lower = np.linalg.cholesky(seen.inertia / np.linalg.det(seen.inertia) ** (1.0 / m))
+    lower[np.diag_indices(m)] = np.log(np.diagonal(lower))
+    with np.errstate(all="ignore"):
+        best = minimize(
+            lambda x: -1e3 * Planned(seen, bandwidth, matrix(x)).best().hold,
+            lower[rows],
+            method="Nelder-Mead",
+            options={"maxfev": TRIES, "adaptive": True},
+        )
+        found = matrix(best.x)
+        # The size of S means nothing: 1 for the determinant, and few digits.
+        size = np.linalg.det(found) ** (1.0 / m)
+        plan = Planned(seen, bandwidth, np.round(found / size, 4)).best()
+    return plan if plan.hold > 0.0 else None
+
+
+class Planned:
+    """What a norm allows."""
+
+    def __init__(self, seen: Seen, bandwidth: float, matrix: np.ndarray):
+        self.seen, self.w, self.matrix = seen, bandwidth, matrix
+        inverse = np.linalg.inv(matrix)
+        both, back = doubled(matrix), doubled(inverse)
+        self.gamma, self.factor = float(lyapunov_rate(bandwidth)), push_factor(bandwidth)
+        value, slope, pushed = seen.slack
+        self.slack = value, _size(slope @ back), _size(pushed @ inverse)
+        self.coupling = 1.15 * _size(seen.rate[1] @ back)
+        self.reading = 1.2 * _size(seen.reading @ back).max(axis=0)
+        after = both @ seen.after @ back
+        self.gain = IMPACT * float(np.sqrt((after**2).sum(axis=(1, 2)).max()))
+        self.reset = IMPACT * _size(seen.reset @ back).max(axis=0)
+        self.jerk = 1.1 * _size(seen.jerk @ matrix.T)
+        shrink = self.gamma / (4.25 * 1.1 * seen.pace)
+        self.shape = np.exp(-shrink * seen.phase**2)
+        self.left = math.exp(-shrink * STRIP**2)
+
+    def best(self) -> Plan:
+        """The plan that torques could be held the longest in."""
+        low, high = 0.0, 8.0
+        for _ in range(12):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._fits(middle) is not None else (low, middle)
+        return max((self.plan(share * low) for share in SHARES), key=lambda plan: plan.hold)
+
+    def plan(self, push: float) -> Plan:
+        """The set for a push; a push of 0 if there is none."""
+        sigma = self._fits(push) if push > 0.0 else None
+        if sigma is None:
+            return Plan(self.matrix, 0.0, 0.0, 0.0, (), 0.0, self)
+        floor, radius = self._sizes(push)
+        # d/dt of -w^2 y - 2 w dy is w^3 (x1 + x2) - 2 w e in the halves of xi.
+        back = math.sqrt(2.0) * self.w**3 * (floor + (radius - floor) * self.shape)
+        growth = float((self.jerk + back + 2.0 * self.w * push).max())
+        return Plan(self.matrix, push, radius, floor, sigma, push / growth, self)
+
+    def _sizes(self, push: float) -> tuple[float, float]:
+        floor = ABOVE_FLOOR * 2.0 * self.factor * push / self.gamma
+        growth = max(self.gain, 1.1) / FULL
+        if growth * self.left >= 0.9:
+            return floor, math.inf
+        return floor, growth * floor * (1.0 - self.left) / (1.0 - growth * self.left)
+
+    def _fits(self, push: float) -> tuple[float, ...] | None:
+        """Sigma of each barrier, if contact, torque, foot and barriers stand the push."""
+        floor, radius = self._sizes(push)
+        if not math.isfinite(radius):
+            return None
+        bound = floor + (radius - floor) * self.shape
+        value, slope, pushed = self.slack
+        need = bound[:, None] * slope + push * pushed
+        if not (SPARE * need <= value).all():
+            return None
+        sigma = tuple(self._sigma(i, push, floor, radius) for i in range(len(self.seen.inlet)))
+        return None if 0.0 in sigma else sigma
+
+    def _sigma(self, i: int, push: float, floor: float, radius: float) -> float:
+        """The weight that leaves a barrier the most room; 0 if none leaves any."""
+        c, l = self.coupling[:, i], self.reading[i]
+        value = 0.97 * (self.seen.rate[0][:, i] + GAINS[:, None] * self.seen.h[:, i])
+        rest = self.gamma - GAINS
+        middle = c.max() / (2.0 * self.factor * push)
+        sigma = np.concatenate([middle * np.geomspace(0.1, 1.5, 9), l / radius * np.array([0.5, 1, 2])])
+        sigma = sigma[sigma > 0.0]
+        tight = l**2 / (4.0 * sigma)
+        before = floor + (radius - floor) * self.left
+        inlet = 0.95 * self.seen.inlet[i] - self.reset[i] * before - tight
+        lost = (c + 2.0 * sigma[:, None, None] * self.factor * push) ** 2 / (
+            4.0 * sigma[:, None, None] * rest[:, None]
+        )
+        room = (value - lost).min(axis=2) - GAINS * tight[:, None]
+        # Level 4 takes the least rate and the largest coupling, wherever each is.
+        still = 0.94 * value.min(axis=1) - c.max() ** 2 * 1.1 / (4.0 * sigma[:, None] * rest)
+        still = (still - GAINS * tight[:, None]).max(axis=1)
+        room = np.minimum(room.max(axis=1), still)
+        room[sigma * radius**2 > inlet] = -1.0
+        return float(sigma[room.argmax()]) if room.max() > 0.0 else 0.0
+
+
+def _size(rows: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(rows, axis=-1)
+
+
+def in_norm(samples: Mapping[str, np.ndarray], matrix: np.ndarray) -> dict[str, np.ndarray]:
+    """Samples in plain coordinates in those of a norm: slopes are in S xi then."""
+    both, back = doubled(matrix), doubled(np.linalg.inv(matrix))
+    found = dict(samples)
+    for name in samples:
+        if name.endswith("/slope"):
+            found[name] = samples[name] @ back
+    for name in ("after", "drift"):
+        if name in samples:
+            found[name] = samples[name] @ both.T
+    if "after/slope" in samples:
+        found["after/slope"] = both @ found["after/slope"]
+    return found

@@ -1,0 +1,180 @@
+"""Level 5: the arithmetic of the disturbed theorem, its norm, and its margins against the robot."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
+from neuralgaits.certificate.levels.disturbed.margins import margins
+from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier, premises
+from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order, inequalities
+from neuralgaits.certificate.levels.full_order.margins import (
+    FullOrderModel,
+    output_coordinates,
+    scaled_coordinates,
+)
+from neuralgaits.certificate.levels.full_order.theorem import premises as of_level_four
+from neuralgaits.gait.full_order import FullPoint, held_jerk
+from neuralgaits.robots import dynamics
+from support.full_order_shape import SHAPE
+
+WEIGHTS = (1.1, 1.3, -0.2, -0.05, 1.5, -0.1, -0.08, 1.3, 0.35, 0.4)
+GAMMA, B = 45.0, np.sqrt(5.0) / 30.0
+FLOOR = 2e-4
+PUSH = 0.999 * GAMMA * FLOOR / (2.0 * B)
+
+
+def _full(**changes):
+    """The set of the other tests with a floor: its impacts still fit."""
+    guard = SHAPE.guard_radius + FLOOR
+    return replace(SHAPE, floor=FLOOR, guard_radius=guard, start_strip=0.004, **changes)
+
+
+def _shape(full, push=PUSH, split=1.0):
+    rows = []
+    for of in full.barriers:
+        rest = 4.0 * of.sigma * (GAMMA - of.alpha)
+        lost = of.alpha * of.reading**2 / (4.0 * of.sigma)
+        lost += (1.0 + 1.0 / split) * (2.0 * of.sigma * B * push) ** 2 / rest
+        rows.append(
+            DisturbedBarrier(of.name, of.alpha, (1.0 + split) / rest, lost * (1.0 + 1e-9) + 1e-12)
+        )
+    return Disturbed(push, tuple(rows))
+
+
+def _verdict(full, shape, without=None):
+    bounds = {(p.output, p.low, p.high): 0.1 for p in premises(full, shape)}
+    return conclude_disturbed(full, shape, {k: v for k, v in bounds.items() if k[0] != without})
+
+
+def _first(shape, **changes):
+    barrier, *rest = shape.barriers
+    return replace(shape, barriers=(replace(barrier, **changes), *rest))
+
+
+def test_constants_that_fit_are_a_proof_and_planted_falsity_is_none():
+    full = _full()
+    shape = _shape(full)
+    assert _verdict(full, shape).verdict == "proved"
+    lost, weight = shape.barriers[0].lost, shape.barriers[0].weight
+    forged = {
+        "2 b push < gamma floor": _shape(full, push=PUSH * 1.01),
+        "0 < push": _shape(full, push=-PUSH),
+        "what the push takes < lost": _first(shape, lost=0.99 * lost),
+        "1 < 4 sigma": _first(shape, weight=0.4 * weight),
+        "alpha < gamma": _first(shape, alpha=46.0),
+        "not those of level 4": replace(shape, barriers=shape.barriers[::-1]),
+    }
+    for reason, wrong in forged.items():
+        found = _verdict(full, wrong)
+        assert found.verdict == "undecided"
+        assert reason in str(found.reason)
+    for premise in premises(full, shape):
+        assert premise.output in str(_verdict(full, shape, premise.output).reason)
+
+
+def test_a_set_without_a_floor_stands_no_push():
+    assert "gamma floor" in str(_verdict(SHAPE, _shape(SHAPE, push=1e-9)).reason)
+
+
+def test_a_floor_counts_in_every_inequality_of_level_four():
+    full = _full()
+    assert all(step.holds for step in inequalities(full))
+    bounds = {(p.output, p.low, p.high): 0.1 for p in of_level_four(full)}
+    assert conclude_full_order(full, bounds).verdict == "proved"
+    low = replace(full, guard_radius=SHAPE.guard_radius)
+    reasons = [step.claim for step in inequalities(low) if not step.holds]
+    assert reasons == ["the bound at the guard < guard_radius"]
+    for floor, claim in ((-1e-5, "0 < floor"), (0.1, "floor < radius")):
+        broken = [s.claim for s in inequalities(replace(full, floor=floor)) if not s.holds]
+        assert claim in broken
+    for weights in ((1.0, 2.0), (1.0, 0.5, 0.0)):
+        reason = conclude_full_order(replace(full, weights=weights), bounds).reason
+        assert "triangle" in str(reason)
+
+
+@pytest.mark.parametrize(("share", "leaves"), [(1.0, False), (0.8, True)])
+def test_the_worst_system_leaves_only_below_what_the_push_takes(share, leaves):
+    """h' = value - alpha h - c r, r' = -gamma r / 2 + b push on faces h = sigma r^2."""
+    full = _full()
+    of, push = full.barriers[0], PUSH
+    c, alpha = of.coupling, of.alpha
+    value = share * (c + 2.0 * of.sigma * B * push) ** 2 / (4.0 * of.sigma * (GAMMA - alpha))
+    r = np.linspace(1e-5, 0.05, 4000)
+    h, step, worst = of.sigma * r**2, 1e-6, np.inf
+    for _ in range(100):
+        h = h + step * (value * (1.0 + 1e-6) - alpha * h - c * r)
+        r = r + step * (-0.5 * GAMMA * r + B * push)
+        worst = min(worst, float(np.min(h - of.sigma * r**2)))
+    assert (worst < -1e-10) == leaves
+
+
+def test_the_norm_has_an_inverse_and_pushes_as_fast_as_said():
+    """V of xi, and d sqrt(V) / dt <= -gamma sqrt(V) / 2 + b |S e| at random states."""
+    draw = np.random.default_rng(3)
+    matrix = np.zeros((4, 4))
+    matrix[np.triu_indices(4)] = WEIGHTS
+    for _ in range(50):
+        eta, e = draw.normal(size=8), draw.normal(size=4)
+        xi = scaled_coordinates(jnp.asarray(eta), 30.0, WEIGHTS)
+        np.testing.assert_allclose(output_coordinates(xi, 30.0, WEIGHTS), eta, rtol=1e-12)
+        y, dy = eta[:4], eta[4:]
+        assert float(xi @ xi) == pytest.approx(
+            np.sum((matrix @ dy / 30.0) ** 2) + 4.0 * np.sum((matrix @ (y + dy / 30.0)) ** 2)
+        )
+        rate = np.concatenate([dy, -900.0 * y - 60.0 * dy + e])
+        moved = np.asarray(scaled_coordinates(jnp.asarray(rate), 30.0, WEIGHTS))
+        size = float(jnp.linalg.norm(xi))
+        grows = float(np.asarray(xi) @ moved) / size
+        assert grows <= -0.5 * GAMMA * size + B * np.linalg.norm(matrix @ e) + 1e-9
+
+
+@pytest.mark.slow
+def test_forces_of_the_worst_push_and_the_jerk_of_held_torques(trained):
+    """Contact and torque against pushed states; the jerk against the floating robot's own rates."""
+    model = FullOrderModel(trained.robot, trained.gait, trained.spec, 30.0)
+    full = _full(weights=WEIGHTS)
+    names = model.names
+    full = replace(full, barriers=tuple(replace(full.barriers[0], name=n) for n in names))
+    shape = _shape(full, push=2.0)
+    model = replace(model, weights=WEIGHTS)
+    u, xi = jnp.array([0.4, 0.3]), jnp.asarray(np.random.default_rng(1).normal(size=8) * 0.2)
+    found = margins(model, full, shape, u, xi)
+    bound = full.floor + (full.radius - full.floor) * np.exp(-full.shrink * 0.16)
+    push = np.random.default_rng(2).normal(size=(4000, 4))
+    push *= 2.0 / np.linalg.norm(push, axis=1, keepdims=True)
+
+    def slacks(e):
+        seen = model.in_step(model.point(u, bound * xi, e))
+        return seen["contact"], seen["torque"]
+
+    seen = jax.jit(jax.vmap(slacks))(jnp.asarray(push))
+    still = slacks(jnp.zeros(4))
+    for name, worst, at in zip(("contact", "torque"), seen, still, strict=True):
+        taken = np.sqrt(np.asarray(at**2 - found[f"disturbed/{name}"]))
+        lowest = np.min(np.asarray(worst), axis=0)
+        assert np.all(lowest >= np.asarray(at) - taken - 1e-12)
+        assert np.all(lowest <= np.asarray(at) - 0.9 * taken)
+
+    point = model.point(u, bound * xi, jnp.asarray(push[0]))
+    eta = jnp.concatenate([point.output, point.output_rate])
+    n, robot, zd = trained.robot.n, trained.robot, trained.zero_dynamics
+    torque = point.torque
+
+    def rate(x):
+        return jnp.concatenate([x[n:], dynamics.acceleration(robot, x[:n], x[n:], torque)])
+
+    def outputs(x):
+        return zd.phi(x)[0]
+
+    def accelerations(x):
+        return jax.jvp(outputs, (x,), (rate(x),))[1][4:]
+
+    x = zd.phi_inv(point.z, eta)
+    np.testing.assert_allclose(accelerations(x), point.output_acceleration, atol=1e-6)
+    jerk = jax.jit(lambda x: jax.jvp(accelerations, (x,), (rate(x),))[1])(x)
+    assert isinstance(point, FullPoint)
+    np.testing.assert_allclose(held_jerk(point), jerk, rtol=1e-6, atol=1e-5)
