@@ -98,7 +98,7 @@ def test_a_floor_counts_in_every_inequality_of_level_four():
 
 @pytest.mark.parametrize(("share", "leaves"), [(1.0, False), (0.8, True)])
 def test_the_worst_system_leaves_only_below_what_the_push_takes(share, leaves):
-    """h' = value - alpha h - c r, r' = -gamma r / 2 + b push on faces h = sigma r^2."""
+    """The system h' = value - alpha h - c r, r' = -gamma r / 2 + b push on faces h = sigma r^2."""
     full = _full()
     of, push = full.barriers[0], PUSH
     c, alpha = of.coupling, of.alpha

@@ -86,7 +86,7 @@ class Sought(NamedTuple):
     Attributes:
         find: of a subject and the parameters below: parameters, and what outputs that enclose
             constants must reach; or one sentence that says why there are none.
-        margins: its premises as functions of all parameters, a chart point, and xi of the unit ball.
+        margins: its premises as functions of all parameters, a chart point and xi of the unit ball.
     """
 
     find: Callable[[Subject, Parameters], tuple[Any, Mapping[str, float]] | str]

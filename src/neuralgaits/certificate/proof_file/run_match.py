@@ -13,7 +13,7 @@ import numpy as np
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.errors import RunError
 
-SETS = ("walking.", "orbit.", "full.")
+SETS = ("walking.", "orbit.", "full.", "disturbed.")
 """Names of constants that are parameters of a theorem and not the gait's."""
 CONFIG = "config.json"
 ROBOT, WEIGHTS, SPEC = "robot.xml", "policy.safetensors", "spec.py"

@@ -184,6 +184,7 @@ class _Impacts:
 
 
 def grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    """All pairs of these phases and levels. [n, 2]."""
     return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
@@ -250,9 +251,7 @@ def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, flo
     return float(min(everywhere, best[0])), float(best[1])
 
 
-def _guard_strip(
-    looks: Looks, levels: np.ndarray, crossing: float, bound: float
-) -> float | None:
+def _guard_strip(looks: Looks, levels: np.ndarray, crossing: float, bound: float) -> float | None:
     """Half width of the strip that holds the guard for all outputs in the set."""
     line = grid(np.array([1.0]), levels)
     seen = looks.guard(line, np.zeros((len(line), looks.size)))

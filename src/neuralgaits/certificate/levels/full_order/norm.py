@@ -193,13 +193,15 @@ class Planned:
 
     def _sigma(self, i: int, push: float, floor: float, radius: float) -> float:
         """The weight that leaves a barrier the most room; 0 if none leaves any."""
-        c, l = self.coupling[:, i], self.reading[i]
+        c, read = self.coupling[:, i], self.reading[i]
         value = 0.97 * (self.seen.rate[0][:, i] + GAINS[:, None] * self.seen.h[:, i])
         rest = self.gamma - GAINS
         middle = c.max() / (2.0 * self.factor * push)
-        sigma = np.concatenate([middle * np.geomspace(0.1, 1.5, 9), l / radius * np.array([0.5, 1, 2])])
+        sigma = np.concatenate(
+            [middle * np.geomspace(0.1, 1.5, 9), read / radius * np.array([0.5, 1, 2])]
+        )
         sigma = sigma[sigma > 0.0]
-        tight = l**2 / (4.0 * sigma)
+        tight = read**2 / (4.0 * sigma)
         before = floor + (radius - floor) * self.left
         inlet = 0.95 * self.seen.inlet[i] - self.reset[i] * before - tight
         lost = (c + 2.0 * sigma[:, None, None] * self.factor * push) ** 2 / (
