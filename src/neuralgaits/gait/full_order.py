@@ -108,7 +108,7 @@ def held_jerk(point: FullPoint) -> Actuated:
         return FullPoint(point.robot, point.policy, z, eta, point.bandwidth, ddy).torque
 
     z, y, dy, ddy = point.z, point.output, point.output_rate, point.output_acceleration
-    _, rate = jax.jvp(lambda *at: torque(*at, ddy), (z, y, dy), (point.dz, dy, ddy))
+    _, rate = jax.jvp(lambda z, y, dy: torque(z, y, dy, ddy), (z, y, dy), (point.dz, dy, ddy))
     slopes = [
         jax.jvp(lambda a: torque(z, y, dy, a), (ddy,), (row,))[1]
         for row in jnp.eye(m, dtype=ddy.dtype)
