@@ -229,7 +229,7 @@ def follows(proofcheck, tmp_path):
 
 def variants(shape: FullOrder) -> Iterator[FullOrder]:
     """Every constant times every factor."""
-    alone = [f.name for f in fields(shape) if f.name not in ("pace", "barriers")]
+    alone = [f.name for f in fields(shape) if f.name not in ("pace", "barriers", "weights")]
     for factor in FACTORS:
         for name in alone:
             yield replace(shape, **{name: factor * getattr(shape, name)})

@@ -14,7 +14,7 @@ from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premise
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.gait.full_order import held_jerk
 from neuralgaits.programs import POINT, evaluate, fold
-from neuralgaits.programs.prune import prune
+from neuralgaits.programs.prune import prune, reading
 from neuralgaits.programs.tracing.tracer import trace
 
 PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
@@ -71,8 +71,10 @@ def bounded(model: FullOrderModel, shape: FullOrder) -> bool:
         lambda u, xi: margins(model, shape, u, xi), {"u": (PLANE,), "xi": (model.size,)}
     )
     roots: dict[tuple[Corner, Corner], list[str]] = {}
+    off_zero = reading(program, "xi")
     for output, low, high, _ in premises(shape):
-        roots.setdefault((low, high), []).append(output)
+        if output in off_zero:
+            roots.setdefault((low, high), []).append(output)
     for (low, high), names in roots.items():
         ends = np.array(low), np.array(high)
         half = SMALL * (ends[1] - ends[0])
