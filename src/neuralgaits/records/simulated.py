@@ -10,6 +10,17 @@ FOLDER = "simulation"
 SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER}/walk.csv"
 LOCKSTEP = "lock-step"
 """How a controller's process is reached where it is waited for."""
+_SHOWN = (
+    ("speed_m_s", "speed", "m/s"),
+    ("step_time_s", "time of a step", "s"),
+    ("cost_of_transport", "mechanical cost of transport", ""),
+    ("peak_torque_nm", "largest torque", "N m"),
+    ("steady_peak_torque_nm", "largest torque, away from touchdowns", "N m"),
+    ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
+    ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
+    ("min_normal_force_n", "smallest force on the standing foot", "N"),
+    ("saturated_fraction", "share of time at a torque limit", ""),
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,6 +141,12 @@ class WalkFigures(Record):
     def stayed(self) -> int:
         """Walks that stayed up to their last step."""
         return len(self.fell) - sum(self.fell)
+
+    @property
+    def shown(self) -> list[tuple[str, float | None, str]]:
+        """What a person sees of the figures that are known: words, number and unit."""
+        found = ((words, getattr(self, name), unit) for name, words, unit in _SHOWN)
+        return [row for row in found if row[1] is not None]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
