@@ -179,9 +179,9 @@ class Fit:
     run: Run
     """Run folder, or latest."""
     logs: Annotated[Positional[tuple[Path, ...]], arg(metavar="LOG.csv...")]
-    """Logs of walks, falls included; see docs/logs.md."""
+    """Logs of walks, falls included; see the page 'Your own logs'."""
     columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
-    """What the columns of a robot's own logs are: names, units, signs; see docs/logs.md."""
+    """Names, units and signs of a robot's own columns; see the page 'Your own logs'."""
     optimizer: Literal["adam", "adamw", "nero"] = "adam"
     """Optimiser of the fit; nero is the paper's."""
     seed: Annotated[int, arg(metavar="N")] = 0
@@ -229,7 +229,7 @@ class Episodes:
     logs: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of a robot's own logs in place of a plant: DIR/round-0/*.csv and so on."""
     columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
-    """With --logs: what the columns of these logs are; see docs/logs.md."""
+    """With --logs: what the columns of these logs are; see the page 'Your own logs'."""
     rounds: Annotated[int | None, arg(metavar="N")] = None
     """Rounds of learning and refining; 2 if not given."""
     seed: Annotated[int | None, arg(metavar="N")] = None
@@ -263,7 +263,7 @@ class Sweep:
     """Laws to walk under: pd (if not given), fblin, paper."""
     disturbances: Annotated[str | None, arg(metavar="FILE|standard|none")] = None
     """What to walk under beside nothing: the standard eighteen (if not given), or those of a TOML
-    file; see docs/scale.md."""
+    file; see the page 'From a laptop to a cluster'."""
     walks: Annotated[int | None, arg(metavar="N")] = None
     """Walks of 25 steps under each disturbance; 4 if not given."""
     at_work: Annotated[Workers, arg(name="")] = Workers()

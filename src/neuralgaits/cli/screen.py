@@ -64,7 +64,8 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
         ]
     except RunError:
         pass
-    loosen = f'without("{worst}") in a spec of your own, see docs/did_not_train.md'
+    page = "the page 'It did not train: what now'"
+    loosen = f'without("{worst}") in a spec of your own, see {page}'
     return [(name, line) for name, line in commands if line] + [("or loosen", loosen)]
 
 

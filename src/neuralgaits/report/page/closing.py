@@ -15,6 +15,9 @@ from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.report.told import FIGURE as FAMILY
 from neuralgaits.runs.commands import command, named, resuming
 
+_NAMED = 3
+"""Failing conditions that are named before the others are left to the table."""
+
 
 def failures(contents: Contents) -> Html:
     """Everything that did not work, with its reason."""
@@ -97,15 +100,23 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         return
     if saved.simulation is None:
         yield "simulations", command("simulate", saved.name)
-    if saved.certificate is None:
-        if not saved.asked.not_provable_because:
-            yield "a certificate", command("certify", saved.name)
-    elif (level := saved.certificate.level) < saved.asked.last_level:
+    unprovable = bool(saved.failing or saved.asked.not_provable_because)
+    if saved.failing:
+        names = ", ".join(saved.failing[:_NAMED]) + (", …" if len(saved.failing) > _NAMED else "")
+        what = f"a gait that can be proved: some states break {names}, which more steps may mend"
+        yield what, again.longer(saved.folder)
+    elif unprovable:
+        pass
+    elif saved.certificate is None:
+        yield "a certificate", command("certify", saved.name)
+    elif (level := saved.certificate.proved_level) < saved.asked.last_level:
         line = again.certifying(saved.folder.path, level + 1)
         stated = in_plain_words.states(level + 1, bool(saved.asked.commands))
         yield f"level {level + 1}: {stated}", line
     for figure in contents.figures:
-        if isinstance(figure, Missing):
+        # What a proof would show is no use to ask for where there can be none.
+        proof = isinstance(figure, Missing) and figure.command.startswith(command("certify"))
+        if isinstance(figure, Missing) and not (proof and unprovable):
             yield f"figure “{figure.title}”: {figure.reason}", figure.command
 
 
