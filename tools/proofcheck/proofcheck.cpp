@@ -46,7 +46,7 @@
 // of them in one. Answers do not depend on it.
 //
 // It is compiled in one line:
-// g++ -std=c++17 -O2 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
+// g++ -std=c++17 -O1 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
 //
 // Add -march=native for a processor with wider registers: more boxes are bounded at once. Nothing
 // else changes; multiplications and additions are not fused, whatever the processor has.
