@@ -108,9 +108,9 @@ class Saved:
 
     @property
     def failing(self) -> list[str]:
-        """Conditions that some state breaks: refuted, or broken on samples where none is."""
+        """Conditions that some state breaks: refuted, or broken on samples and not proved."""
         refuted = [name for name, one in self.conditions.items() if one.verdict == "refuted"]
-        broken = [] if self.summary is None else list(self.summary.broken)
+        broken = [] if self.proved_level or self.summary is None else list(self.summary.broken)
         return refuted or broken
 
     @property
