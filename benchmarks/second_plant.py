@@ -69,7 +69,8 @@ def walked(
     with np.errstate(divide="ignore", invalid="ignore"):
         speed = (gauge.last.hip - gauge.first.hip) / (gauge.last.time - gauge.first.time)
     momenta = [_settled(record) for record in done.records]
-    return Walked(np.array([end.fell for end in done.endings]), speed, np.array(momenta))
+    fell = np.array([end.fell for end in done.endings])
+    return Walked(fell, np.asarray(speed), np.array(momenta))
 
 
 def _settled(record: Any) -> float:

@@ -16,6 +16,7 @@ from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.simulation.drake.model import drake_plant
 from neuralgaits.simulation.drake.world import DrakeWorld
 from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.setup.course import stones_at
 from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.walk import walk
@@ -97,6 +98,20 @@ def test_both_feet_carry_the_weight_each_on_its_own_floor():
     assert world.touch[0, 0] > 0.0 and world.touch[0, 1] == 0.0
 
 
+def test_a_foot_stands_on_a_stone_and_not_beside_it():
+    robot = load_robot("amber3m")
+    straddle = np.array([-0.2, 0.0, 0.2, -0.2, 0.0])
+    step = float(robot.swing_foot(straddle)[0])
+    for rise in (0.0, -0.05):
+        course = stones_at(np.array([[0.0, 0.0], [step, rise]]), np.array([0.1, 0.1]))
+        plant = build(robot, None, course)
+        start = states(plant, straddle, np.zeros(5), (0.0, float(robot.foot_radius)))
+        world = DrakeWorld([plant], start)
+        for _ in range(10):
+            world.advance(np.array([0]), np.zeros((1, plant.wires.nu)), np.zeros(1))
+        assert list(world.touch[0] > 10.0) == [True, rise == 0.0]
+
+
 def test_dry_friction_holds_and_slips():
     robot = load_robot("amber3m")
     plant = build(robot, Disturbance(joint_friction=2.0))
@@ -112,6 +127,19 @@ def test_dry_friction_holds_and_slips():
     # In free fall, 50 ms under 1 N m more than friction: rotor and shin, 0.46 kg m^2.
     assert turned[0] < 2e-3
     assert turned[1] == pytest.approx(0.05 * 1.0 / 0.46, rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_robot_that_flies_apart_has_fallen(amber, slow):
+    policy, x = slow
+    wild = x.copy()
+    wild[5:] = 1e6
+    walked = walk(amber, policy, wild[None], controller="fblin", steps=1, simulator="drake")
+    plant = build(amber)
+    world = DrakeWorld([plant], states(plant, *np.split(wild, 2), (0.0, 0.0)))
+    for _ in range(50):
+        world.advance(np.array([0]), np.zeros((1, plant.wires.nu)), np.zeros(1))
+    assert walked.episodes.endings[0].fell and np.isnan(world.states).all()
 
 
 @pytest.mark.slow

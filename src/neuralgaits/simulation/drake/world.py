@@ -122,13 +122,17 @@ class _Episode:
     def advance(
         self, controls: Float[np.ndarray, " u"], force: float
     ) -> tuple[Float[np.ndarray, " s"], Float[np.ndarray, " 2"]]:
-        """One control tick. Returns: the state, the normal forces (N)."""
+        """One control tick. Returns: the state, NaN once it has run away; the normal forces (N)."""
         made = self._made
         self._applied[self._root] = force
         self._applied[made.motors] = np.clip(made.gears * controls, -made.effort, made.effort)
         self._input.FixValue(self._context, self._applied)
         self._ticks += 1
-        self._simulator.AdvanceTo(self._ticks * _PERIOD_S)
+        try:
+            self._simulator.AdvanceTo(self._ticks * _PERIOD_S)
+        except RuntimeError:
+            # So Drake's solver ends on rates beyond all reason; to the loop that is a fall.
+            return np.full(1 + 2 * len(made.zeros), np.nan), np.zeros(len(made.feet))
         positions = made.plant.GetPositions(self._context)[made.positions]
         velocities = made.plant.GetVelocities(self._context)[made.velocities]
         time = self._began + self._whole.get_time()
