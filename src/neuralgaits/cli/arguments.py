@@ -89,7 +89,7 @@ class Train:
 
 @dataclass(frozen=True)
 class Simulate:
-    """Walk a trained gait in MuJoCo at full order."""
+    """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
     run: Run
     """Run folder, or latest."""
@@ -105,6 +105,9 @@ class Simulate:
     engine: Annotated[Literal["native", "jax"] | None, arg(metavar="{native,jax}")] = None
     """Compiled code or JAX, which is the reference and many times slower; native if it is not
     given and there is a C compiler."""
+    simulator: Literal["mujoco", "drake"] = "mujoco"
+    """What steps the plant: MuJoCo, or Drake with its own dynamics and contact, to see whether the
+    two agree; needs the drake extra."""
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
     push: Annotated[float | None, arg(metavar="NS")] = None

@@ -124,7 +124,7 @@ def show_walks(result: Simulated) -> None:
         )
     if result.link is not None:
         _link(result.link)
-    asked = ("plant", "controller", "engine", "terrain", "start", "push", "run")
+    asked = ("plant", "simulator", "controller", "engine", "terrain", "start", "push", "run")
     facts = [(name, value) for name in asked if (value := getattr(result, name)) is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]
     told = [f"{name}={number(value)}" for name, value in (result.command or {}).items()]

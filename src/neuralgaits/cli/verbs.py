@@ -189,7 +189,7 @@ def _simulate(verb: Simulate) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
-    with waiting("walking in MuJoCo", quiet=verb.output.json):
+    with waiting("walking", quiet=verb.output.json):
         done = simulate(
             verb.run,
             plant=verb.plant,
@@ -204,6 +204,7 @@ def _simulate(verb: Simulate) -> Outcome:
             video=verb.video,
             link=verb.link,
             engine=verb.engine,
+            simulator=verb.simulator,
             command=verb.command,
             commands=verb.commands,
             terrain=verb.terrain,

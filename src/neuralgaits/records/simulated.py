@@ -8,6 +8,7 @@ from neuralgaits.records.record import Count, Disturb, Record, Texts
 
 FOLDER = "simulation"
 SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER}/walk.csv"
+MUJOCO = "mujoco"
 LOCKSTEP = "lock-step"
 """How a controller's process is reached where it is waited for."""
 _SHOWN = (
@@ -163,6 +164,7 @@ class WalkSettings(Record):
         disturb: what was changed of the plant; see `simulation.setup.disturbance`.
         seed: of starts and disturbances.
         engine, engine_note: what walked, and why it is not what was asked for.
+        simulator: what stepped the plant; MuJoCo if the file is of a version that does not say.
         steps: walking steps asked of each walk.
         logs: files of the walks.
         sha256: of what the walks are about, by file.
@@ -185,6 +187,7 @@ class WalkSettings(Record):
     seed: Count
     engine: str | None = None
     engine_note: str | None = None
+    simulator: str = MUJOCO
     steps: Count | None = None
     logs: Texts | None = ()
     sha256: Mapping[str, str | None] = field(default_factory=dict)
@@ -198,6 +201,11 @@ class WalkSettings(Record):
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Simulated(WalkFigures, WalkSettings):
     """A simulation: what was asked, and how it went."""
+
+    @property
+    def stepped_by(self) -> str:
+        """The simulator as a sentence names it."""
+        return {MUJOCO: "MuJoCo", "drake": "Drake"}.get(self.simulator, self.simulator)
 
     def unsaid(self) -> Collection[str]:
         """No link, commands and terrain where there were none."""

@@ -86,6 +86,7 @@ class SharedWalks:
             "disturb": plain(vars(walks.disturbance)),
             "seed": walks.seed,
             "engine": self.choice,
+            "simulator": walks.simulator,
             "command": None if self.command is None else dict(self.command),
             "random": self.commands == RANDOM,
         }
@@ -143,7 +144,7 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         plant = robot_from_text(contents[_PLANT].decode(), told["plant"])
     return TrainedWalks(
         run=run,
-        library=engine_for(run, told["controller"], told["engine"]).library,
+        library=engine_for(run, told["controller"], told["engine"], told["simulator"]).library,
         plant=plant,
         controller=told["controller"],
         steps=told["steps"],
@@ -153,6 +154,7 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         seed=told["seed"],
         orders=orders,
         threads=1,
+        simulator=told["simulator"],
     )
 
 

@@ -1,4 +1,4 @@
-"""Walk a trained gait in MuJoCo at full order."""
+"""Walk a trained gait at full order, in MuJoCo or in Drake."""
 
 import os
 import tempfile
@@ -30,6 +30,7 @@ from neuralgaits.simulation.setup.disturbance import Disturbance, parse
 from neuralgaits.simulation.setup.orders import on_slope, orders_of, parsed
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.setup.terrains import courses_of, told_by
+from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
 from neuralgaits.simulation.walk import Walk, walk
 from neuralgaits.workflows.export import steady_design_of
@@ -85,8 +86,9 @@ def simulate(
     terrain: str | Path | None = None,
     workers: int | None = None,
     ray: str | None = None,
+    simulator: Simulator = MUJOCO,
 ) -> Simulation:
-    """Walk a trained gait in MuJoCo.
+    """Walk a trained gait at full order.
 
     Args:
         run: a run, its folder, or `latest`.
@@ -115,10 +117,13 @@ def simulate(
         workers: processes of this machine that walk, in place of threads of this one; in a
             script, call this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.
+        simulator: `mujoco`, or `drake` in its place, with its own dynamics and contact; needs the
+            `drake` extra.
 
     Returns: `Simulation`; its summary is also in the run folder.
     Raises: InputError, RobotError or RunError with one line.
     """
+    check_simulator(simulator)
     trained = open_run(run)
     told = trained.trained.commands
     disturbance = parse(disturb)
@@ -148,7 +153,7 @@ def simulate(
         trained = at_first(trained, courses.orders.first)
         gait = trained.gait
     files = [] if log is None else log_files(Path(log), episodes)
-    walks = _engine(trained, controller, engine)
+    walks = _engine(trained, controller, engine, simulator)
     remote = None
     if wire is None:
         course = TrainedWalks(
@@ -163,6 +168,7 @@ def simulate(
             seed=seed,
             orders=orders,
             courses=courses,
+            simulator=simulator,
         )
         if shared:
             command_told = trained.command if told and commands is None else None
@@ -189,6 +195,7 @@ def simulate(
                 longest=_ALL if files else 0,
                 remote=remote,
                 reset_residual=trained.residuals.reset,
+                simulator=simulator,
             )
     settings = WalkSettings(
         run=str(trained.path),
@@ -202,6 +209,7 @@ def simulate(
         seed=seed,
         engine=walked.engine,
         engine_note=walks.note,
+        simulator=walked.simulator,
         steps=steps,
         logs=tuple(str(file) for file in files),
         sha256=file_hashes(trained.path, (ROBOT, WEIGHTS)),
@@ -222,10 +230,12 @@ def simulate(
     return Simulation(walked, result)
 
 
-def _engine(trained: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
+def _engine(
+    trained: Run, controller: str | AbstractLaw, choice: Choice | None, simulator: Simulator
+) -> Engine:
     """What walks. Raises: InputError if native was insisted on where it cannot be."""
     if controller != REMOTE:
-        return engine_for(trained, controller, choice)
+        return engine_for(trained, controller, choice, simulator)
     if choice == "native":
         raise InputError(f"--engine native: expected pd, fblin or paper, found {REMOTE}")
     return Engine(None, None)

@@ -158,7 +158,7 @@ def simulations(saved: Saved) -> Html:
         "simulations",
         "Simulations",
         html.paragraph(
-            f"The whole robot in MuJoCo, controller {done.controller}: {done.stayed} of "
+            f"The whole robot in {done.stepped_by}, controller {done.controller}: {done.stayed} of "
             f"{len(done.fell)} walks stayed up to their last step. Started from {done.start}, "
             f"plant {done.plant}, changed: {changed}{push}{ground}, seed {done.seed}. "
             "Simulations are samples: they show what happened, not what must happen."
