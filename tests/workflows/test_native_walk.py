@@ -45,6 +45,7 @@ PLANTS = {
     "uneven": "floor_height=0.01,slope_deg=2",
     "noisy": "encoder_noise=0.002,rate_noise=0.02",
     "coarse, late and weak": "encoder_step=0.001,delay_ms=3,torque_limit=30,friction=0.4",
+    "estimated": "estimator=1,encoder_step=4e-4,pitch_noise=1e-3,pitch_offset=2e-3,delay_ms=2",
     "another robot": "mass_scale=1.1,torso_shift_m=0.02,joint_friction=0.5",
 }
 WALKS = [
