@@ -27,6 +27,7 @@ _FIGURES = (
     ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
     ("max_output_error_rad", "largest output error", "rad"),
     ("min_normal_force_n", "smallest normal force", "N"),
+    ("hip_speed_error_m_s", "error of the estimated hip speed, rms", "m/s"),
     ("saturated_fraction", "share of ticks at the torque limit", ""),
     ("real_time_factor", "simulated seconds a second", ""),
 )

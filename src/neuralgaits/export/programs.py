@@ -156,9 +156,7 @@ def parts(
     def feet(q: Coordinates) -> dict[str, Array]:
         return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
 
-    def standing(
-        q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar
-    ) -> dict[str, Array]:
+    def standing(q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar) -> dict[str, Array]:
         dq, hip = pinned(robot, q, actuated, z2, extra)
         return {"dq": dq, "hip": hip}
 

@@ -104,6 +104,8 @@ class WalkFigures(Record):
         sim_steps_per_s, real_time_factor: of the simulation itself.
         command_error: of every command that can be measured; empty for a gait that takes none.
         foothold_error_m: how far feet came down from the middle of their stones; None without.
+        hip_speed_error_m_s: rms, between the estimated forward speed of the hip that a torque is
+            for and the one that it meets; None where it is measured.
     """
 
     SAME_LENGTH = ("steps_walked", "fell", "fall_reasons")
@@ -125,6 +127,7 @@ class WalkFigures(Record):
     real_time_factor: float | None = None
     command_error: Mapping[str, CommandError] = field(default_factory=dict)
     foothold_error_m: CommandError | None = None
+    hip_speed_error_m_s: float | None = None
 
     @property
     def stayed(self) -> int:
@@ -144,6 +147,7 @@ class WalkSettings(Record):
         start: as in `simulate`.
         push: forward impulse [N s]; None for none.
         disturb: what was changed of the plant; see `simulation.setup.disturbance`.
+        sensing: `perfect` or `encoders`, whose numbers are in `disturb`.
         seed: of starts and disturbances.
         engine, engine_note: what walked, and why it is not what was asked for.
         steps: walking steps asked of each walk.
@@ -165,6 +169,7 @@ class WalkSettings(Record):
     start: str
     push: float | None = None
     disturb: Disturb | None = None
+    sensing: str | None = None
     seed: Count
     engine: str | None = None
     engine_note: str | None = None
@@ -183,10 +188,10 @@ class Simulated(WalkFigures, WalkSettings):
     """A simulation: what was asked, and how it went."""
 
     def unsaid(self) -> Collection[str]:
-        """No link, commands and terrain where there were none."""
+        """No link, commands, terrain and estimates where there were none."""
         unsaid = ["link"] if self.link is None else []
         if not self.command_error:
             unsaid += ["command_error"]
-        for name in ("command", "commands", "terrain", "foothold_error_m"):
+        for name in ("command", "commands", "terrain", "foothold_error_m", "hip_speed_error_m_s"):
             unsaid += [name] if getattr(self, name) is None else []
         return unsaid

@@ -39,8 +39,9 @@ static void follow_joints(ng_estimator *estimator, const ng_real gains[3],
 static void stand(ng_measurement *now, int leg, ng_real z2, ng_real extra)
 {
     ng_real q[NG_COORDINATES], rates[NG_COORDINATES], dq[NG_COORDINATES];
-    ng_coordinates(now->pitch, now->angles, leg, q);
-    ng_coordinates(NG(0.0), now->rates, leg, rates);
+    const ng_measurement *seen = now;
+    ng_coordinates(seen->pitch, seen->angles, leg, q);
+    ng_coordinates(NG(0.0), seen->rates, leg, rates);
     ng_pinned(rates + 1, &extra, q, &z2, dq, now->hip_velocity);
     now->dpitch = dq[0];
     for (int i = 1; i < NG_COORDINATES; ++i) {

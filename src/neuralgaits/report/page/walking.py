@@ -29,6 +29,7 @@ _FIGURES = (
     ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
     ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
     ("min_normal_force_n", "smallest force on the standing foot", "N"),
+    ("hip_speed_error_m_s", "error of the estimated hip speed, rms", "m/s"),
     ("saturated_fraction", "share of time at a torque limit", ""),
 )
 
