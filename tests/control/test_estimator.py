@@ -1,4 +1,4 @@
-"""Rates and hip velocity from angles, pitch and contact; on walks: tests/workflows/test_sensing.py."""
+"""Rates and hip velocity from angles, pitch and contact; on walks: `test_native_walk`."""
 
 import jax.numpy as jnp
 import numpy as np

@@ -95,7 +95,7 @@ class BipedEnv(gymnasium.Env):
         disturbances = [parse(one) for one in disturb]
         if any(one.estimator or one.pitch_noise or one.pitch_offset for one in disturbances):
             raise InputError(
-                "disturb: expected none of estimator, pitch_noise and pitch_offset, found one: what "
+                "disturb: expected no estimator, pitch_noise or pitch_offset, found one: what "
                 "acts here is no controller of this package; leave it out"
             )
         if not disturbances:

@@ -1,4 +1,4 @@
-"""What a controller is told of the plant: what `--sensing perfect|encoders,NAME=VALUE,...` means."""
+"""What a controller is told of the plant: `--sensing perfect|encoders,NAME=VALUE,...`."""
 
 import math
 from dataclasses import replace
