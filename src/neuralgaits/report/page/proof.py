@@ -1,6 +1,7 @@
 """The part of the page about the certificate: levels, conditions, assumptions, how to check it."""
 
 import shlex
+from pathlib import Path
 
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import (
@@ -28,6 +29,7 @@ from neuralgaits.report.page.markup import (
 )
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.report.page.training import TIGHTEST
+from neuralgaits.runs import packed
 from neuralgaits.runs.commands import command, named
 
 _LEVEL_FIGURES = {
@@ -163,13 +165,18 @@ def _files(saved: Saved, found: Certified) -> list[Html]:
     if PROOF not in saved.hashes:
         return [paragraph("There is no proof file: nothing was proved that could be checked.")]
     rows = [(tag("code", PROOF), tag("code", saved.hashes[PROOF]))]
-    line = command("check-proof", named(saved.folder.path / PROOF), "--run", saved.name)
-    proof = saved.folder.path.resolve() / PROOF
-    derives, asked = "derives the robot's dynamics again", ["build/proofcheck", str(proof)]
+    proof = packed.place(saved.folder.path / PROOF)
+    line = command("check-proof", named(proof), "--run", saved.name)
+    derives, asked = "derives the robot's dynamics again", ["build/proofcheck"]
     if found.robots is not None:
         # Its own formulas know one robot.
         derives = "here bounds the arithmetic in the file, which it does not derive again"
-        asked.insert(1, "--program")
+        asked.append("--program")
+    file = shlex.quote(str(proof.resolve()))
+    # It knows no packed files.
+    check = f"gunzip -c {file} | {shlex.join(asked)} /dev/stdin"
+    if proof.name == Path(PROOF).name:
+        check = f"{shlex.join(asked)} {file}"
     return [
         paragraph(
             "The proof file holds the statements, the boxes and the arithmetic they are about. "
@@ -179,6 +186,6 @@ def _files(saved: Saved, found: Certified) -> list[Html]:
         table("Proof file", ("file", "sha256"), rows),
         shell([line]),
         paragraph("In the folder with the source of this program, where its Makefile is:"),
-        shell(["make proofcheck", shlex.join(asked)]),
+        shell(["make proofcheck", check]),
         paragraph(f"{number(found.boxes)} boxes, {number(found.wall_s)} s.", class_="quiet"),
     ]
