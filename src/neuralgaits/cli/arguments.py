@@ -114,6 +114,10 @@ class Simulate:
     """Impulse of a forward push [N s], over 0.1 s."""
     disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
+    sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
+    """What the controller is told: the plant's own rates and hip velocity, or angles, pitch and
+    contact alone, as in encoders,bits=14,pitch_noise=0.001,delay_ms=2, those numbers if not given;
+    perfect if not given."""
     command: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """What a gait that takes commands is told at every touchdown, as in speed=0.7 or slope=3
     [degrees]; the middle of its ranges if not given."""

@@ -20,6 +20,7 @@ _SHOWN = (
     ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
     ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
     ("min_normal_force_n", "smallest force on the standing foot", "N"),
+    ("hip_speed_error_m_s", "error of the estimated hip speed, rms", "m/s"),
     ("saturated_fraction", "share of time at a torque limit", ""),
 )
 
@@ -116,6 +117,8 @@ class WalkFigures(Record):
         sim_steps_per_s, real_time_factor: of the simulation itself.
         command_error: of every command that can be measured; empty for a gait that takes none.
         foothold_error_m: how far feet came down from the middle of their stones; None without.
+        hip_speed_error_m_s: rms, between the estimated forward speed of the hip that a torque is
+            for and the one that it meets; None where it is measured.
     """
 
     SAME_LENGTH = ("steps_walked", "fell", "fall_reasons")
@@ -137,6 +140,7 @@ class WalkFigures(Record):
     real_time_factor: float | None = None
     command_error: Mapping[str, CommandError] = field(default_factory=dict)
     foothold_error_m: CommandError | None = None
+    hip_speed_error_m_s: float | None = None
 
     @property
     def stayed(self) -> int:
@@ -162,6 +166,7 @@ class WalkSettings(Record):
         start: as in `simulate`.
         push: forward impulse [N s]; None for none.
         disturb: what was changed of the plant; see `simulation.setup.disturbance`.
+        sensing: `perfect` or `encoders`, whose numbers are in `disturb`.
         seed: of starts and disturbances.
         engine, engine_note: what walked, and why it is not what was asked for.
         simulator: what stepped the plant; MuJoCo if the file is of a version that does not say.
@@ -184,6 +189,7 @@ class WalkSettings(Record):
     start: str
     push: float | None = None
     disturb: Disturb | None = None
+    sensing: str | None = None
     seed: Count
     engine: str | None = None
     engine_note: str | None = None
@@ -208,10 +214,10 @@ class Simulated(WalkFigures, WalkSettings):
         return {MUJOCO: "MuJoCo", "drake": "Drake"}.get(self.simulator, self.simulator)
 
     def unsaid(self) -> Collection[str]:
-        """No link, commands and terrain where there were none."""
+        """No link, commands, terrain and estimates where there were none."""
         unsaid = ["link"] if self.link is None else []
         if not self.command_error:
             unsaid += ["command_error"]
-        for name in ("command", "commands", "terrain", "foothold_error_m"):
+        for name in ("command", "commands", "terrain", "foothold_error_m", "hip_speed_error_m_s"):
             unsaid += [name] if getattr(self, name) is None else []
         return unsaid

@@ -229,7 +229,8 @@ def _plants(
 
 
 def _silent(plant: Plant) -> bool:
-    return not (plant.disturbance.encoder_noise or plant.disturbance.rate_noise)
+    disturbance = plant.disturbance
+    return not (disturbance.noise_of_pitch or disturbance.rate_noise)
 
 
 def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:

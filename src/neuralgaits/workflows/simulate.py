@@ -28,6 +28,7 @@ from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import Choice, Engine
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
 from neuralgaits.simulation.setup.orders import on_slope, orders_of, parsed
+from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.setup.terrains import courses_of, told_by
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
@@ -75,6 +76,7 @@ def simulate(
     start: str = "centre",
     push: float | None = None,
     disturb: str | dict[str, float] | Disturbance | None = None,
+    sensing: str | None = None,
     seed: int = 0,
     episodes: int = 1,
     log: str | Path | None = None,
@@ -100,6 +102,8 @@ def simulate(
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
             built-in robot (N s), at a random moment after the fifth step.
         disturb: `NAME=VALUE,...` or a mapping; see `simulation.setup.disturbance`.
+        sensing: `perfect`, what it is if None: the controller is told the plant's own rates and
+            velocity; or `encoders,NAME=VALUE,...`; see `simulation.setup.sensing`.
         seed: of starts and disturbances.
         episodes: number of walks.
         log: CSV file for the first walk; of further walks, FILE-1.csv, FILE-2.csv, ... beside it.
@@ -126,7 +130,7 @@ def simulate(
     check_simulator(simulator)
     trained = open_run(run)
     told = trained.trained.commands
-    disturbance = parse(disturb)
+    disturbance = sensed(parse(disturb), sensing)
     if not isinstance(episodes, int) or episodes < 1:
         raise InputError(f"expected at least 1 episode, found {episodes!r}")
     if not isinstance(seed, int) or seed < 0:
@@ -139,7 +143,7 @@ def simulate(
     _check_outputs(log, video)
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
-    wire = _wire(link, controller, commands)
+    wire = _wire(link, controller, commands, disturbance)
     shared = workers is not None or ray is not None
     if shared:
         _refuse_shared(controller, log, video, terrain)
@@ -206,6 +210,7 @@ def simulate(
         start=start,
         push=push,
         disturb=vars(walked.plant.disturbance),
+        sensing=name_of(walked.plant.disturbance),
         seed=seed,
         engine=walked.engine,
         engine_note=walks.note,
@@ -268,6 +273,7 @@ def _wire(
     link: str | Mapping[str, Any] | LinkConfig | None,
     controller: str | AbstractLaw,
     commands: str | Path | None,
+    disturbance: Disturbance,
 ) -> LinkConfig | None:
     """How a controller's process is reached; None without one."""
     if controller != REMOTE:
@@ -276,6 +282,11 @@ def _wire(
         raise InputError(
             f"expected --command with --controller {REMOTE}, found --commands: its process is made "
             "for one command"
+        )
+    if disturbance.estimator:
+        raise InputError(
+            f"expected perfect sensing with --controller {REMOTE}, found encoders: its readings "
+            "carry rates and velocity; take pd, fblin or paper, which estimate them in the same C"
         )
     return parse_link(link)
 
