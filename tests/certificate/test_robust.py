@@ -13,6 +13,8 @@ import pytest
 from neuralgaits.barriers import Gait, specs
 from neuralgaits.certificate.levels.chart import MOST_AXES, Chart
 from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.orbit import margins as orbit_margins
+from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.levels.walking_set.find import find_set
 from neuralgaits.certificate.proof_file.reader import Statement
@@ -25,7 +27,8 @@ from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.report import again
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.parameters import parse_box
+from neuralgaits.robots.dynamics import angular_momentum
+from neuralgaits.robots.parameters import RobotFamily, in_float64, parse_box
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
@@ -81,6 +84,35 @@ def test_the_program_at_a_robot_is_the_plain_one_of_an_edited_file(amber):
     for name, value in expected.items():
         assert found[name] == pytest.approx(np.asarray(value), rel=1e-9, abs=1e-9), name
     assert np.abs(moved["normal-force"] - found["normal-force"]).min() > 1e-3
+
+
+def test_the_return_map_of_each_robot_has_the_slope_of_its_impact(amber):
+    """Of a policy of z1 alone, dzeta/dphase is a function of phase, and the guard a line of z1.
+
+    So the return map is affine in zeta, its slope the square of what the impact makes of z2.
+    """
+    spec = specs.robust(amber, BOX)
+    gait = spec.new_gait(jax.random.key(1), "posture", None)
+    assert isinstance(gait, Gait)
+    orbit = Orbit("contraction alone", expansion=(0.25,))
+    rng, errors = np.random.default_rng(1), np.array([axis.half for axis in spec.parameters])
+    errors *= rng.choice([-1.0, 1.0], len(errors))
+    at, model = jnp.asarray([1.0, 0.3, *errors]), RobotFamily.of(amber, tuple(BOX))
+    zd = ZeroDynamics(model.at(at[2:]), gait.policy)
+    found = orbit_margins.margins(gait, zd, orbit, at)
+    assert set(found) == {"orbit/expansion", "orbit/gain"}
+    assert float(found["orbit/expansion"]) == pytest.approx(0.25, abs=1e-9)
+    q = zd.phi_inv(gait.z(at[:2]))[: amber.n]
+    dq = zd.phi_inv(gait.z(at[:2]))[amber.n :]
+    robot = in_float64(model, errors)
+    after = robot.impact(q, dq)
+    before_z2, after_z2 = (
+        angular_momentum(robot, *state) for state in ((q, dq), (after.q, after.dq))
+    )
+    ratio = float(after_z2 / before_z2)
+    gain = np.asarray(found["orbit/gain"])
+    assert gain == pytest.approx([ratio**2, -(ratio**2)], rel=1e-9)
+    assert abs(ratio - float(gait.policy.momentum_ratio)) > 1e-4
 
 
 def test_a_tree_in_sixteen_axes_is_read_as_it_was_written():
@@ -189,8 +221,8 @@ def test_another_box_than_was_proved_is_refused(proved, tmp_path, forge):
 
 
 def test_what_cannot_be_proved_for_a_box_gets_one_line(proved, trained):
-    with pytest.raises(InputError, match="level 1 or 2 for a box of robots"):
-        certify(proved, level=3)
+    with pytest.raises(InputError, match="level 1, 2 or 3 for a box of robots"):
+        certify(proved, level=4)
     with pytest.raises(InputError, match="policy of z1 and z2"):
         certify(trained, parameters={"mass": 0.01})
     with pytest.raises(InputError, match="zero or negative"):

@@ -147,6 +147,7 @@ class Conclusions {
     if (t.told.empty() == o.walks)
       throw DoesNotFollow{"its parameters are not those of a gait with commands, or of one without"};
     if (o.walks) return any_two_walks(t, o);
+    if (o.alone) return contraction_alone(t, o);
     if (!(t.falling < o.guard_from && o.guard_from < o.guard_to && o.guard_to <= t.last))
       throw DoesNotFollow{"the thin tube's guard is not where the foot falls"};
     const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
@@ -334,6 +335,23 @@ class Conclusions {
       throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
     if (!(share > (steepness * I(t.start_strip)).high()))
       throw DoesNotFollow{"a reset may land outside the fences of a step told another command"};
+  }
+
+  // One orbit of which nothing is said but that it attracts: the section at mid-step is an interval
+  // that the return map carries into itself.
+  vector<string> contraction_alone(const WalkingSet& t, const Orbit& o) const {
+    const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
+    const I ends = I(t.start_strip) + I(larger(behind, before));
+    const I edge = I(1.0) + I(larger(t.start_strip, larger(behind, before)));
+    not_negative("orbit/expansion", t.whole());
+    const I gain = I(-bound("orbit/gain", t.strip()));
+    const I slope = gain * exp(over_step(o.expansion) + ends * largest(o.expansion, edge));
+    if (!(slope.high() < 1.0))
+      throw DoesNotFollow{"the return map is not shown to contract: |P'| <= " +
+                          at_most(slope.high())};
+    return {"the return map of the section at mid-step contracts to " + at_most(slope.high()) +
+            " or less on all of T: there is one periodic orbit, and every trajectory of the "
+            "undisturbed system in T converges to it"};
   }
 
   // Two walks under the same commands. Along a step the zeta of neighbours part as dF/dzeta says;

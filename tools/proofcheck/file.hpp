@@ -237,10 +237,11 @@ Orbit orbit_of(const Json& table, const Tube& tube) {
   const string what = "level 3";
   const auto series = [&](const char* name) { return series_of(field(table, what, name), name); };
   const string attraction = text_of(field(table, what, "attraction"), "attraction");
-  if (attraction == "any two walks") {
+  if (attraction == "any two walks" || attraction == "contraction alone") {
     only(table, what, {"attraction", "expansion"});
     Orbit o;
-    o.walks = true;
+    o.walks = attraction == "any two walks";
+    o.alone = !o.walks;
     o.expansion = series("expansion");
     return o;
   }

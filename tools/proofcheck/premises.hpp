@@ -73,6 +73,7 @@ struct Orbit {
   Tube thin;
   bool nested = false;  // Attraction by nested tubes, not by contraction.
   bool walks = false;   // Of a gait with commands: no thin tube, any two walks converge.
+  bool alone = false;   // Of a box of robots: no thin tube, each has an orbit of its own.
   double guard_from = 0.0, guard_to = 0.0;
   vector<double> expansion, slowest, fastest;  // Chebyshev series of bounds on dF/dzeta.
   bool claimed = false;

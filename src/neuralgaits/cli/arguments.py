@@ -142,12 +142,12 @@ class Certify:
     level: Annotated[int | None, arg(metavar="N")] = None
     """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
     3: and that one orbit attracts all of it, 4: and that the robot walks on at full order, with
-    outputs off zero and across impacts. 3 if not given; 2, which is the most, with parameters."""
+    outputs off zero and across impacts. 3 if not given, which is the most with parameters."""
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
     """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
     the run's residual may still be off by."""
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...|none")] = None
-    """Box of robots to prove levels 1 and 2 for, as in mass=2%,com=5mm,inertia=5%; that of the
+    """Box of robots to prove levels 1 to 3 for, as in mass=2%,com=5mm,inertia=5%; that of the
     run if not given; none: the robot of the file alone."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""

@@ -53,8 +53,9 @@ from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdic
 from neuralgaits.robots.parameters import Axis, axes_of, box_of, checked_box
 from neuralgaits.runs.names import MAP
 
-LEVEL, HIGHEST, OF_A_BOX = 3, 4, 2
-"""What is proved if no level is asked for, and the most that can be: of one robot, of a box."""
+LEVEL, HIGHEST = 3, 4
+"""What is proved if no level is asked for; the most that can be of one robot. Of a box of robots,
+or with commands, the first is the most."""
 _TIGHTEST = 5
 """Conditions that a notebook shows."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
@@ -149,7 +150,7 @@ def certify(
         level: 1: every condition holds on its region, or a state that breaks it is found; 2: and
             the walking set is invariant; 3: and one orbit attracts all of it; 4: and the
             robot walks on at full order, with outputs off zero, in continuous time. None for 3,
-            for 2 with parameters.
+            which is the most with parameters or commands.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         budget: seconds after which what is proved so far is kept and reported.
         resume: go on with the boxes of the run's last certificate.
@@ -159,7 +160,7 @@ def certify(
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that does.
         within: narrower ranges of commands, by name: what is proved is about those, and the run
             counts as undecided.
-        parameters: levels 1 and 2 are proved for every robot of this box, half widths by kind (see
+        parameters: levels 1 to 3 are proved for every robot of this box, half widths by kind (see
             `robots.parameters`); None for the run's own, empty for the robot of the file alone.
 
     Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
@@ -173,8 +174,7 @@ def certify(
     trained = open_run(run)
     box = _box(trained, parameters)
     errors = axes_of(trained.robot, box) if box else ()
-    if level is None:
-        level = OF_A_BOX if errors else LEVEL
+    level = LEVEL if level is None else level
     _refuse_level(trained, level, errors)
     chart, spec = _chart(trained, within or {})
     chart, spec = _with_errors(chart, errors), _with(spec, errors)
@@ -259,10 +259,10 @@ def _with(spec: GaitSpec, errors: tuple[Axis, ...]) -> GaitSpec:
 
 def _refuse_level(run: Run, level: int, errors: tuple[Axis, ...]) -> None:
     """Raises: InputError on a level that no theorem is about."""
-    if errors and level > OF_A_BOX:
+    if errors and level > LEVEL:
         raise InputError(
-            f"expected level 1 or 2 for a box of robots, found {level}: each of them has an orbit "
-            "of its own; leave --level out, or give --parameters none"
+            f"expected level 1, 2 or 3 for a box of robots, found {level}: the theorem of full "
+            "order is about one robot; leave --level out, or give --parameters none"
         )
     if run.spec.commands and level > run.asked.last_level:
         raise InputError(

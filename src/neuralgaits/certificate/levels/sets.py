@@ -26,6 +26,7 @@ from neuralgaits.certificate.levels.walking_set.find import (
     find_set,
     least_of_inlet,
     over_pairs,
+    over_robots,
 )
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.provable import step_at
@@ -97,6 +98,8 @@ def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, flo
 def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     if not isinstance(of.gait, Gait):
         return find_contraction(over_pairs(of.spec, of.look), known[2])
+    if of.spec.parameters:
+        return find_contraction(over_robots(of.spec, of.look), known[2])
     return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
 
 
