@@ -159,6 +159,22 @@ def test_contraction_alone_needs_no_thin_tube():
     assert attraction(told, alone, bounds).verdict == "undecided"
 
 
+def test_a_floor_asks_how_far_the_foot_is_from_the_line():
+    alone = Orbit("contraction alone", expansion=ORBIT.expansion)
+    for floor, verdict in ((0.24, "proved"), (0.25, "undecided"), (-0.1, "undecided")):
+        shape = replace(SHAPE, floor=floor)
+        second, third = conclude({2: shape, 3: alone}, BOXES, BOUNDS)
+        assert (second.verdict, third.verdict) == (verdict, verdict)
+    second, third = conclude({2: replace(SHAPE, floor=0.24), 3: alone}, BOXES, BOUNDS)
+    assert "each foothold up to 0.24 m higher or lower than meant" in second.words[1]
+    assert "footholds lie equally high" in third.words[0]
+    for low, high in (((0.1, 0.0), (0.8, 1.0)), ((0.998, 0.0), (0.998, 1.0))):
+        less = BOUNDS | {("set/foot-above", low, high): 0.2}
+        assert conclude({2: replace(SHAPE, floor=0.24)}, BOXES, less)[0].verdict == "undecided"
+    # One orbit is that of a floor as meant.
+    assert attraction(replace(SHAPE, floor=0.1), ORBIT, BOUNDS).verdict == "undecided"
+
+
 def test_a_thin_tube_that_is_upside_down_has_no_width():
     orbit = replace(ORBIT, lower=ORBIT.upper, upper=ORBIT.lower)
     assert attraction(SHAPE, orbit, BOUNDS).reason == "the thin tube is upside down"

@@ -4,18 +4,28 @@ import copy
 import hashlib
 import json
 import shutil
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from numpy.polynomial.chebyshev import chebint, chebval
 
-from neuralgaits.barriers import Gait, specs
+from neuralgaits.analysis.run import open_run
+from neuralgaits.barriers import Box, Gait, specs
+from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.chart import MOST_AXES, Chart
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
 from neuralgaits.certificate.levels.orbit.theorem import Orbit
-from neuralgaits.certificate.levels.sets import Sets, trace_certificate
+from neuralgaits.certificate.levels.sets import (
+    Sets,
+    fences_of,
+    find_sets,
+    look_at,
+    trace_certificate,
+)
 from neuralgaits.certificate.levels.walking_set.find import find_set
 from neuralgaits.certificate.proof_file.reader import Statement
 from neuralgaits.certificate.reading import read_certificate
@@ -129,8 +139,67 @@ def test_a_tree_in_sixteen_axes_is_read_as_it_was_written():
     assert highs[:, 10].tolist() == [1.0, 0.5, 1.0]
 
 
+def test_less_friction_narrows_the_cones(amber):
+    own, narrow = (specs.robust(amber, box) for box in ({"mass": 0.01}, {"friction": 0.4}))
+    assert narrow.parameters == () and narrow.ground == {"friction": 0.4}
+    assert [friction_needed(spec.describe()) for spec in (own, narrow)] == [0.5, 0.4]
+    assert friction_needed(own.without("impulse-forward").describe()) == np.inf
+    box = Box((0.1, 0.0), (1.0, 1.0))
+    less = replace(own, regions=dict(own.regions) | {"tube": (box,)})
+    assert friction_needed(less.describe()) == np.inf
+
+
+def test_walks_over_any_footholds_stay_in_the_set_and_converge(trained):
+    """Trajectories integrated step by step over random heights, two neighbours at a time."""
+    run, floor = open_run(trained), 1.5e-3
+    sets = find_sets(run.spec, run.gait, run.zero_dynamics, 3, (0.0, 0.0), floor)
+    shape, orbit = sets.parameters[2], sets.parameters[3]
+    assert orbit.attraction == "contraction alone" and shape.guard_strip > 1e-3
+    look, fences = look_at(run.gait, run.zero_dynamics), fences_of(run.gait)
+    unit, rng = float(run.gait.tube.unit), np.random.default_rng(3)
+
+    def seen(phase, zeta):
+        low, high = unit * fences(phase).T
+        return look(np.stack([phase, (zeta - low) / (high - low)], axis=1))
+
+    def moved(phase, zeta, step):
+        """One step of Runge and Kutta's."""
+        first = seen(phase, zeta)["slope"]
+        second = seen(phase + 0.5 * step, zeta + 0.5 * step * first)["slope"]
+        third = seen(phase + 0.5 * step, zeta + 0.5 * step * second)["slope"]
+        last = seen(phase + step, zeta + step * third)["slope"]
+        return zeta + step * (first + 2.0 * second + 2.0 * third + last) / 6.0
+
+    levels = np.tile([0.3, 0.5], 20)
+    phase, (low, high) = np.zeros(40), unit * fences(np.zeros(40)).T
+    zeta = low + levels * (high - low)
+    over_a_step = 0.5 * np.diff(chebval([-1.0, 1.0], chebint(orbit.expansion)))[0]
+    ends = (shape.start_strip + shape.guard_strip) * np.abs(orbit.expansion).sum()
+    contraction = -sets.least["orbit/gain"] * np.exp(over_a_step + ends)
+    assert contraction < 1.0
+    for _ in range(4):
+        height, before = np.repeat(rng.uniform(-floor, floor, 20), 2), zeta[1::2] - zeta[::2]
+        to = 1.0 - shape.guard_strip
+        step = (to - phase) / 40
+        for _ in range(40):
+            zeta, phase = moved(phase, zeta, step), phase + step
+        for _ in range(6):  # Newton's method, to where the foot has the height.
+            here = seen(phase, zeta)
+            step = (height - here["foot"]) * here["pace"] / here["foot_rate"]
+            zeta, phase = moved(phase, zeta, step), phase + step
+        assert np.all(np.abs(seen(phase, zeta)["foot"] - height) < 1e-9)
+        assert np.all(np.abs(phase - 1.0) < shape.guard_strip)
+        phase, zeta = seen(phase, zeta)["after"].T
+        low, high = unit * fences(phase).T
+        assert np.all(np.abs(phase) < shape.start_strip)
+        assert np.all((low < zeta) & (zeta < high))
+        # Neighbours land at other phases: their distance is that on the flow.
+        apart = zeta[1::2] - moved(phase[::2], zeta[::2], phase[1::2] - phase[::2])
+        assert np.all(np.abs(apart) < contraction * before)
+
+
 def test_a_page_gives_the_box_back_exactly():
-    box = {"mass": 0.1 / 3.0, "com": 1e-5, "rotor": 0.05}
+    box = {"mass": 0.1 / 3.0, "com": 1e-5, "rotor": 0.05, "floor": 0.1 / 30.0, "friction": 0.45}
     assert parse_box(again.box(box)) == box
     assert again.box({}) == "none"
 
@@ -227,6 +296,10 @@ def test_what_cannot_be_proved_for_a_box_gets_one_line(proved, trained):
         certify(trained, parameters={"mass": 0.01})
     with pytest.raises(InputError, match="zero or negative"):
         certify(proved, parameters={"mass": 1.5})
+    with pytest.raises(InputError, match="level 2 or 3 with a floor"):
+        certify(proved, level=1, parameters={"floor": 0.001})
+    with pytest.raises(InputError, match=r"friction of 0.4, found one that needs 0.5"):
+        certify(trained, parameters={"friction": 0.4})
 
 
 def test_a_box_that_is_too_wide_is_refuted_with_the_robot_that_breaks_it(proved):
@@ -242,6 +315,7 @@ def test_a_box_that_is_too_wide_is_refuted_with_the_robot_that_breaks_it(proved)
         {"mass": 0.002, "com": 0.02},
         {"inertia": 0.02, "com": 0.002},
         {"mass": 0.02, "com": 0.002, "rotor": 0.02},
+        {"mass": 0.02, "com": 0.002, "floor": 0.001},
         {"friction": 0.02, "length": 0.002},
         {},
     ],
@@ -257,6 +331,16 @@ def test_a_page_repeats_no_other_box_than_the_proof_s(proved, tmp_path, told):
     file.write_text(json.dumps(summary))
     found = read_certificate(RunFolder.open(copied))
     assert found.summary is None and "another box of robots" in str(found.reason)
+
+
+def test_a_page_says_nothing_of_friction_that_no_condition_is_about(proved, tmp_path):
+    copied = shutil.copytree(proved, tmp_path / "run")
+    file = copied / "certificate" / "summary.json"
+    summary = json.loads(file.read_text())
+    summary["parameters"]["friction"] = 0.1
+    file.write_text(json.dumps(summary))
+    found = read_certificate(RunFolder.open(copied))
+    assert found.summary is None and "less friction" in str(found.reason)
 
 
 def test_axes_of_another_name_are_no_box_of_robots(proved, tmp_path):
@@ -275,3 +359,4 @@ def test_axes_of_another_name_are_no_box_of_robots(proved, tmp_path):
 def test_a_box_is_said_to_its_last_digit():
     assert box_in_words({"mass": 0.02, "com": 0.005, "rotor": 0.07}) == "mass=2%,com=5mm,rotor=7%"
     assert box_in_words({"mass": 0.0199999999}) == "mass=1.99999999%"
+    assert box_in_words({"floor": 0.005, "friction": 0.5}) == "floor=5mm,friction=0.5"

@@ -90,6 +90,8 @@ def test_axes_say_what_they_are_of():
 def test_a_box_is_read_in_its_units():
     text = "mass=2%, com=5mm,inertia=0.05,rotor=10 %"
     assert parse_box(text) == {"mass": 0.02, "com": 0.005, "inertia": 0.05, "rotor": 0.1}
+    assert parse_box("friction=0.5,floor=5mm") == {"floor": 0.005, "friction": 0.5}
+    assert axes_of(load_robot("amber3m"), {"floor": 0.005, "friction": 0.5}) == ()
     assert parse_box("com=1cm")["com"] == parse_box("com=0.01m")["com"] == 0.01
 
 
@@ -103,6 +105,8 @@ def test_a_box_is_read_in_its_units():
         ("com=2%", "in mm or cm or m"),
         ("com=5", "in mm or cm or m"),
         ("mass=-2%", "found '-2%'"),
+        ("floor=5", "in mm or cm or m"),
+        ("friction=50%", "without a unit"),
         ("mass=0%", "above 0"),
         ("mass=1%,mass=2%", "twice"),
         ("mass=120%", "zero or negative"),

@@ -53,6 +53,7 @@ struct WalkingSet {
   // Phases -start_strip, 1 - guard_strip and 1 + guard_strip, as doubles.
   double first = 0.0, before = 0.0, last = 0.0;
   double push[2] = {0.0, 0.0};       // Bound on what may be added to dz.
+  double floor = 0.0;                // Each foothold is at most this far off its height [m].
   vector<string> barriers, carried;  // Names of conditions.
   vector<string> told;               // Names of commands; the chart has two axes for each.
   bool claimed = false;

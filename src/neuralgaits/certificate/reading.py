@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
@@ -117,8 +118,12 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     proof = _claims(run, asked, chart)
     if set(summary.conditions) != set(asked.conditions):
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
-    if proof is not None and _box(run, proof, chart) != dict(summary.parameters):
+    stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
+    if proof is not None and _box(run, proof, chart) != stated:
         raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
+    least = summary.parameters.get("friction")
+    if least is not None and not friction_needed(config.described) <= least:
+        raise _Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
     summary = replace(
         summary,
         conditions=dict(_conditions(summary, asked, proof)),
@@ -168,13 +173,16 @@ def _box(run: Path, proof: Claims, chart: Chart) -> dict[str, float]:
     Raises: _Unfit where they are no box of robots like the run's.
     """
     errors = proof.chart.parameters[len(chart.parameters) :]
+    walking = proof.theorems.walking
+    floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
     if not errors:
-        return {}
+        return floor
     from neuralgaits.robots import load_robot  # Brings JAX.
     from neuralgaits.robots.parameters import Axis, box_of
 
     try:
-        return box_of(load_robot(run / ROBOT), tuple(Axis(one.name, one.high) for one in errors))
+        axes = tuple(Axis(one.name, one.high) for one in errors)
+        return box_of(load_robot(run / ROBOT), axes) | floor
     except (ValueError, NeuralGaitsError) as error:
         raise _Unfit(f"{PROOF} is about no box of robots like the run's: {error}") from None
 

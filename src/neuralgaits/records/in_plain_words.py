@@ -93,6 +93,8 @@ def proved(found: Certified, told: bool) -> str:
     if found.robots:
         own = ", each with a motion of its own" if level >= ORBIT else ""
         robots = f", of every robot within {found.robots} of the file's{own}"
+    if found.ground:
+        robots += f", on every floor with {found.ground}"
     return (
         f"Proved, to level {level} of {LAST_LEVEL}{robots}: {meant} Every one of the "
         f"{count} conditions was shown at every state of its region, rounding errors included, "

@@ -112,7 +112,7 @@ def _parent(folder: RunFolder, told: str) -> Path | None:
 
 def box(parameters: Mapping[str, float]) -> str:
     """A box of robots as the command line takes it, every number exactly; `none` for no box."""
-    units = {"com": "m"}
+    units = {"com": "m", "floor": "m"}
     sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
     return ",".join(sizes) or "none"
 

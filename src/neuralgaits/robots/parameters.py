@@ -25,14 +25,19 @@ from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.mjcf.loader import links_from_text
 
 Box = Mapping[str, float]
-"""Half widths by kind of parameter: shares of the file's value, or metres."""
+"""Half widths by kind of parameter: shares of the file's value, or metres. Of the floor: how many
+metres a foothold may be higher or lower than meant; the least coefficient of friction."""
 UNITS: dict[str, dict[str, float]] = {
     "mass": {"%": 0.01, "": 1.0},
     "com": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
     "inertia": {"%": 0.01, "": 1.0},
     "rotor": {"%": 0.01, "": 1.0},
+    "floor": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
+    "friction": {"": 1.0},
 }
 """Kinds of parameter, in the order of their axes, and the units that they may be given in."""
+GROUND = "floor", "friction"
+"""Those of the floor, which have no axes: no quantity at a state depends on them."""
 _NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
 _SIDES = ("along", "across")
 _RELATIVE = "(relative error)"
@@ -70,8 +75,9 @@ def _size(name: str, value: str) -> float:
     found, units = _NUMBER.fullmatch(value), UNITS[name]
     if found is None or found[2] not in units:
         known = " or ".join(filter(None, units))
+        known = f" in {known}" if known else " without a unit"
         raise InputError(
-            f"--parameters: expected {name} as a number above 0 in {known}, found {value!r}"
+            f"--parameters: expected {name} as a number above 0{known}, found {value!r}"
         )
     try:
         return float(found[1]) * units[found[2]]
@@ -96,7 +102,7 @@ def checked_box(box: Box) -> dict[str, float]:
         _refuse_unknown(name)
         if not (math.isfinite(half) and half > 0.0):
             raise InputError(f"--parameters: expected {name} above 0, found {half:g}: leave it out")
-        if name != "com" and half >= 1.0:
+        if name not in ("com", *GROUND) and half >= 1.0:
             what = {"rotor": "rotor inertia"}.get(name, name)
             raise InputError(
                 f"--parameters: expected {name} below 100 %, found {100.0 * half:g} %: the box "
@@ -220,7 +226,7 @@ class RobotFamily(eqx.Module):
         types = _types(robot)
         masses = np.append(leg.mass, [] if torso is None else torso.mass)
         counts = np.bincount(types.link, minlength=len(masses)).astype(float)
-        kept = tuple(kind for kind in UNITS if kind in kinds)
+        kept = tuple(kind for kind in UNITS if kind in kinds and kind not in GROUND)
         return cls(
             robot, _tables(centre, types.link), masses, counts, types.link, types.joint, kept
         )

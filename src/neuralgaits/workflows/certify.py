@@ -16,6 +16,7 @@ from neuralgaits._digits import at_least
 from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.barriers import GaitSpec
+from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.chart import PLANE, Chart
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.levels.ladder import conclude
@@ -175,11 +176,13 @@ def certify(
     box = _box(trained, parameters)
     errors = axes_of(trained.robot, box) if box else ()
     level = LEVEL if level is None else level
-    _refuse_level(trained, level, errors)
+    _refuse_level(trained, level, box)
     chart, spec = _chart(trained, within or {})
     chart, spec = _with_errors(chart, errors), _with(spec, errors)
     try:
-        sets = find_sets(spec, trained.trained, trained.zero_dynamics, level, disturbance)
+        sets = find_sets(
+            spec, trained.trained, trained.zero_dynamics, level, disturbance, box.get("floor", 0.0)
+        )
         whole = _with(trained.spec, errors)
         parts = whole, trained.robot, trained.trained, sets, trained.residuals
         program = trace_certificate(*parts)
@@ -235,17 +238,32 @@ def _refuse(level: int, disturbance: tuple[float, float]) -> None:
 
 
 def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float]:
-    """The box of robots that is proved for. Raises: InputError where that cannot be."""
-    own = run.spec.parameters
-    box = box_of(run.robot, own) if parameters is None else checked_box(parameters)
-    if not box:
-        return {}
+    """The box of robots and floors that is proved for. Raises: InputError where that cannot be."""
+    spec = run.spec
+    own = {**box_of(run.robot, spec.parameters), **spec.ground}
+    box = own if parameters is None else checked_box(parameters)
+    if "friction" in box and not (need := friction_needed(spec.describe())) <= box["friction"]:
+        has = (
+            f"one that needs {need:g}" if need < np.inf else "one that does not say when feet slip"
+        )
+        raise InputError(
+            f"expected a run that walks on a coefficient of friction of {box['friction']:g}, found "
+            f"{has}; train one with --parameters friction={box['friction']:g}"
+        )
+    if "floor" in box and spec.commands:
+        raise InputError(
+            "expected a gait without commands with a floor of unknown height, found one that is "
+            f"told {', '.join(c.name for c in spec.commands)}: leave floor out"
+        )
+    axes = axes_of(run.robot, box)
+    if not axes:
+        return box
     if why := why_not_robust(run):
         raise InputError(
             f"expected a run that can be proved for a box of robots, found {why}; train one with "
             "--parameters"
         )
-    refuse_many_axes(_with(run.spec, axes_of(run.robot, box)))
+    refuse_many_axes(_with(spec, axes))
     return box
 
 
@@ -257,12 +275,17 @@ def _with(spec: GaitSpec, errors: tuple[Axis, ...]) -> GaitSpec:
     return replace(spec, parameters=errors)
 
 
-def _refuse_level(run: Run, level: int, errors: tuple[Axis, ...]) -> None:
+def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
     """Raises: InputError on a level that no theorem is about."""
-    if errors and level > LEVEL:
+    if box and level > LEVEL:
         raise InputError(
             f"expected level 1, 2 or 3 for a box of robots, found {level}: the theorem of full "
             "order is about one robot; leave --level out, or give --parameters none"
+        )
+    if "floor" in box and level < 2:
+        raise InputError(
+            "expected level 2 or 3 with a floor of unknown height, found 1, which is about single "
+            "states: raise --level, or leave floor out"
         )
     if run.spec.commands and level > run.asked.last_level:
         raise InputError(

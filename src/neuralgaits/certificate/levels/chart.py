@@ -68,8 +68,10 @@ class Near(NamedTuple):
     change: float
 
 
-PHASE, LEVEL = Axis("phase", -0.05, 1.05), Axis("level", 0.0, 1.0)
+PHASE, LEVEL = Axis("phase", -0.1, 1.1), Axis("level", 0.0, 1.0)
 """Strips before the start of a step and behind its guard belong to the chart."""
+NARROWER = Axis("phase", -0.05, 1.05)
+"""The same in files of earlier versions; a statement is about its own box, whatever the axis."""
 
 
 @dataclass(frozen=True)
@@ -179,7 +181,7 @@ class Chart:
         if not isinstance(rows, list) or not PLANE <= len(rows) <= MOST_AXES:
             raise ValueError(f"a chart that is no list of {PLANE} to {MOST_AXES} axes")
         axes = [_axis(row) for row in rows]
-        if tuple(axes[:PLANE]) != (PHASE, LEVEL):
+        if axes[0] not in (PHASE, NARROWER) or axes[1] != LEVEL:
             raise ValueError("a chart that does not begin with phase and level as they are")
         if axes[PLANE:] and axes[PLANE].change is not None:
             raise ValueError(f"the axis {axes[PLANE].name} with a change from {LEVEL.name}")

@@ -61,12 +61,14 @@ class Subject:
     Attributes:
         spec, gait, zd: of a run.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
+        floor: bound on how much higher or lower than meant a foothold may lie [m].
     """
 
     spec: GaitSpec
     gait: AnyGait
     zd: ZeroDynamics
     disturbance: tuple[float, float] = (0.0, 0.0)
+    floor: float = 0.0
 
     @cached_property
     def look(self) -> Look:
@@ -89,7 +91,7 @@ class Sought(NamedTuple):
 
 def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     del known
-    found = find_set(of.spec, of.look, of.disturbance)
+    found = find_set(of.spec, of.look, of.disturbance, of.floor)
     if isinstance(found, str):
         return found
     return found, least_of_inlet(of.spec, of.look, found)
@@ -100,6 +102,8 @@ def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float
         return find_contraction(over_pairs(of.spec, of.look), known[2])
     if of.spec.parameters:
         return find_contraction(over_robots(of.spec, of.look), known[2])
+    if of.floor:
+        return find_contraction(of.look, known[2])
     return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
 
 
@@ -161,6 +165,7 @@ def find_sets(
     zd: ZeroDynamics,
     level: int,
     disturbance: tuple[float, float],
+    floor: float = 0.0,
 ) -> Sets:
     """Look for the sets that a level speaks of.
 
@@ -170,10 +175,11 @@ def find_sets(
         zd: whose robot and residuals count; its policy only where there are no commands.
         level: up to which.
         disturbance: of `Subject`.
+        floor: likewise.
 
     Raises: SpecError if nothing can be traced.
     """
-    of = Subject(spec, gait, zd, disturbance)
+    of = Subject(spec, gait, zd, disturbance, floor)
     parameters, reasons, least = {}, {}, {}
     for entry in LEVELS:
         if entry.number > level or not set(entry.rests_on) <= set(parameters):

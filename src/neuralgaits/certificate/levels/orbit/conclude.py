@@ -31,6 +31,8 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     if missing is None and orbit.attraction == "contraction alone":
         return _contraction_alone(shape, orbit, bounds)
     first, last = shape.ends
+    if missing is None and shape.floor:
+        missing = "an orbit is enclosed for footholds as meant only"
     if missing is None and not shape.falling < orbit.guard_from < orbit.guard_to <= last:
         missing = "the thin tube's guard is not where the foot falls"
     if missing is not None:
@@ -96,6 +98,8 @@ def _contraction_alone(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Concl
     """That there is one orbit, of which nothing is said but that it attracts.
 
     On T the return map of the section at mid-step is defined, and maps that interval into itself.
+    Where the height of the next foothold is free, it is one map for each height, gain and series
+    are bounds for all of them, and what two walks meet alike shrinks their distance alike.
     """
     strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     gain = -arb(bounds["orbit/gain", *strip])
@@ -104,10 +108,14 @@ def _contraction_alone(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Concl
     if not contraction < 1:
         reason = f"the return map is not shown to contract: |P'| <= {above(contraction):.4g}"
         return Conclusion(3, "undecided", reason, (), figures)
+    what = "there is one periodic orbit, and every trajectory of the undisturbed system in T "
+    what += "converges to it"
+    if shape.floor:
+        what = "any two trajectories of the undisturbed system in T whose footholds lie equally "
+        what += "high, step by step, converge; where all lie as meant, to one periodic orbit"
     words = (
         f"the return map of the section at mid-step contracts to {at_most(above(contraction), 4)} "
-        "or less on all of T: there is one periodic orbit, and every trajectory of the undisturbed "
-        "system in T converges to it",
+        f"or less on all of T: {what}",
     )
     return Conclusion(3, "proved", None, words, figures)
 

@@ -110,7 +110,9 @@ def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
     largest = look(grid)["expansion"].reshape(len(phases), -1).max(axis=1)
     series = _fit(phases, largest, BOUND_DEGREE)
     series[0] += np.max(largest - _at(series, phases))
-    guard = look(np.stack([np.ones_like(levels), levels], axis=1))
+    ends = np.linspace(1.0 - shape.guard_strip, 1.0 + shape.guard_strip, 3)
+    strip = np.stack(np.meshgrid(ends, levels, indexing="ij"), axis=-1).reshape(-1, 2)
+    guard = look(strip)
     gain = float(np.abs(guard["moved_zeta" if shape.told else "gain"]).max())
     contraction = gain * np.exp(_step(series))
     if not contraction < COMFORT:
