@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from neuralgaits.barriers.conditions import AbstractCondition, Pointwise
+from neuralgaits.barriers.functions import at_most, foot_vertical_velocity
 from neuralgaits.barriers.quantities import (
     FrictionBackward,
     FrictionForward,
@@ -17,7 +18,7 @@ from neuralgaits.barriers.quantities import (
     ImpulseConeForward,
 )
 from neuralgaits.barriers.spec import GaitSpec
-from neuralgaits.barriers.walking import new_hybrid_invariant, walking
+from neuralgaits.barriers.walking import new_hybrid_invariant, units, walking
 from neuralgaits.gait.posture import REFERENCE_LEG_M
 from neuralgaits.robots.parameters import GROUND, Box, axes_of, checked_box
 
@@ -26,9 +27,15 @@ if TYPE_CHECKING:
 
 STEPS = 3000
 """Gradient steps: each sample is of another robot."""
-STRIP, MOST_STRIP = 8.0, 0.09
+STRIP, MOST_STRIP = 7.5, 0.09
 """Phases around the guard in which the foot goes through a metre of heights, and the most there can
-be: AMBER-3M's foot falls at 0.55 m/s, and takes 6."""
+be: AMBER-3M's foot falls at 0.5 m/s, and takes 6.5."""
+FALLS, RESETS = "guard-transversal", ("reset-above-lower-fence", "reset-below-upper-fence")
+FALL = 0.45
+"""Least speed of a foot that comes to a floor of unknown height, for the reference robot [m/s]: so
+the strip in which it may meet the floor is short."""
+MORE_GUARD, WEIGHT = 3, 2.0
+"""Factor of the samples of that strip, and weight of the conditions that resets from it land in."""
 CONES = FrictionForward, FrictionBackward, ImpulseConeForward, ImpulseConeBackward
 """Quantities that no foot slips of which are not negative."""
 
@@ -44,7 +51,18 @@ def robust(robot: "PlanarBiped", box: Box) -> GaitSpec:
     recipe = replace(plain.recipe, steps=STEPS)
     if "floor" in box:
         strip = min(STRIP * box["floor"] * REFERENCE_LEG_M / robot.leg_length, MOST_STRIP)
-        recipe = replace(recipe, strip=strip, overshoot=(strip, plain.recipe.overshoot[1]))
+        samples = dict(recipe.samples) | {"guard": MORE_GUARD * recipe.samples["guard"]}
+        overshoot = strip, recipe.overshoot[1]
+        recipe = replace(recipe, strip=strip, overshoot=overshoot, samples=samples)
+        fall = at_most(foot_vertical_velocity, -FALL * units(robot).speed)
+        plain = replace(
+            plain,
+            conditions=tuple(
+                replace(one, function=fall) if one.name == FALLS else one
+                for one in plain.conditions
+            ),
+            weights=dict(plain.weights) | dict.fromkeys(RESETS, WEIGHT),
+        )
     return replace(
         plain,
         conditions=tuple(_on_friction(one, box.get("friction")) for one in plain.conditions),

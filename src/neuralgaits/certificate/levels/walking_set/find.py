@@ -19,7 +19,7 @@ PHASES, LEVELS = 241, 33
 STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
 """Half widths tried around the guard, in phases. A gait that meets the ground elsewhere than at
 phase 1 by more than the last is not treated."""
-WIDE_STRIPS = (*STRIPS, 0.035, 0.04, 0.045, 0.05, 0.06, 0.07, 0.08, 0.09, 0.099)
+WIDE_STRIPS = (*STRIPS, *(0.001 * k for k in range(32, 100, 2)))
 """The same where footholds may be higher or lower than meant, up to the ends of the chart."""
 CLEAR = 1e-12
 """Height that the foot must have before and behind the guard's strip [m]: more than rounding."""
