@@ -198,6 +198,7 @@ def _simulate(verb: Simulate) -> Outcome:
             start=verb.start,
             push=verb.push,
             disturb=verb.disturb,
+            parameters=_box(verb.parameters),
             seed=verb.seed,
             episodes=verb.episodes,
             log=verb.log,

@@ -22,7 +22,8 @@ from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots import derive
 from neuralgaits.robots.biped import PlanarBiped
-from neuralgaits.robots.mjcf.loader import links_from_text
+from neuralgaits.robots.mjcf.loader import links_from_text, robot_from_text
+from neuralgaits.robots.mjcf.with_errors import LinkErrors, text_with_errors
 
 Box = Mapping[str, float]
 """Half widths by kind of parameter: shares of the file's value, or metres. Of the floor: how many
@@ -239,7 +240,7 @@ class RobotFamily(eqx.Module):
 
     def at(self, p: Float[Array, " k"]) -> PlanarBiped:
         """The robot with these errors, in the order of `axes_of`. [size]."""
-        mass, com, inertia, rotor = self._split(p)
+        mass, com, inertia, rotor = self.split(p)
         robot, links = self.nominal, np.array(self.link)
         masses = self.masses * (1.0 + mass) if mass is not None else jnp.asarray(self.masses)
         squared = jnp.sum(com * com, axis=1)
@@ -270,7 +271,7 @@ class RobotFamily(eqx.Module):
             is_leaf=lambda leaf: leaf is None,
         )
 
-    def _split(self, p: Float[Array, " k"]):
+    def split(self, p: Float[Array, " k"]):
         """Errors of masses, centres of mass [T, 2], inertias and rotors; None for those without."""
         count, start = len(self.masses), 0
         found: dict[str, Float[Array, ...]] = {}
@@ -323,6 +324,25 @@ def _tables(
         c[:, :, 3, kind] += np.outer(unit, unit)
     c, b = c.reshape(n, n, -1), b.reshape(n, -1)
     return np.real(c).copy(), np.imag(c).copy(), np.real(b).copy(), np.imag(b).copy()
+
+
+def in_its_file(family: RobotFamily, p: Float[np.ndarray, " k"]) -> PlanarBiped:
+    """A member of the family, loaded from a file of its own: what MuJoCo can simulate.
+
+    Raises: InputError if there is no such robot.
+    """
+    robot, kinds = family.nominal, len(family.masses)
+    joints = len(set(family.joint))
+    mass, com, inertia, rotor = (
+        None if part is None else np.asarray(part) for part in family.split(np.asarray(p))
+    )
+    errors = LinkErrors(
+        mass=np.zeros(kinds) if mass is None else mass,
+        com=np.zeros((kinds, 2)) if com is None else com,
+        inertia=np.zeros(kinds) if inertia is None else inertia,
+        rotor=np.zeros(joints) if rotor is None else rotor,
+    )
+    return robot_from_text(text_with_errors(robot.layout.xml, errors), robot.name)
 
 
 def in_float64(family: RobotFamily, p: Float[np.ndarray, " k"]) -> PlanarBiped:
