@@ -14,6 +14,7 @@ from numpy.polynomial.chebyshev import chebint, chebval
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Box, Gait, specs
+from neuralgaits.barriers.commanded import commands_of
 from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.chart import MOST_AXES, Chart
 from neuralgaits.certificate.levels.ladder import conclude
@@ -27,11 +28,13 @@ from neuralgaits.certificate.levels.sets import (
     trace_certificate,
 )
 from neuralgaits.certificate.levels.walking_set.find import find_set
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet, walking_premises
 from neuralgaits.certificate.proof_file.reader import Statement
+from neuralgaits.certificate.provable import step_at
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import to_text
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import box_in_words
@@ -94,6 +97,57 @@ def test_the_program_at_a_robot_is_the_plain_one_of_an_edited_file(amber):
     for name, value in expected.items():
         assert found[name] == pytest.approx(np.asarray(value), rel=1e-9, abs=1e-9), name
     assert np.abs(moved["normal-force"] - found["normal-force"]).min() > 1e-3
+
+
+@pytest.mark.slow
+def test_a_gait_with_commands_has_the_robot_s_axes_behind_theirs(amber):
+    told = commands_of(speed=(0.6, 0.8))
+    spec = specs.robust(amber, {"mass": 0.01}, told)
+    assert spec.chart_size == 7 and not spec.new_gait.keywords["z2_dependence"]
+    names = tuple(axis.name for axis in spec.parameters)
+    chart = Chart.of(told, spec.parameters)
+    phrases = chart.sequences(["speed"])
+    assert phrases is not None and phrases[0].startswith("speed from 0.6 to 0.8, by at most")
+    assert chart.of_commands(1) == Chart.of(told) and chart.behind(1) == Chart.of(
+        (), spec.parameters
+    )
+    assert Chart.of((), spec.parameters).sequences(["speed"]) is None
+    # Of one condition alone: the whole Program is long.
+    only = replace(spec, conditions=spec.conditions[2:3], aims=(), weights={})
+    gait = spec.new_gait(jax.random.key(0), "posture", None)
+    program = trace_certificate(only, amber, gait, Sets())
+    errors = np.array([0.01, -0.01, 0.005])
+    other = edited("amber3m", dict(zip(names, errors, strict=True)))
+    u = np.array([0.4, 0.3, 0.66, 0.67])
+    found = evaluate(program, {"u": np.array([[*u, *errors], [*u, 0.0, 0.0, 0.0]])}, POINT)
+    step, _ = step_at(amber, gait, jnp.asarray(u))
+    ((name, value),) = only.margins(
+        step, ZeroDynamics(other, step.policy), jnp.asarray(u[:2])
+    ).items()
+    assert name == "normal-force"
+    assert found[name][0] == pytest.approx(float(value), rel=1e-9)
+    assert abs(found[name][0] - found[name][1]) > 1e-2
+    # Outputs are functions of z1 and the commands alone.
+    low, high = (np.asarray(step.policy(jnp.array([0.02, z2]))) for z2 in (15.0, 25.0))
+    assert np.array_equal(low, high)
+    with pytest.raises(SpecError, match="leave floor or these out"):
+        specs.robust(amber, {"floor": 0.001}, told)
+
+
+def test_what_follows_for_commands_and_robots_says_both(amber):
+    told = commands_of(speed=(0.6, 0.8))
+    chart = Chart.of(told, specs.robust(amber, {"mass": 0.01}).parameters)
+    shape = WalkingSet(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), (), (), ("speed",))
+    premises = walking_premises(shape)
+    constants = {"set/reset-place": -1e-5, "set/steepness": -0.1}
+    bounds = {(p.output, p.low, p.high): constants.get(p.output, 0.25) for p in premises}
+    (found,) = conclude({2: shape}, [], bounds, chart)
+    assert found.verdict == "proved" and "speed from 0.6 to 0.8" in found.words[-2]
+    assert found.words[-1].startswith("this holds for each fixed mass of shin (relative error), ")
+    # Axes of the robot in the place of those of a command, or none of it.
+    for other in (Chart.of((), specs.robust(amber, {"mass": 0.01}).parameters), Chart()):
+        (answer,) = conclude({2: shape}, [], bounds, other)
+        assert answer.verdict == "undecided"
 
 
 def test_the_return_map_of_each_robot_has_the_slope_of_its_impact(amber):

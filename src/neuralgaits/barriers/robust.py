@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from neuralgaits.barriers.commanded import commanded
 from neuralgaits.barriers.conditions import AbstractCondition, Pointwise
 from neuralgaits.barriers.functions import at_most, foot_vertical_velocity
 from neuralgaits.barriers.quantities import (
@@ -19,6 +20,8 @@ from neuralgaits.barriers.quantities import (
 )
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.walking import new_hybrid_invariant, units, walking
+from neuralgaits.errors import SpecError
+from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.posture import REFERENCE_LEG_M
 from neuralgaits.robots.parameters import GROUND, Box, axes_of, checked_box
 
@@ -40,15 +43,29 @@ CONES = FrictionForward, FrictionBackward, ImpulseConeForward, ImpulseConeBackwa
 """Quantities that no foot slips of which are not negative."""
 
 
-def robust(robot: "PlanarBiped", box: Box) -> GaitSpec:
+def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
     """The default specification of a gait for every robot of a box.
 
     Args:
         robot: in the middle of the box; with knees.
         box: half widths by kind of parameter, see `robots.parameters`.
+        commands: that the gait is told at each touchdown, on a floor as meant.
+
+    Raises: SpecError if it is told commands on a floor of unknown height.
     """
-    plain, box = walking(robot), checked_box(box)
-    recipe = replace(plain.recipe, steps=STEPS)
+    box = checked_box(box)
+    if commands:
+        if "floor" in box:
+            raise SpecError(
+                "expected a gait without commands with a floor of unknown height, found one that "
+                f"is told {', '.join(c.name for c in commands)}: leave floor or these out"
+            )
+        plain = commanded(robot, commands, z2_dependence=False)
+        recipe, new_gait = plain.recipe, plain.new_gait
+    else:
+        plain = walking(robot)
+        recipe = replace(plain.recipe, steps=STEPS)
+        new_gait = partial(new_hybrid_invariant, robot, z2_dependence=False)
     if "floor" in box:
         strip = min(STRIP * box["floor"] * REFERENCE_LEG_M / robot.leg_length, MOST_STRIP)
         samples = dict(recipe.samples) | {"guard": MORE_GUARD * recipe.samples["guard"]}
@@ -66,7 +83,7 @@ def robust(robot: "PlanarBiped", box: Box) -> GaitSpec:
     return replace(
         plain,
         conditions=tuple(_on_friction(one, box.get("friction")) for one in plain.conditions),
-        new_gait=partial(new_hybrid_invariant, robot, z2_dependence=False),
+        new_gait=new_gait,
         recipe=recipe,
         parameters=axes_of(robot, box),
         ground={kind: box[kind] for kind in GROUND if kind in box},

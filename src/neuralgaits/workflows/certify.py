@@ -126,9 +126,10 @@ class _Task:
     @property
     def part(self) -> str | None:
         """What part of the run's commands it is about; None for all of them."""
-        if self.box or self.chart == Chart.of(self.run.spec.commands):
+        commands = self.run.spec.commands
+        if self.chart.of_commands(len(commands)) == Chart.of(commands):
             return None
-        return "; ".join(self.chart.sequences([c.name for c in self.run.spec.commands]) or ())
+        return "; ".join(self.chart.sequences([c.name for c in commands]) or ())
 
 
 def certify(

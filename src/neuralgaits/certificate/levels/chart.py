@@ -120,16 +120,15 @@ class Chart:
         )
 
     def sequences(self, told: Sequence[str]) -> tuple[str, ...] | None:
-        """What may follow what, a phrase a command; None if the axes are not those of `told`.
+        """What may follow what, a phrase a command; None if the first axes are not those of `told`.
 
         A command has two axes, (before, after).
         """
-        if len(self.parameters) != 2 * len(told):
+        if len(self.parameters) < 2 * len(told):
             return None
         found = []
-        for name, first, second in zip(
-            told, self.parameters[::2], self.parameters[1::2], strict=True
-        ):
+        for place, name in enumerate(told):
+            first, second = self.parameters[2 * place : 2 * place + 2]
             if first != Axis(f"{name} before", first.low, first.high):
                 return None
             if second != Axis(f"{name} after", first.low, first.high, second.change):
@@ -139,6 +138,14 @@ class Chart:
                 what = f"by at most {second.change!r} more or less than in the step before"
             found.append(f"{name} from {first.low!r} to {first.high!r}, {what}")
         return tuple(found)
+
+    def of_commands(self, count: int) -> "Chart":
+        """The chart without what lies behind the axes of so many commands."""
+        return Chart(self.parameters[: 2 * count])
+
+    def behind(self, count: int) -> "Chart":
+        """The chart of what lies behind the axes of so many commands."""
+        return Chart(self.parameters[2 * count :])
 
     def holds(self, other: "Chart") -> bool:
         """Whether another chart is this one, or a part of it with the same axes."""

@@ -25,8 +25,7 @@ from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.certificate.levels.walking_set.find import (
     find_set,
     least_of_inlet,
-    over_pairs,
-    over_robots,
+    over_all,
 )
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.provable import step_at
@@ -98,12 +97,9 @@ def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, flo
 
 
 def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
-    if not isinstance(of.gait, Gait):
-        return find_contraction(over_pairs(of.spec, of.look), known[2])
-    if of.spec.parameters:
-        return find_contraction(over_robots(of.spec, of.look), known[2])
-    if of.floor:
-        return find_contraction(of.look, known[2])
+    if of.spec.commands or of.spec.parameters or of.floor:
+        return find_contraction(over_all(of.spec, of.look), known[2])
+    assert isinstance(of.gait, Gait)
     return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
 
 

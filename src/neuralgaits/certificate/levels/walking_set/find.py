@@ -47,10 +47,10 @@ def find_set(
     told = tuple(command.name for command in spec.commands)
     count, levels = PHASES, np.linspace(0.0, 1.0, LEVELS)
     if told:
-        look = over_pairs(spec, look)
+        look = over_all(spec, look)
         count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
     elif spec.parameters:
-        look, levels = over_robots(spec, look), np.linspace(0.0, 1.0, FEW_LEVELS)
+        look, levels = over_all(spec, look), np.linspace(0.0, 1.0, FEW_LEVELS)
     widths = WIDE_STRIPS if floor else STRIPS
     strip = _guard_strip(look, levels, floor * ROOM**0.5 + (CLEAR_TOLD if told else CLEAR), widths)
     if strip is None:
@@ -101,7 +101,7 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
     """What outputs that enclose constants must reach."""
     if not shape.told:
         return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
-    over = over_pairs(spec, look)
+    over = over_all(spec, look)
     found = over(_grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
     phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
     pace = float(over(_grid(phases, levels))["pace"].min())
@@ -115,17 +115,18 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
     }
 
 
-def over_pairs(spec: GaitSpec, look: Look) -> Look:
-    """Looks at points of (phase, level) with many pairs of commands, one point after the other."""
-    return _with_each(all_pairs(spec.commands, PAIRS), look)
+def over_all(spec: GaitSpec, look: Look) -> Look:
+    """Looks at points of (phase, level) for many pairs of commands, and on some robots of the box.
 
-
-def over_robots(spec: GaitSpec, look: Look) -> Look:
-    """Looks at points of (phase, level) on the nominal robot and on some corners of the box."""
-    halves = np.array([axis.half for axis in spec.parameters])
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(halves)))
-    robots = np.concatenate([np.zeros((1, len(halves))), halves * signs])
-    return _with_each(robots, look)
+    Those are the nominal one and some corners, and for each of them all pairs.
+    """
+    pairs, robots = all_pairs(spec.commands, PAIRS), np.zeros((1, len(spec.parameters)))
+    if spec.parameters:
+        halves = np.array([axis.half for axis in spec.parameters])
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(halves)))
+        robots = np.concatenate([robots, halves * signs])
+    both = np.hstack([np.repeat(pairs, len(robots), axis=0), np.tile(robots, (len(pairs), 1))])
+    return _with_each(both, look)
 
 
 def _with_each(values: np.ndarray, look: Look) -> Look:
