@@ -73,7 +73,8 @@ class Train:
     """Range of slopes of the ground to be told [degrees], as in --slope=-5:5."""
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
     """A box of robots that one policy is to walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:
-    errors of every link's mass, centre of mass and inertia, and of every rotor."""
+    errors of every link's mass, centre of mass and inertia, and of every rotor; and of the floor:
+    floor=5mm, footholds higher or lower than meant, and friction=0.5, the least coefficient."""
     certify: Flag = False
     """Prove the conditions (level 1) after training; where that fails, train on with samples of
     the boxes that are left, until the proof stands."""
@@ -118,6 +119,9 @@ class Simulate:
     """What the controller is told: the plant's own rates and hip velocity, or angles, pitch and
     contact alone, as in encoders,bits=14,pitch_noise=0.001,delay_ms=2, those numbers if not given;
     perfect if not given."""
+    parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
+    """Walk another robot each time, drawn from this box around the run's own, as in
+    mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
     command: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """What a gait that takes commands is told at every touchdown, as in speed=0.7 or slope=3
     [degrees]; the middle of its ranges if not given."""
@@ -149,13 +153,13 @@ class Certify:
     level: Annotated[int | None, arg(metavar="N")] = None
     """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
     3: and that one orbit attracts all of it, 4: and that the robot walks on at full order, with
-    outputs off zero and across impacts. 3 if not given; 2, which is the most, with parameters."""
+    outputs off zero and across impacts. 3 if not given, which is the most with parameters."""
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
     """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
     the run's residual may still be off by."""
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...|none")] = None
-    """Box of robots to prove levels 1 and 2 for, as in mass=2%,com=5mm,inertia=5%; that of the
-    run if not given; none: the robot of the file alone."""
+    """Box of robots to prove levels 1 to 3 for, as in mass=2%,com=5mm,inertia=5%,floor=5mm; that
+    of the run if not given; none: the robot of the file alone, on its floor."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""
     within: Annotated[str | None, arg(metavar="NAME=LOW:HIGH,...")] = None

@@ -199,6 +199,7 @@ def _simulate(verb: Simulate) -> Outcome:
             push=verb.push,
             disturb=verb.disturb,
             sensing=verb.sensing,
+            parameters=_box(verb.parameters),
             seed=verb.seed,
             episodes=verb.episodes,
             log=verb.log,

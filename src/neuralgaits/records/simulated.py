@@ -179,6 +179,9 @@ class WalkSettings(Record):
         command: told for ever, by name; None if it changed, or for a gait that takes none.
         commands: file that was told, or `random`; None for neither.
         terrain: that was walked on, as asked; None for a floor.
+        parameters: half widths by kind of the box that each walk's robot was drawn from; empty for
+            one robot.
+        errors: those of the robot of each walk, by what they are of.
     """
 
     run: str = ""
@@ -202,6 +205,8 @@ class WalkSettings(Record):
     command: Mapping[str, float] | None = None
     commands: str | None = None
     terrain: str | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    errors: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -216,8 +221,8 @@ class Simulated(WalkFigures, WalkSettings):
     def unsaid(self) -> Collection[str]:
         """No link, commands, terrain and estimates where there were none."""
         unsaid = ["link"] if self.link is None else []
-        if not self.command_error:
-            unsaid += ["command_error"]
+        for name in ("command_error", "parameters", "errors"):
+            unsaid += [] if getattr(self, name) else [name]
         for name in ("command", "commands", "terrain", "foothold_error_m", "hip_speed_error_m_s"):
             unsaid += [name] if getattr(self, name) is None else []
         return unsaid

@@ -77,6 +77,7 @@ def walk(
     starts: Float[np.ndarray, "B two_n"],
     *,
     plant: PlanarBiped | None = None,
+    robots: Sequence[PlanarBiped] | None = None,
     controller: str | AbstractLaw = "pd",
     steps: int = 50,
     z2_range: tuple[float, float] | None = None,
@@ -103,6 +104,7 @@ def walk(
         policies: one for all episodes, or one of the same structure for each.
         starts: full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]
         plant: robot to simulate, `robot` if None; it must have the same joints.
+        robots: in its place, one for each episode, of the same joints and feet; without courses.
         controller: `pd`, `fblin`, `paper`, or a law.
         steps: walking steps of an episode.
         z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
@@ -127,7 +129,8 @@ def walk(
     """
     starts = _checked_starts(robot, starts)
     count = len(starts)
-    _check_same_joints(robot, plant)
+    for one in (plant, *(robots or ())):
+        _check_same_joints(robot, one)
     _positive_whole("steps", steps)
     shared = isinstance(policies, AbstractPolicy)
     each = [policies] if shared else _as_many(policies, count)
@@ -135,7 +138,10 @@ def walk(
         raise InputError(f"push: expected a finite impulse in N s, found {push}")
     law = law_named(controller)
     check_simulator(simulator)
-    plants = _plants(robot if plant is None else plant, disturbance, courses)
+    if robots is None:
+        plants = _plants(robot if plant is None else plant, disturbance, courses)
+    else:
+        plants = [build(one, disturbance) for one in robots]
     field = plants[0]
     controllers = [
         _controller(robot, policy, law, field, z2_range, reset_residual) for policy in each

@@ -17,6 +17,7 @@ from neuralgaits.engine import engine_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.robots import load_robot, registry
+from neuralgaits.robots.parameters import checked_box
 from neuralgaits.runs import write_text
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
@@ -27,6 +28,7 @@ from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import Choice, Engine
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import on_slope, orders_of, parsed
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
@@ -86,6 +88,7 @@ def simulate(
     command: str | Mapping[str, float] | None = None,
     commands: str | Path | None = None,
     terrain: str | Path | None = None,
+    parameters: Mapping[str, float] | None = None,
     workers: int | None = None,
     ray: str | None = None,
     simulator: Simulator = MUJOCO,
@@ -118,6 +121,8 @@ def simulate(
         terrain: blocks in place of the floor, that the robot sees one step ahead and is told by:
             `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV file of
             stones; see `simulation.setup.terrains`.
+        parameters: each walk is of another robot, drawn from this box around the run's own, half
+            widths by kind (see `robots.parameters`), and on its floor.
         workers: processes of this machine that walk, in place of threads of this one; in a
             script, call this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.
@@ -131,6 +136,9 @@ def simulate(
     trained = open_run(run)
     told = trained.trained.commands
     disturbance = sensed(parse(disturb), sensing)
+    drawn = _drawn(trained, parameters, seed, plant, terrain, controller)
+    if drawn is not None:
+        disturbance = drawn.on_its_floor(disturbance)
     if not isinstance(episodes, int) or episodes < 1:
         raise InputError(f"expected at least 1 episode, found {episodes!r}")
     if not isinstance(seed, int) or seed < 0:
@@ -173,6 +181,7 @@ def simulate(
             orders=orders,
             courses=courses,
             simulator=simulator,
+            drawn=drawn,
         )
         if shared:
             command_told = trained.command if told and commands is None else None
@@ -223,6 +232,8 @@ def simulate(
         command=kept or None,
         commands=_text(commands),
         terrain=None if terrain is None else str(terrain),
+        parameters={} if drawn is None else drawn.box,
+        errors={} if drawn is None else _errors(drawn, episodes),
     )
     figures = summary(walked, periodic_orbit(trained.zero_dynamics, gait))
     result = Simulated(**vars(settings), **vars(figures))
@@ -233,6 +244,36 @@ def simulate(
     if video is not None:
         films.write(Path(video), walked.plant, walked.episodes.states, walked.episodes.floors)
     return Simulation(walked, result)
+
+
+def _drawn(
+    trained: Run,
+    parameters: Mapping[str, float] | None,
+    seed: int,
+    plant: str | Path | None,
+    terrain: str | Path | None,
+    controller: str | AbstractLaw,
+) -> DrawnRobots | None:
+    """Robots of a box; None without one. Raises: InputError where something else says who walks."""
+    box = checked_box(parameters or {})
+    if not box:
+        return None
+    others = {"--plant": plant, "--terrain": terrain}
+    given = [name for name, value in others.items() if value is not None]
+    if controller == REMOTE:
+        given.append(f"--controller {REMOTE}")
+    if given:
+        raise InputError(
+            f"expected --parameters without {given[0]}, found both: robots are drawn around the "
+            "run's own, and walk on its floor; leave one out"
+        )
+    return DrawnRobots(trained.robot, box, seed)
+
+
+def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
+    """Errors of every walk's robot, by name."""
+    columns = drawn.errors(0, episodes).T.tolist()
+    return {name: tuple(column) for name, column in zip(drawn.names, columns, strict=True)}
 
 
 def _engine(
