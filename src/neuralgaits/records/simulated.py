@@ -77,6 +77,19 @@ class LinkFigures(Record):
 
 
 @dataclass(frozen=True)
+class Relaxed:
+    """Shares of ticks at which a law with a quadratic program gave something up.
+
+    Attributes:
+        decrease: of the ticks, those at which its Lyapunov function may fall too slowly.
+        contact: those at which it asks forces of the floor that this does not give.
+    """
+
+    decrease: float
+    contact: float
+
+
+@dataclass(frozen=True)
 class CommandError:
     """How far walks were from what they were told, in the unit of the command; None if unknown.
 
@@ -100,6 +113,7 @@ class WalkFigures(Record):
         max_output_error_rad, peak_torque_nm, steady_peak_torque_nm, max_joint_rate_rad_s,
             min_normal_force_n: extremes.
         saturated_fraction: share of time at a torque limit.
+        relaxed: of a law that has a quadratic program; None of others.
         poincare: None if it was not looked for.
         sim_steps_per_s, real_time_factor: of the simulation itself.
         command_error: of every command that can be measured; empty for a gait that takes none.
@@ -120,6 +134,7 @@ class WalkFigures(Record):
     max_joint_rate_rad_s: float | None = None
     min_normal_force_n: float | None = None
     saturated_fraction: float | None = None
+    relaxed: Relaxed | None = None
     poincare: ModelOrbit | None = None
     sim_steps_per_s: float | None = None
     real_time_factor: float | None = None
@@ -183,10 +198,10 @@ class Simulated(WalkFigures, WalkSettings):
     """A simulation: what was asked, and how it went."""
 
     def unsaid(self) -> Collection[str]:
-        """No link, commands and terrain where there were none."""
+        """No link, commands, terrain and quadratic program where there were none."""
         unsaid = ["link"] if self.link is None else []
         if not self.command_error:
             unsaid += ["command_error"]
-        for name in ("command", "commands", "terrain", "foothold_error_m"):
+        for name in ("command", "commands", "terrain", "foothold_error_m", "relaxed"):
             unsaid += [name] if getattr(self, name) is None else []
         return unsaid

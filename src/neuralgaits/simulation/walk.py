@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
-from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
+from neuralgaits.control import PAPER, AbstractLaw, ClfQp, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
@@ -32,8 +32,10 @@ from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import Episodes, Noise, Watch
 from neuralgaits.simulation.ticks.tick import Scene
 
-LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
-"""Control laws by name: `paper` is the PD of the paper's deployment."""
+EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
+"""Control laws that exported controllers have: `paper` is the PD of the paper's deployment."""
+LAWS = {**EXPORTED, "clf-qp": ClfQp()}
+"""Control laws by name."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def walk(
         policies: one for all episodes, or one of the same structure for each.
         starts: full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]
         plant: robot to simulate, `robot` if None; it must have the same joints.
-        controller: `pd`, `fblin`, `paper`, or a law.
+        controller: `pd`, `fblin`, `paper`, `clf-qp`, or a law.
         steps: walking steps of an episode.
         z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
         disturbance: of the plant.

@@ -81,6 +81,8 @@ class Gauge(NamedTuple):
     """Largest |torque| of the whole episode [N m]."""
     saturated: Int[Array, ""]
     """Ticks with a clipped torque."""
+    relaxed: Int[Array, "2"]
+    """Ticks at which a law gave something up, see `control.law.Limited`."""
     ticks: Int[Array, ""]
     """Ticks so far."""
 
@@ -89,7 +91,8 @@ class Gauge(NamedTuple):
         """Before the first tick."""
         none, origin, zero = Extremes.none(), Milestone.origin(), jnp.zeros((), jnp.int32)
         power = jnp.zeros(())
-        return cls(zero, power, origin, origin, none, none, power, zero, zero)
+        given_up = jnp.zeros(2, jnp.int32)
+        return cls(zero, power, origin, origin, none, none, power, zero, given_up, zero)
 
 
 def update(
@@ -128,6 +131,7 @@ def update(
         running=running.with_(now),
         peak_torque=jnp.maximum(gauge.peak_torque, now.torque),
         saturated=gauge.saturated + command.saturated,
+        relaxed=gauge.relaxed + command.relaxed,
         ticks=gauge.ticks + 1,
     )
 
