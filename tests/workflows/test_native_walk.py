@@ -54,6 +54,7 @@ WALKS = [
     *(("pd", plant) for plant in PLANTS),
     *(("fblin", plant) for plant in ("as modelled", "noisy", "coarse, late and weak")),
     ("paper", "uneven"),
+    ("clf-qp", "coarse, late and weak"),
 ]
 
 
@@ -399,10 +400,10 @@ def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law
         (tmp_path / name).write_text(text)
     folder, loaded = Path(mujoco.__file__).parent, native_library.mujoco_library()
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-Wall", "-Wextra"]
-    files = [str(tmp_path / name) for name in ("walk.c", "controller.c", "gait.c")]
+    files = [str(tmp_path / name) for name in ("walk.c", "clf_qp.c", "controller.c", "gait.c")]
     files += [str(Path(__file__).parent / "walk_main.c"), "-o", str(tmp_path / "walk_main")]
     linked = ["-I", str(tmp_path), "-isystem", str(folder / "include")]
-    linked += [str(loaded), f"-Wl,-rpath,{folder}"]
+    linked += [str(loaded), f"-Wl,-rpath,{folder}", "-lm"]
     subprocess.run(
         [*command, "-std=gnu99", "-O0", "-g1", "-Werror", *flags, *files, *linked],
         check=True,

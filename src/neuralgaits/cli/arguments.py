@@ -96,8 +96,9 @@ class Simulate:
     """Run folder, or latest."""
     plant: Annotated[str | None, arg(metavar="ROBOT")] = None
     """Robot to simulate; the one the gait was trained for if not given."""
-    controller: Literal["pd", "fblin", "paper", "c"] = "pd"
-    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), or the exported
+    controller: Literal["pd", "fblin", "paper", "clf-qp", "c"] = "pd"
+    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
+    with a control Lyapunov function within limits of torque and friction, or the exported
     controller as a process of its own."""
     link: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """How to reach controller c, as in law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
@@ -271,7 +272,7 @@ class Sweep:
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """With --certify: time for each proof. What is proved then depends on the machine."""
     controllers: Annotated[str | None, arg(metavar="C,...")] = None
-    """Laws to walk under: pd (if not given), fblin, paper."""
+    """Laws to walk under: pd (if not given), fblin, paper, clf-qp."""
     disturbances: Annotated[str | None, arg(metavar="FILE|standard|none")] = None
     """What to walk under beside nothing: the standard eighteen (if not given), or those of a TOML
     file; see the page 'From a laptop to a cluster'."""

@@ -18,7 +18,7 @@ from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC
 
-CONTROLLERS = ("pd", "fblin", "paper", "c")
+CONTROLLERS = ("pd", "fblin", "paper", "clf-qp", "c")
 
 
 def robot_word(folder: RunFolder) -> str:

@@ -98,8 +98,9 @@ def simulate(
     Args:
         run: a run, its folder, or `latest`.
         plant: robot to simulate, by name or path; the run's own if None.
-        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), a law, or `c`: the
-            exported controller, compiled, as a process of its own.
+        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), `clf-qp` (see
+            docs/control.md), a law, or `c`: the exported controller, compiled, as a process of its
+            own.
         steps: walking steps of an episode.
         start: `centre` of the gait's region, `region` (anywhere in it), or `fixed-point`.
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
@@ -283,7 +284,7 @@ def _engine(
     if controller != REMOTE:
         return engine_for(trained, controller, choice, simulator)
     if choice == "native":
-        raise InputError(f"--engine native: expected pd, fblin or paper, found {REMOTE}")
+        raise InputError(f"--engine native: expected pd, fblin, paper or clf-qp, found {REMOTE}")
     return Engine(None, None)
 
 
@@ -296,8 +297,8 @@ def _refuse_shared(
     """Refuse what only this process can do."""
     if not isinstance(controller, str) or controller == REMOTE:
         raise InputError(
-            "expected controller pd, fblin or paper with --workers or --ray, found another: leave "
-            "them out"
+            "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
+            "another: leave them out"
         )
     if log is not None or film is not None:
         raise InputError(
@@ -358,8 +359,8 @@ def _check_terrain(
         )
     if controller == REMOTE:
         raise InputError(
-            f"expected --terrain with pd, fblin or paper, found --controller {REMOTE}: its process "
-            "is made for one command"
+            f"expected --terrain with pd, fblin, paper or clf-qp, found --controller {REMOTE}: "
+            "its process is made for one command"
         )
 
 
