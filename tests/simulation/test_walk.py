@@ -7,7 +7,7 @@ import pytest
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.setup.disturbance import Disturbance
-from neuralgaits.simulation.ticks import lockstep
+from neuralgaits.simulation.ticks import world
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk
 
@@ -61,7 +61,7 @@ def test_a_walk_can_be_repeated_and_threads_change_nothing(amber, brisk, monkeyp
     policy, x = brisk
     noisy = Disturbance(encoder_noise=1e-4, floor_height=0.002)
     # Two episodes, a thread for each.
-    monkeypatch.setattr(lockstep, "_MIN_EPISODES_PER_THREAD", 1)
+    monkeypatch.setattr(world, "_MIN_EPISODES_PER_THREAD", 1)
     runs = [
         walk(
             amber,

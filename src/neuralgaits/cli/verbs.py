@@ -189,7 +189,7 @@ def _simulate(verb: Simulate) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
-    with waiting("walking in MuJoCo", quiet=verb.output.json):
+    with waiting("walking", quiet=verb.output.json):
         done = simulate(
             verb.run,
             plant=verb.plant,
@@ -198,12 +198,15 @@ def _simulate(verb: Simulate) -> Outcome:
             start=verb.start,
             push=verb.push,
             disturb=verb.disturb,
+            sensing=verb.sensing,
+            parameters=_box(verb.parameters),
             seed=verb.seed,
             episodes=verb.episodes,
             log=verb.log,
             video=verb.video,
             link=verb.link,
             engine=verb.engine,
+            simulator=verb.simulator,
             command=verb.command,
             commands=verb.commands,
             terrain=verb.terrain,

@@ -66,6 +66,7 @@ class CommandedPolicy(NetworkPolicy):
         curves: cubics of the scaled commands, powers upwards: a speed that is asked for to the
             place in the family that walks at it, see `training.calibration`. [p, 4]
         told: what the gait is told, as `commands`.
+        z2_dependence: of its policies, see `HybridInvariantPolicy`.
     """
 
     guard_outputs: Float[Array, "M m"]
@@ -73,6 +74,7 @@ class CommandedPolicy(NetworkPolicy):
     guard_z1: Float[Array, " M"]
     curves: Float[Array, "p 4"]
     told: Commands = eqx.field(static=True)
+    z2_dependence: bool = eqx.field(static=True, default=True)
 
     @classmethod
     def init(
@@ -84,6 +86,7 @@ class CommandedPolicy(NetworkPolicy):
         hidden: tuple[int, ...] = (32, 32),
         activation: str = "tanh",
         posture: Posture | None = None,
+        z2_dependence: bool = True,
     ) -> "CommandedPolicy":
         """Start near a nominal walking posture, the same for all commands but for their lengths.
 
@@ -94,6 +97,7 @@ class CommandedPolicy(NetworkPolicy):
             hidden: widths of the hidden layers.
             activation: of the network.
             posture: nominal posture, `walking_posture(robot)` by default.
+            z2_dependence: False makes outputs functions of z1 and the commands alone.
         """
         posture = walking_posture(robot) if posture is None else posture
         m, p = robot.n - 1, len(commands)
@@ -128,6 +132,7 @@ class CommandedPolicy(NetworkPolicy):
             input_shift=posture.input_shift,
             curves=plain_curves(commands),
             told=commands,
+            z2_dependence=z2_dependence,
         )
 
     @property
@@ -245,6 +250,7 @@ class CommandedPolicy(NetworkPolicy):
             z_start=numbers[0],
             z_guard=numbers[1],
             cubic=numbers[2 : 2 + 4 * m].reshape(4, m),
+            z2_dependence=self.z2_dependence,
         )
 
     def _between(
@@ -269,7 +275,7 @@ class CommandedPolicy(NetworkPolicy):
             start_outputs=start.outputs,
             start_slopes=start.slopes,
             momentum_ratio=start.momentum_ratio,
-            z2_dependence=True,
+            z2_dependence=self.z2_dependence,
             told=Step(pair, ground, tuple(command.name for command in self.commands)),
         )
         return policy.between(start, guard, exact=exact)

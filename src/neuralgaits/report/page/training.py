@@ -113,7 +113,7 @@ def _settings(saved: Saved) -> list[tuple[str, Any]]:
         ("learning rate", None if rate is None else html.number(rate)),
     ]
     if asked.parameters:
-        rows.append(("for robots off the file by", box_in_words(asked.parameters)))
+        rows.append(("for robots and floors off by", box_in_words(asked.parameters)))
     if asked.samples:
         told = ", ".join(f"{count} in {name}" for name, count in asked.samples.items())
         rows.append(("samples a step", told))

@@ -77,7 +77,11 @@ def data(walk: ShownWalk) -> Html:
 
 def _said(walk: ShownWalk) -> str:
     """Which walk it is, and that it is a simulation and not a drawing of the plan."""
-    law = {"pd": "joint PD control", "fblin": "input-output linearisation"}
+    law = {
+        "pd": "joint PD control",
+        "fblin": "input-output linearisation",
+        "clf-qp": "a quadratic program with a control Lyapunov function",
+    }
     control = law.get(walk.controller, f"controller {walk.controller}")
     said = (
         f"Recorded from a MuJoCo simulation of the whole robot under {control}, with contact, "
@@ -158,7 +162,7 @@ def simulations(saved: Saved) -> Html:
         "simulations",
         "Simulations",
         html.paragraph(
-            f"The whole robot in MuJoCo, controller {done.controller}: {done.stayed} of "
+            f"The whole robot in {done.stepped_by}, controller {done.controller}: {done.stayed} of "
             f"{len(done.fell)} walks stayed up to their last step. Started from {done.start}, "
             f"plant {done.plant}, changed: {changed}{push}{ground}, seed {done.seed}. "
             "Simulations are samples: they show what happened, not what must happen."
