@@ -18,7 +18,7 @@ from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC
 
-CONTROLLERS = ("pd", "fblin", "paper", "c")
+CONTROLLERS = ("pd", "fblin", "paper", "clf-qp", "c")
 
 
 def robot_word(folder: RunFolder) -> str:
@@ -112,7 +112,7 @@ def _parent(folder: RunFolder, told: str) -> Path | None:
 
 def box(parameters: Mapping[str, float]) -> str:
     """A box of robots as the command line takes it, every number exactly; `none` for no box."""
-    units = {"com": "m"}
+    units = {"com": "m", "floor": "m"}
     sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
     return ",".join(sizes) or "none"
 
@@ -174,9 +174,15 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
         line += ["--command", ",".join(told)]
     if done.commands is not None:
         line += ["--commands", done.commands]
+    if done.parameters:
+        line += ["--parameters", box(done.parameters)]
     if done.terrain is not None:
         line += ["--terrain", done.terrain]
-    if changed := words.disturbances(done.disturb):
+    changed = words.disturbances(done.disturb)
+    for kind, name in (("floor", "floor_height"), ("friction", "friction")):
+        if kind in done.parameters:
+            changed.pop(name, None)
+    if changed:
         line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
     return command(*line)
 

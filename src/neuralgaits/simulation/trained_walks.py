@@ -17,6 +17,7 @@ from neuralgaits.simulation.native.scene import knows
 from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.simulators import MUJOCO, Simulator
@@ -35,6 +36,7 @@ class TrainedWalks:
         run: opened, a family at its first command.
         library: compiled for it; None for the loop in JAX.
         plant: robot to simulate; the run's own if None.
+        drawn: in its place, robots of a box, one for each walk.
         controller: law, by name or itself.
         steps, start, push, disturbance, seed: as in `simulate`.
         orders: what a family is told.
@@ -54,6 +56,7 @@ class TrainedWalks:
     seed: int
     orders: Orders
     courses: Courses | None = None
+    drawn: DrawnRobots | None = None
     threads: int | None = None
     simulator: Simulator = MUJOCO
 
@@ -74,6 +77,7 @@ class TrainedWalks:
                 run.zero_dynamics, gait, self.start, seed=self.seed, episodes=count, first=first
             ),
             plant=self.plant,
+            robots=None if self.drawn is None else self.drawn.of(first, count),
             controller=self.controller,
             steps=self.steps,
             z2_range=momentum_range(run.trained),
@@ -111,7 +115,7 @@ def engine_for(
         return engine_of_trained(run, choice)
     if choice == "native":
         raise InputError(
-            "--engine native: expected pd, fblin or paper, found a law of type "
+            "--engine native: expected pd, fblin, paper or clf-qp, found a law of type "
             f"{type(law).__name__}"
         )
     return Engine(None, None)

@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
-from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
+from neuralgaits.control import PAPER, AbstractLaw, ClfQp, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
@@ -33,8 +33,10 @@ from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import Episodes, Noise, Watch
 from neuralgaits.simulation.ticks.tick import Scene
 
-LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
-"""Control laws by name: `paper` is the PD of the paper's deployment."""
+EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
+"""Control laws that exported controllers have: `paper` is the PD of the paper's deployment."""
+LAWS = {**EXPORTED, "clf-qp": ClfQp()}
+"""Control laws by name."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ def walk(
     starts: Float[np.ndarray, "B two_n"],
     *,
     plant: PlanarBiped | None = None,
+    robots: Sequence[PlanarBiped] | None = None,
     controller: str | AbstractLaw = "pd",
     steps: int = 50,
     z2_range: tuple[float, float] | None = None,
@@ -103,7 +106,8 @@ def walk(
         policies: one for all episodes, or one of the same structure for each.
         starts: full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]
         plant: robot to simulate, `robot` if None; it must have the same joints.
-        controller: `pd`, `fblin`, `paper`, or a law.
+        robots: in its place, one for each episode, of the same joints and feet; without courses.
+        controller: `pd`, `fblin`, `paper`, `clf-qp`, or a law.
         steps: walking steps of an episode.
         z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
         disturbance: of the plant.
@@ -127,7 +131,8 @@ def walk(
     """
     starts = _checked_starts(robot, starts)
     count = len(starts)
-    _check_same_joints(robot, plant)
+    for one in (plant, *(robots or ())):
+        _check_same_joints(robot, one)
     _positive_whole("steps", steps)
     shared = isinstance(policies, AbstractPolicy)
     each = [policies] if shared else _as_many(policies, count)
@@ -135,7 +140,10 @@ def walk(
         raise InputError(f"push: expected a finite impulse in N s, found {push}")
     law = law_named(controller)
     check_simulator(simulator)
-    plants = _plants(robot if plant is None else plant, disturbance, courses)
+    if robots is None:
+        plants = _plants(robot if plant is None else plant, disturbance, courses)
+    else:
+        plants = [build(one, disturbance) for one in robots]
     field = plants[0]
     controllers = [
         _controller(robot, policy, law, field, z2_range, reset_residual) for policy in each
@@ -229,7 +237,8 @@ def _plants(
 
 
 def _silent(plant: Plant) -> bool:
-    return not (plant.disturbance.encoder_noise or plant.disturbance.rate_noise)
+    disturbance = plant.disturbance
+    return not (disturbance.noise_of_pitch or disturbance.rate_noise)
 
 
 def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
