@@ -4,7 +4,7 @@
 
 namespace {
 
-// --------------------------------------------------------------------------- 15 what follows
+// --------------------------------------------------------------------------- 18 what follows
 //
 // The statements are inequalities on boxes. Levels 2 and 3 put them together: each method draws one
 // conclusion, or says which premise is missing. docs/guarantees.md has the same in prose.
@@ -17,6 +17,7 @@ struct ProofFile {
   Model model;
   string underivable;              // Why nothing follows from `model` here; empty if it does.
   std::optional<Program> program;  // If statements are to be bounded by it.
+  std::shared_ptr<const Listing> recorded;  // Outputs of a gait that is told commands.
   Regions regions;
   std::map<string, Condition> conditions;
   Theorems theorems;

@@ -29,7 +29,7 @@ from neuralgaits.records.certified import (
     Verdict,
 )
 from neuralgaits.records.record import build, shape_of
-from neuralgaits.runs import RunFolder, from_json
+from neuralgaits.runs import RunFolder, from_json, packed
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import MAP, RESIDUAL
 from neuralgaits.runs.shape import complaint
@@ -189,7 +189,7 @@ def _box(run: Path, proof: Claims, chart: Chart) -> dict[str, float]:
 
 def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
     """A proof file about the run's own files, whose statements are those of its spec."""
-    if not (run / PROOF).is_file():
+    if not packed.is_there(run / PROOF):
         return None
     try:
         claims = read_claims(run / PROOF)

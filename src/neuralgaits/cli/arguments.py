@@ -90,7 +90,7 @@ class Train:
 
 @dataclass(frozen=True)
 class Simulate:
-    """Walk a trained gait in MuJoCo at full order."""
+    """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
     run: Run
     """Run folder, or latest."""
@@ -106,6 +106,9 @@ class Simulate:
     engine: Annotated[Literal["native", "jax"] | None, arg(metavar="{native,jax}")] = None
     """Compiled code or JAX, which is the reference and many times slower; native if it is not
     given and there is a C compiler."""
+    simulator: Literal["mujoco", "drake"] = "mujoco"
+    """What steps the plant: MuJoCo, or Drake with its own dynamics and contact, to see whether the
+    two agree; needs the drake extra."""
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
     push: Annotated[float | None, arg(metavar="NS")] = None
@@ -115,6 +118,10 @@ class Simulate:
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
     """Walk another robot each time, drawn from this box around the run's own, as in
     mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
+    sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
+    """What the controller is told: the plant's own rates and hip velocity, or angles, pitch and
+    contact alone, as in encoders,bits=14,pitch_noise=0.001,delay_ms=2, those numbers if not given;
+    perfect if not given."""
     command: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """What a gait that takes commands is told at every touchdown, as in speed=0.7 or slope=3
     [degrees]; the middle of its ranges if not given."""
@@ -183,9 +190,9 @@ class Fit:
     run: Run
     """Run folder, or latest."""
     logs: Annotated[Positional[tuple[Path, ...]], arg(metavar="LOG.csv...")]
-    """Logs of walks, falls included; see docs/logs.md."""
+    """Logs of walks, falls included; see the page 'Your own logs'."""
     columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
-    """What the columns of a robot's own logs are: names, units, signs; see docs/logs.md."""
+    """Names, units and signs of a robot's own columns; see the page 'Your own logs'."""
     optimizer: Literal["adam", "adamw", "nero"] = "adam"
     """Optimiser of the fit; nero is the paper's."""
     seed: Annotated[int, arg(metavar="N")] = 0
@@ -233,7 +240,7 @@ class Episodes:
     logs: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of a robot's own logs in place of a plant: DIR/round-0/*.csv and so on."""
     columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
-    """With --logs: what the columns of these logs are; see docs/logs.md."""
+    """With --logs: what the columns of these logs are; see the page 'Your own logs'."""
     rounds: Annotated[int | None, arg(metavar="N")] = None
     """Rounds of learning and refining; 2 if not given."""
     seed: Annotated[int | None, arg(metavar="N")] = None
@@ -267,7 +274,7 @@ class Sweep:
     """Laws to walk under: pd (if not given), fblin, paper."""
     disturbances: Annotated[str | None, arg(metavar="FILE|standard|none")] = None
     """What to walk under beside nothing: the standard eighteen (if not given), or those of a TOML
-    file; see docs/scale.md."""
+    file; see the page 'From a laptop to a cluster'."""
     walks: Annotated[int | None, arg(metavar="N")] = None
     """Walks of 25 steps under each disturbance; 4 if not given."""
     at_work: Annotated[Workers, arg(name="")] = Workers()

@@ -11,7 +11,7 @@ from typing import Any
 
 from neuralgaits.barriers import specs
 from neuralgaits.records.asked import Asked, asked_of
-from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
+from neuralgaits.records.simulated import LOCKSTEP, MUJOCO, LinkFigures, Simulated
 from neuralgaits.report.page import words
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
@@ -164,6 +164,8 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     line += ["--controller", done.controller, "--steps", 50 if done.steps is None else done.steps]
     if done.link is not None:
         line += ["--link", _link(done.link)]
+    if done.simulator != MUJOCO:
+        line += ["--simulator", done.simulator]
     line += ["--start", done.start, "--seed", done.seed, "--episodes", done.episodes]
     if done.push:
         line += ["--push", done.push]

@@ -81,9 +81,15 @@ def _size(name: str, value: str) -> float:
             f"--parameters: expected {name} as a number above 0{known}, found {value!r}"
         )
     try:
-        return float(found[1]) * units[found[2]]
+        half = float(found[1]) * units[found[2]]
     except ValueError:
         raise InputError(f"--parameters: expected a number for {name}, found {value!r}") from None
+    if not found[2] and half >= 1.0:
+        raise InputError(
+            f"--parameters: expected {name} as a share such as 2% or 0.02, found {value}: "
+            "write the per cent sign"
+        )
+    return half
 
 
 def _refuse_unknown(name: object) -> None:

@@ -35,8 +35,8 @@ from neuralgaits.simulation.walk import LAWS
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")
 """Products and sums are not fused: a walk is the same on every machine."""
-SOURCES = ("walk.c", "controller.c", "gait.c")
-_HEADERS = ("controller.h", "ng_math.h")
+SOURCES = ("walk.c", "controller.c", "estimator.c", "gait.c")
+_SHIPPED = ("controller.h", "ng_math.h", "estimator.h", "controller.c", "estimator.c")
 _COMPILERS = ("cc", "gcc", "clang")
 _COMPILE_S = 300.0
 _UNKNOWN = "0" * 64
@@ -134,7 +134,7 @@ def sources(design: Design) -> dict[str, str]:
     shipped = writing.shipped()
     folder = resources.files("neuralgaits.simulation.native") / "c"
     loop = {name: (folder / name).read_text() for name in ("walk.c", "walk.h")}
-    return own | loop | {name: shipped[name] for name in (*_HEADERS, "controller.c")}
+    return own | loop | {name: shipped[name] for name in _SHIPPED}
 
 
 def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:

@@ -20,6 +20,7 @@ from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.simulators import MUJOCO, Simulator
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import Episodes
@@ -41,6 +42,7 @@ class TrainedWalks:
         orders: what a family is told.
         courses: of blocks, one for each walk, in place of floors; they give the orders.
         threads: that walk; all cores if None.
+        simulator: that steps the plants.
     """
 
     run: Run
@@ -56,6 +58,7 @@ class TrainedWalks:
     courses: Courses | None = None
     drawn: DrawnRobots | None = None
     threads: int | None = None
+    simulator: Simulator = MUJOCO
 
     def walk(self, first: int, count: int, *, record: bool = False, longest: int = 0) -> Walk:
         """Walks number `first` to `first + count - 1`. Raises: InputError, NonFiniteError.
@@ -89,12 +92,25 @@ class TrainedWalks:
             courses=self.courses,
             threads=self.threads,
             first=first,
+            simulator=self.simulator,
         )
 
 
-def engine_for(run: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
+def engine_for(
+    run: Run,
+    controller: str | AbstractLaw,
+    choice: Choice | None,
+    simulator: Simulator = MUJOCO,
+) -> Engine:
     """What walks a run under a law. Raises: InputError if native was asked for and cannot be."""
     law = law_named(controller)
+    if simulator != MUJOCO:
+        if choice == "native":
+            raise InputError(
+                f"--engine native: expected --simulator {MUJOCO}, found {simulator}, which the "
+                "loop in JAX walks: leave --engine out"
+            )
+        return Engine(None, None)
     if knows(law):
         return engine_of_trained(run, choice)
     if choice == "native":

@@ -52,6 +52,7 @@ from neuralgaits.programs import Program
 from neuralgaits.records import certified
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Verdict
 from neuralgaits.robots.parameters import Axis, axes_of, box_of, checked_box
+from neuralgaits.runs import packed
 from neuralgaits.runs.names import MAP
 
 LEVEL, HIGHEST = 3, 4
@@ -190,7 +191,7 @@ def certify(
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         for stale in (certified.PROOF, MAP):
-            (trained.path / stale).unlink(missing_ok=True)
+            packed.remove(trained.path / stale)
         return _finish(trained, level, _no_program(trained), [], began, box=box, reason=str(error))
     task = _Task(trained, level, sets, program, chart, within or None, box)
     problems = [
@@ -353,8 +354,9 @@ def _written(
         theorems = Theorems(task.sets.parameters, claimed)
         model = model_data(run.robot, run.trained, run.spec, task.program, run.residuals)
         proof_of(run, task.program, statements, theorems, model, task.chart).write(proof)
+        packed.packed(proof).unlink(missing_ok=True)
     else:
-        proof.unlink(missing_ok=True)
+        packed.remove(proof)
     verdicts, own = {}, []
     for condition in run.spec.conditions:
         # A premise's label may be the name of a region.

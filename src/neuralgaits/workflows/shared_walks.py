@@ -87,6 +87,7 @@ class SharedWalks:
             "disturb": plain(vars(walks.disturbance)),
             "seed": walks.seed,
             "engine": self.choice,
+            "simulator": walks.simulator,
             "command": None if self.command is None else dict(self.command),
             "random": self.commands == RANDOM,
             "parameters": None if walks.drawn is None else dict(walks.drawn.box),
@@ -145,7 +146,7 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         plant = robot_from_text(contents[_PLANT].decode(), told["plant"])
     return TrainedWalks(
         run=run,
-        library=engine_for(run, told["controller"], told["engine"]).library,
+        library=engine_for(run, told["controller"], told["engine"], told["simulator"]).library,
         plant=plant,
         controller=told["controller"],
         steps=told["steps"],
@@ -156,6 +157,7 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         orders=orders,
         drawn=None if box is None else DrawnRobots(run.robot, box, told["seed"]),
         threads=1,
+        simulator=told["simulator"],
     )
 
 

@@ -1,4 +1,4 @@
-"""Walk a trained gait in MuJoCo at full order."""
+"""Walk a trained gait at full order, in MuJoCo or in Drake."""
 
 import os
 import tempfile
@@ -30,8 +30,10 @@ from neuralgaits.simulation.native_walk import Choice, Engine
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import on_slope, orders_of, parsed
+from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.setup.terrains import courses_of, told_by
+from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
 from neuralgaits.simulation.walk import Walk, walk
 from neuralgaits.workflows.export import steady_design_of
@@ -76,6 +78,7 @@ def simulate(
     start: str = "centre",
     push: float | None = None,
     disturb: str | dict[str, float] | Disturbance | None = None,
+    sensing: str | None = None,
     seed: int = 0,
     episodes: int = 1,
     log: str | Path | None = None,
@@ -88,8 +91,9 @@ def simulate(
     parameters: Mapping[str, float] | None = None,
     workers: int | None = None,
     ray: str | None = None,
+    simulator: Simulator = MUJOCO,
 ) -> Simulation:
-    """Walk a trained gait in MuJoCo.
+    """Walk a trained gait at full order.
 
     Args:
         run: a run, its folder, or `latest`.
@@ -101,6 +105,8 @@ def simulate(
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
             built-in robot (N s), at a random moment after the fifth step.
         disturb: `NAME=VALUE,...` or a mapping; see `simulation.setup.disturbance`.
+        sensing: `perfect`, what it is if None: the controller is told the plant's own rates and
+            velocity; or `encoders,NAME=VALUE,...`; see `simulation.setup.sensing`.
         seed: of starts and disturbances.
         episodes: number of walks.
         log: CSV file for the first walk; of further walks, FILE-1.csv, FILE-2.csv, ... beside it.
@@ -120,13 +126,16 @@ def simulate(
         workers: processes of this machine that walk, in place of threads of this one; in a
             script, call this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.
+        simulator: `mujoco`, or `drake` in its place, with its own dynamics and contact; needs the
+            `drake` extra.
 
     Returns: `Simulation`; its summary is also in the run folder.
     Raises: InputError, RobotError or RunError with one line.
     """
+    check_simulator(simulator)
     trained = open_run(run)
     told = trained.trained.commands
-    disturbance = parse(disturb)
+    disturbance = sensed(parse(disturb), sensing)
     drawn = _drawn(trained, parameters, seed, plant, terrain, controller)
     if drawn is not None:
         disturbance = drawn.on_its_floor(disturbance)
@@ -142,7 +151,7 @@ def simulate(
     _check_outputs(log, video)
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
-    wire = _wire(link, controller, commands)
+    wire = _wire(link, controller, commands, disturbance)
     shared = workers is not None or ray is not None
     if shared:
         _refuse_shared(controller, log, video, terrain)
@@ -156,7 +165,7 @@ def simulate(
         trained = at_first(trained, courses.orders.first)
         gait = trained.gait
     files = [] if log is None else log_files(Path(log), episodes)
-    walks = _engine(trained, controller, engine)
+    walks = _engine(trained, controller, engine, simulator)
     remote = None
     if wire is None:
         course = TrainedWalks(
@@ -172,6 +181,7 @@ def simulate(
             orders=orders,
             courses=courses,
             drawn=drawn,
+            simulator=simulator,
         )
         if shared:
             command_told = trained.command if told and commands is None else None
@@ -198,6 +208,7 @@ def simulate(
                 longest=_ALL if files else 0,
                 remote=remote,
                 reset_residual=trained.residuals.reset,
+                simulator=simulator,
             )
     settings = WalkSettings(
         run=str(trained.path),
@@ -208,9 +219,11 @@ def simulate(
         start=start,
         push=push,
         disturb=vars(walked.plant.disturbance),
+        sensing=name_of(walked.plant.disturbance),
         seed=seed,
         engine=walked.engine,
         engine_note=walks.note,
+        simulator=walked.simulator,
         steps=steps,
         logs=tuple(str(file) for file in files),
         sha256=file_hashes(trained.path, (ROBOT, WEIGHTS)),
@@ -263,10 +276,12 @@ def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
     return {name: tuple(column) for name, column in zip(drawn.names, columns, strict=True)}
 
 
-def _engine(trained: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
+def _engine(
+    trained: Run, controller: str | AbstractLaw, choice: Choice | None, simulator: Simulator
+) -> Engine:
     """What walks. Raises: InputError if native was insisted on where it cannot be."""
     if controller != REMOTE:
-        return engine_for(trained, controller, choice)
+        return engine_for(trained, controller, choice, simulator)
     if choice == "native":
         raise InputError(f"--engine native: expected pd, fblin or paper, found {REMOTE}")
     return Engine(None, None)
@@ -299,6 +314,7 @@ def _wire(
     link: str | Mapping[str, Any] | LinkConfig | None,
     controller: str | AbstractLaw,
     commands: str | Path | None,
+    disturbance: Disturbance,
 ) -> LinkConfig | None:
     """How a controller's process is reached; None without one."""
     if controller != REMOTE:
@@ -307,6 +323,11 @@ def _wire(
         raise InputError(
             f"expected --command with --controller {REMOTE}, found --commands: its process is made "
             "for one command"
+        )
+    if disturbance.estimator:
+        raise InputError(
+            f"expected perfect sensing with --controller {REMOTE}, found encoders: its readings "
+            "carry rates and velocity; take pd, fblin or paper, which estimate them in the same C"
         )
     return parse_link(link)
 

@@ -195,6 +195,8 @@ def _episode(
     rises, told = np.zeros(0), _Orders(course.orders, course.first + episode)
     late = np.zeros((plant.delay_ticks + 1, model.nu))
     walk.late = pointer(late)
+    believed = np.zeros(plant.delay_ticks + 1)
+    walk.believed = pointer(believed)
     walk.push_wait, begin = course.push.moments(episode)
     walk.push_start = begin
     kept = _Kept(walk)
@@ -273,4 +275,5 @@ def _gauge(walks: list[Any]) -> Gauge:
         peak_torque=of("peak_torque"),
         saturated=of("saturated", whole=True),
         ticks=of("ticks", whole=True),
+        speed_error=of("speed_error"),
     )

@@ -83,13 +83,15 @@ class Gauge(NamedTuple):
     """Ticks with a clipped torque."""
     ticks: Int[Array, ""]
     """Ticks so far."""
+    speed_error: Scalar
+    """Sum of squares of the errors of an estimated hip speed [m^2/s^2]."""
 
     @classmethod
     def start(cls) -> "Gauge":
         """Before the first tick."""
         none, origin, zero = Extremes.none(), Milestone.origin(), jnp.zeros((), jnp.int32)
         power = jnp.zeros(())
-        return cls(zero, power, origin, origin, none, none, power, zero, zero)
+        return cls(zero, power, origin, origin, none, none, power, zero, zero, power)
 
 
 def update(
@@ -100,6 +102,7 @@ def update(
     hip: Scalar,
     normal_force: Float[Array, "2"],
     period_s: float,
+    speed_error: Scalar | float = 0.0,
 ) -> Gauge:
     """Account for one tick.
 
@@ -110,6 +113,7 @@ def update(
         hip: hip position forward (m).
         normal_force: on each foot, legs in the order of the robot file [2] (N).
         period_s: length of the tick (s).
+        speed_error: of the hip speed that its torques are for (m/s).
     """
     down = command.touchdown
     steps = gauge.steps + down
@@ -129,6 +133,7 @@ def update(
         peak_torque=jnp.maximum(gauge.peak_torque, now.torque),
         saturated=gauge.saturated + command.saturated,
         ticks=gauge.ticks + 1,
+        speed_error=gauge.speed_error + speed_error**2,
     )
 
 
