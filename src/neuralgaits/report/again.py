@@ -34,7 +34,7 @@ def robot_word(folder: RunFolder) -> str:
 def spec_word(folder: RunFolder) -> str | None:
     """The run's spec as the command line takes it; None for one that no file defines."""
     name = asked_of(folder).spec
-    if name in specs.DESCRIPTIONS:
+    if specs.is_built_in(name):
         return name
     file, colon, attribute = name.rpartition(":")
     return f"{named(folder.path / SPEC)}:{attribute}" if colon and file.endswith(".py") else None

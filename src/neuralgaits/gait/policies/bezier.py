@@ -46,6 +46,11 @@ class BezierPolicy(FreePolicy):
             value = monomials[:, k] + phase * value
         return value
 
+    @property
+    def z2_dependence(self) -> bool:
+        """No: outputs are functions of z1 alone."""
+        return False
+
     def trainable(self) -> "BezierPolicy":
         """The control points may move; the z1 interval is fixed."""
         return jax.tree.map(lambda leaf: leaf is self.coefficients, self)
