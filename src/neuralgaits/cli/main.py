@@ -16,7 +16,13 @@ from collections.abc import Iterator
 from typing import NoReturn
 
 from neuralgaits._environment import prepare
-from neuralgaits.errors import Interrupted, MismatchError, NeuralGaitsError, NonFiniteError
+from neuralgaits.errors import (
+    ConvergenceError,
+    Interrupted,
+    MismatchError,
+    NeuralGaitsError,
+    NonFiniteError,
+)
 
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 _LONG = ("train", "refine", "episodes", "certify", "sweep")
@@ -60,7 +66,7 @@ def main(arguments: list[str]) -> int:
         # The reader of our output has gone; Python would complain again while it exits.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return GOOD
-    except (NonFiniteError, MismatchError) as error:
+    except (NonFiniteError, MismatchError, ConvergenceError) as error:
         return _fail(str(error), error, NO, verbose)
     except (NeuralGaitsError, OSError) as error:
         return _fail(str(error), error, BAD_INPUT, verbose)

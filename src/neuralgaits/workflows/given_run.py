@@ -30,6 +30,7 @@ def given_run(
     gait: GivenGait,
     given: Given,
     *,
+    solve_s: float = 0.0,
     began: float,
     out: str | Path | None,
     root: Path,
@@ -40,6 +41,7 @@ def given_run(
         robot: that it walks on.
         gait: its outputs.
         given: where they are from.
+        solve_s: time that an optimisation took (s).
         began: when the command did (s, of `time.perf_counter`).
         out: the run folder; a new one below `root` if None.
         root: folder of the runs.
@@ -80,11 +82,11 @@ def given_run(
     folder = RunFolder.create(asked, copies, name=robot.name, seed=0, root=root, out=place)
     folder.write_tree(WEIGHTS, made)
     run = Run(folder, robot, spec, made)
-    finish(folder, _summary(run, walk, began), root)
+    finish(folder, _summary(run, walk, solve_s, began), root)
     return run
 
 
-def _summary(run: Run, walk: Steady, began: float) -> Trained:
+def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
     """What is known of the gait: its orbit, and its conditions on samples of the tube."""
     program = trace_spec(run.spec, run.robot, run.gait)
     return Trained(
@@ -99,6 +101,7 @@ def _summary(run: Run, walk: Steady, began: float) -> Trained:
         speed_m_s=walk.speed_m_s,
         cost_of_transport=walk.cost_of_transport,
         multiplier=walk.multiplier,
+        train_s=solve_s,
         wall_s=time.perf_counter() - began,
     )
 
