@@ -36,6 +36,8 @@ def test_every_import_is_declared() -> None:
     installed = dict(packages_distributions())
     needed = {_distribution(module, installed) for module in _imported()}
     extras = PROJECT["optional-dependencies"]
-    optional = set().union(*(_names(extras[name]) for name in ("gym", "onnx", "ray", "video")))
+    optional = set().union(
+        *(_names(extras[name]) for name in ("gym", "hzd", "onnx", "ray", "video"))
+    )
     assert needed <= _names(PROJECT["dependencies"]) | optional
     assert optional <= needed

@@ -14,7 +14,9 @@ from neuralgaits.cli.arguments import (
     Episodes,
     Export,
     Fit,
+    ImportGait,
     Inspect,
+    Optimise,
     Refine,
     Report,
     Robots,
@@ -27,6 +29,8 @@ from neuralgaits.cli.misspelt import refuse_misspelt
 
 Verb = (
     Train
+    | Optimise
+    | ImportGait
     | Simulate
     | Certify
     | CheckProof

@@ -23,8 +23,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import BezierPolicy
 from neuralgaits.records.asked import HIGHEST_DEGREE
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import to_json
-from neuralgaits.runs.reading import read_object
+from neuralgaits.runs import from_json, to_json
 
 _FIELDS = {
     "joints": "names of the actuated joints",
@@ -67,11 +66,11 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
         robot: whose joints it has to have.
         name: of the gait, where the file has several.
 
-    Raises: InputError in one line that names the file and what is wrong; RunError if it is no JSON.
+    Raises: InputError in one line that names the file and what is wrong.
     """
     if not file.is_file():
         raise InputError(f"expected a gait file, found none at {file}: give the path of one")
-    chosen = _chosen(file, read_object(file), name)
+    chosen = _chosen(file, _read(file), name)
     for field, what in _FIELDS.items():
         if field not in chosen:
             raise InputError(f'{file}: expected "{field}", {what}, found none: add it')
@@ -101,13 +100,25 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
     return GivenGait(turned[order], (start, end))
 
 
+def _read(file: Path) -> Mapping[str, Any]:
+    try:
+        found = from_json(file.read_bytes())
+    except ValueError as error:
+        raise InputError(
+            f"{file}: expected JSON, found a damaged file ({error}): mend it"
+        ) from None
+    if not isinstance(found, dict):
+        raise InputError(f"{file}: expected a JSON object, found {type(found).__name__}: mend it")
+    return found
+
+
 def _chosen(file: Path, found: Mapping[str, Any], name: str | None) -> Mapping[str, Any]:
     """The gait of that name, with what the file says of all of them."""
     gaits = found.get("gaits")
     if gaits is None:
         if name is not None:
             raise InputError(
-                f"{file}: expected several gaits to find {name!r} among, found one: leave --name out"
+                f"{file}: expected several gaits, to find {name!r}, found one: leave --name out"
             )
         return found
     if not isinstance(gaits, dict) or not gaits:

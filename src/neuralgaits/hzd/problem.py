@@ -23,6 +23,9 @@ FOOT_SCALE, RATE_SCALE = 0.1, 10.0
 """Sizes of the foot's height [m] and of rates [rad/s] in the equations, so that all are alike."""
 SHORTEST, LONGEST = 0.05, 0.45
 """Of z1 at either end of the step, away from the middle, in lengths of a leg."""
+MOST_KEPT = 0.95
+"""Share of zeta that an impact may leave: on outputs of z1 alone that is the slope of the Poincare
+map, which has to be below one for an orbit that attracts."""
 LEAST_ZETA, MOST_ZETA = 1e-2, 10.0
 """Bounds of zeta, in its unit."""
 _OF_END = ("foot", "z1", "zeta", "outputs", "rates")
@@ -70,6 +73,7 @@ def problem(casadi: Any, robot: PlanarBiped, step: Step, mesh: Nodes, degree: in
     weights = casadi.DM(mesh.weights)
     end = step.end(rows, ends, 1.0, zeta[count - 1])
     held += [value for name, value in end.items() if name not in _OF_END]
+    held.append(MOST_KEPT - end["zeta"] / zeta[count - 1])
     length, height = end["foot"][0], end["foot"][1]
     equal += [
         height / FOOT_SCALE,

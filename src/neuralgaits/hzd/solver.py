@@ -1,7 +1,6 @@
 """IPOPT on the optimisation of a gait, from a rough posture."""
 
 import time
-from importlib import import_module
 from importlib.util import find_spec
 from math import comb
 from typing import Any, NamedTuple
@@ -13,7 +12,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.barriers.walking import pendulum_height
 from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.gait.posture import posture_path, walking_posture
-from neuralgaits.hzd.collocation import Nodes, nodes
+from neuralgaits.hzd.collocation import nodes
 from neuralgaits.hzd.gait_file import GivenGait
 from neuralgaits.hzd.problem import LEAST_ZETA, Problem, problem
 from neuralgaits.hzd.transcription import transcribe
@@ -65,7 +64,8 @@ class Optimiser:
             raise InputError(
                 "optimise needs CasADi, which is not installed: pip install 'neuralgaits[hzd]'"
             )
-        casadi = import_module("casadi")
+        import casadi  # pyright: ignore[reportMissingImports]
+
         self._robot, self._degree, self._mesh = robot, degree, nodes(NODES)
         step = transcribe(casadi, robot, specs.load(SPEC, robot), degree)
         self._unit = step.unit
@@ -81,9 +81,7 @@ class Optimiser:
         low, high = self._problem.x_bounds
         least, most = self._problem.g_bounds
         for smoothing in SMOOTHING_W:
-            found = self._solver(
-                x0=x, p=[speed, smoothing], lbx=low, ubx=high, lbg=least, ubg=most
-            )
+            found = self._solver(x0=x, p=[speed, smoothing], lbx=low, ubx=high, lbg=least, ubg=most)
             ended, x = self._solver.stats(), np.array(found["x"]).ravel()
             count += ended["iter_count"]
             if not ended["success"]:
@@ -104,7 +102,10 @@ class Optimiser:
         path = posture_path(robot, guard * (2.0 * phases - 1.0))
         powers = range(self._degree + 1)
         basis = np.stack(
-            [comb(self._degree, i) * phases**i * (1.0 - phases) ** (self._degree - i) for i in powers],
+            [
+                comb(self._degree, i) * phases**i * (1.0 - phases) ** (self._degree - i)
+                for i in powers
+            ],
             axis=1,
         )
         rows = np.linalg.lstsq(basis, path, rcond=None)[0].T

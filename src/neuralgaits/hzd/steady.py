@@ -50,6 +50,4 @@ def steady(zd: ZeroDynamics) -> Steady | str:
     z, t = one.z[:, 0], one.t[:, 0]
     power_w = Look(power)(z)["power"]
     work = float(np.trapezoid(power_w, t))
-    return Steady(
-        z, orbit.speed_m_s, orbit.multiplier, work / (weight * orbit.step_length_m)
-    )
+    return Steady(z, orbit.speed_m_s, orbit.multiplier, work / (weight * orbit.step_length_m))

@@ -79,9 +79,7 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
     def along(rows, ends, phase, zeta):
         zd, gait, point = point_of(rows, ends, phase, zeta)
         length = ends[1] - ends[0]
-        margins = {
-            c.name: c.margins(gait, zd, point) / c.scale for c in kept if c.name in asked
-        }
+        margins = {c.name: c.margins(gait, zd, point) / c.scale for c in kept if c.name in asked}
         return margins | {
             "slope": point.z[1] * point.dz[1] * length / (point.dz[0] * unit),
             "pace": length / point.dz[0],
@@ -112,9 +110,7 @@ def _policy(rows: Any, ends: Any) -> BezierPolicy:
 
 
 def _function(casadi: Any, program: Program, shapes: Mapping[str, tuple[int, ...]]) -> Named:
-    symbols = {
-        name: casadi.SX.sym(name, int(np.prod(shape))) for name, shape in shapes.items()
-    }
+    symbols = {name: casadi.SX.sym(name, int(np.prod(shape))) for name, shape in shapes.items()}
     found = evaluate(program, symbols, SymbolAlgebra(casadi))
     ordered = [symbols[name] for name in ("rows", "ends", "phase", "zeta")]
     dense = [casadi.densify(value) for value in found.values()]

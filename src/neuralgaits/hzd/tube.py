@@ -1,4 +1,4 @@
-"""The tube around the orbit of a given gait: fences that follow from it, as wide as its limits allow.
+"""The tube around the orbit of a given gait, as wide as its limits allow.
 
 Where outputs are functions of z1 alone, zeta = z2^2 / 2 grows along a step by the same amount on
 every trajectory, and an impact multiplies its distances by the slope of the Poincare map. So fences
@@ -64,9 +64,7 @@ def fit_tube(zd: ZeroDynamics, spec: GaitSpec, walk: Steady) -> Tube:
     return tube(low)
 
 
-def _room(
-    zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady
-) -> Callable[[Tube], bool]:
+def _room(zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady) -> Callable[[Tube], bool]:
     """Whether all conditions that hold on the orbit keep `KEPT` of their margins in a tube.
 
     What is asked of the fences themselves is left out: they are made for it.

@@ -107,7 +107,7 @@ class Asked(Record):
         speed: mean speed that is aimed at (m/s); None for whatever comes.
         parameters: box of robots that the gait is meant for, half widths by kind (shares of the
             file's value; metres for com); none for the robot of the file alone.
-        given: of a gait that was imported or optimised, in no gradient steps; None for a trained one.
+        given: of a gait that was imported or optimised, without a training; None for another.
     """
 
     robot: str
@@ -130,8 +130,15 @@ class Asked(Record):
     def unsaid(self) -> Collection[str]:
         """Settings of `refine` are not those of `train`; no commands are not said."""
         refined = () if self.parent is not None else ("rate", "disturbance", "parent")
-        told = (name for name in ("commands", "speed", "parameters", "given") if not getattr(self, name))
+        told = (
+            name for name in ("commands", "speed", "parameters", "given") if not getattr(self, name)
+        )
         return (*refined, *told)
+
+    @property
+    def as_given(self) -> Given | None:
+        """Where the gait is from, if no gradient step has changed it since."""
+        return self.given if self.parent is None else None
 
     @property
     def last_level(self) -> int:

@@ -1,4 +1,4 @@
-"""Make a run of a gait that was found elsewhere: its Bezier outputs, and a tube around its orbit."""
+"""Make a run of a gait that was found elsewhere: Bezier outputs, and a tube around their orbit."""
 
 import time
 from pathlib import Path
