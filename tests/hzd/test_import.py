@@ -7,7 +7,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
-from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait import BezierPolicy, ZeroDynamics
 from neuralgaits.hzd.gait_file import read_gait
 from neuralgaits.hzd.steady import steady
 from neuralgaits.records.asked import Given
@@ -36,7 +36,9 @@ def test_the_orbit_is_the_published_one(imported):
 def test_the_run_opens_as_any_other(imported):
     opened = open_run(imported.path)
     gait = published_gaits.GAITS["0.67"]
-    np.testing.assert_array_equal(opened.gait.policy.coefficients, gait["bezier"])
+    policy = opened.gait.policy
+    assert isinstance(policy, BezierPolicy)
+    np.testing.assert_array_equal(policy.coefficients, gait["bezier"])
     assert opened.summary.broken == {} and opened.asked.as_given is not None
     # The run's own copy makes it again.
     line = again.training(opened.folder)

@@ -8,6 +8,7 @@ optimised over has one definition.
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
@@ -58,6 +59,7 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
         degree: of the polynomials.
     """
     shapes = {"rows": (robot.n - 1, degree + 1), "ends": (2,), "phase": (), "zeta": ()}
+    bare = BezierPolicy(np.zeros(shapes["rows"]), (0.0, 1.0))
     tube = empty_tube(robot, (0.0, 1.0))
     unit = float(tube.unit)
     kept = [c for c in spec.conditions if isinstance(c, Pointwise | Barrier)]
@@ -71,7 +73,8 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
             asked[condition.name] = (first, last)
 
     def point_of(rows, ends, phase, zeta):
-        policy = _policy(rows, ends)
+        # The checks of its constructor are for numbers.
+        policy = eqx.tree_at(lambda p: (p.coefficients, p.start_and_guard), bare, (rows, ends))
         z1 = ends[0] + phase * (ends[1] - ends[0])
         zd = ZeroDynamics(robot, policy)
         return zd, Gait(policy, tube), zd.point(jnp.stack([z1, jnp.sqrt(2.0 * unit * zeta)]))
@@ -97,16 +100,8 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
             "rates": f.rate_mismatch(point),
         }
 
-    parts = (_function(casadi, trace(part, shapes), shapes) for part in (along, end))
-    return Step(*parts, asked, unit)
-
-
-def _policy(rows: Any, ends: Any) -> BezierPolicy:
-    """Outputs with traced coefficients: the checks of a constructor are for numbers."""
-    policy = object.__new__(BezierPolicy)
-    object.__setattr__(policy, "coefficients", rows)
-    object.__setattr__(policy, "start_and_guard", ends)
-    return policy
+    first, last = (_function(casadi, trace(part, shapes), shapes) for part in (along, end))
+    return Step(first, last, asked, unit)
 
 
 def _function(casadi: Any, program: Program, shapes: Mapping[str, tuple[int, ...]]) -> Named:
