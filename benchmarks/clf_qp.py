@@ -38,7 +38,7 @@ PARTS = os.environ.get("PARTS", "falls,inside,time").split(",")
 STEPS = 25
 TICKS = 20_000
 LOOKED_AT = 9000
-"""Ticks of a walk of which it is asked where they are: as many for all, so that it compiles once."""
+"""Ticks of a walk that are looked at: as many of all, so that it compiles once."""
 RADIUS = 0.009
 """sqrt V at the start of a step up to which level 4 is proved of default gaits [rad]."""
 PUSHES = {"push -12 N s": -12.0, "push +20 N s": 20.0}
