@@ -68,16 +68,16 @@ def load(
         robot: the robot the spec is for.
         commands: that the gait is told at each touchdown; of "walking" only.
         speed: mean speed to aim at (m/s); likewise, and without commands.
-        parameters: box of robots that it is meant for; likewise, without commands or speed.
+        parameters: box of robots that it is meant for; likewise, without one speed.
     """
     if parameters:
-        if name != "walking" or commands or speed is not None:
+        if name != "walking" or speed is not None:
             raise SpecError(
-                "expected spec walking, without a speed or commands, for a gait with --parameters, "
-                f"found {name!r}{', with one' if commands or speed is not None else ''}: a "
-                "proof for a box of robots is of the plain walk; leave the others out"
+                "expected spec walking, without one speed, for a gait with --parameters, found "
+                f"{name!r}{'' if speed is None else ', with one'}: leave the others out, or give "
+                "a range of speeds"
             )
-        return robust(robot, parameters)
+        return robust(robot, parameters, commands)
     if commands or speed is not None:
         if name != "walking":
             raise SpecError(

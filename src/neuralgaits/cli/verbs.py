@@ -189,7 +189,7 @@ def _simulate(verb: Simulate) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
-    with waiting("walking in MuJoCo", quiet=verb.output.json):
+    with waiting("walking", quiet=verb.output.json):
         done = simulate(
             verb.run,
             plant=verb.plant,
@@ -198,12 +198,15 @@ def _simulate(verb: Simulate) -> Outcome:
             start=verb.start,
             push=verb.push,
             disturb=verb.disturb,
+            sensing=verb.sensing,
+            parameters=_box(verb.parameters),
             seed=verb.seed,
             episodes=verb.episodes,
             log=verb.log,
             video=verb.video,
             link=verb.link,
             engine=verb.engine,
+            simulator=verb.simulator,
             command=verb.command,
             commands=verb.commands,
             terrain=verb.terrain,
@@ -305,12 +308,11 @@ def _inspect(verb: Inspect) -> Outcome:
 def _robots(verb: Robots) -> Outcome:
     from neuralgaits.workflows.robots import robots, write_built_in
 
-    if (verb.robot is None) != (verb.out is None):
+    if verb.robot is None and verb.out is not None:
         raise InputError(
-            "expected a robot and a file to write, found one of them: write "
-            "`neuralgaits robots ROBOT --out FILE.xml`"
+            "expected a robot to write, found none: write `neuralgaits robots ROBOT --out FILE.xml`"
         )
-    if verb.robot is not None and verb.out is not None:
+    if verb.robot is not None:
         return Outcome(write_built_in(verb.robot, verb.out), True, screen.show_written)
     return Outcome(robots(), True, screen.show_names)
 

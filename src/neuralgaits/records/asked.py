@@ -115,13 +115,8 @@ class Asked(Record):
 
     @property
     def last_level(self) -> int:
-        """The highest level that a certificate can reach: full order is about one gait.
-
-        Of a box of robots each has an orbit of its own, which no theorem here encloses.
-        """
-        if self.described.get("parameters"):
-            return 2
-        return 3 if self.commands else 4
+        """The highest level that a certificate can reach: 4 is about one gait of one robot."""
+        return 3 if self.commands or self.described.get("parameters") else 4
 
     @property
     def learning_rate(self) -> float | None:

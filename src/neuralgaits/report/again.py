@@ -11,7 +11,7 @@ from typing import Any
 
 from neuralgaits.barriers import specs
 from neuralgaits.records.asked import Asked, asked_of
-from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
+from neuralgaits.records.simulated import LOCKSTEP, MUJOCO, LinkFigures, Simulated
 from neuralgaits.report.page import words
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
@@ -112,7 +112,7 @@ def _parent(folder: RunFolder, told: str) -> Path | None:
 
 def box(parameters: Mapping[str, float]) -> str:
     """A box of robots as the command line takes it, every number exactly; `none` for no box."""
-    units = {"com": "m"}
+    units = {"com": "m", "floor": "m"}
     sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
     return ",".join(sizes) or "none"
 
@@ -164,6 +164,8 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     line += ["--controller", done.controller, "--steps", 50 if done.steps is None else done.steps]
     if done.link is not None:
         line += ["--link", _link(done.link)]
+    if done.simulator != MUJOCO:
+        line += ["--simulator", done.simulator]
     line += ["--start", done.start, "--seed", done.seed, "--episodes", done.episodes]
     if done.push:
         line += ["--push", done.push]
@@ -172,9 +174,15 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
         line += ["--command", ",".join(told)]
     if done.commands is not None:
         line += ["--commands", done.commands]
+    if done.parameters:
+        line += ["--parameters", box(done.parameters)]
     if done.terrain is not None:
         line += ["--terrain", done.terrain]
-    if changed := words.disturbances(done.disturb):
+    changed = words.disturbances(done.disturb)
+    for kind, name in (("floor", "floor_height"), ("friction", "friction")):
+        if kind in done.parameters:
+            changed.pop(name, None)
+    if changed:
         line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
     return command(*line)
 

@@ -26,6 +26,8 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
     `steady_peak_torque_nm` leave out the first SETTLING_S after touchdown; `peak_torque_nm` is
     over everything.
 
+    `hip_speed_error_m_s` is over every tick of every walk, falls and touchdowns included.
+
     Args:
         walk: what was simulated.
         orbit: of the zero dynamics, if it was looked for.
@@ -60,6 +62,7 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
         real_time_factor=simulated / episodes.wall_s,
         command_error=command_errors(walk.commands, episodes.strides),
         foothold_error_m=foothold_error(walk.courses, episodes.strides),
+        hip_speed_error_m_s=hip_speed_error(walk),
     )
 
 
@@ -101,6 +104,16 @@ def foothold_error(courses: Courses | None, strides: list[Strides]) -> CommandEr
     if not every.size:
         return CommandError(None, None)
     return CommandError(float(np.mean(every)), float(np.max(every)))
+
+
+def hip_speed_error(walk: Walk) -> float | None:
+    """Of the estimates of all walks, rms (m/s); None where the hip's speed is measured."""
+    if not walk.plant.disturbance.estimator:
+        return None
+    gauge = walk.episodes.gauge
+    # The first torques arrive as late as all others.
+    ticks = np.sum(np.maximum(0, gauge.ticks - walk.plant.delay_ticks))
+    return float(np.sqrt(np.sum(gauge.speed_error) / ticks)) if ticks else None
 
 
 def _misses(name: str, i: int, walked: Strides) -> Float[np.ndarray, " K"]:

@@ -36,9 +36,9 @@ from neuralgaits.simulation.walk import EXPORTED
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")
 """Products and sums are not fused: a walk is the same on every machine."""
-SOURCES = ("walk.c", "clf_qp.c", "controller.c", "gait.c")
+SOURCES = ("walk.c", "clf_qp.c", "controller.c", "estimator.c", "gait.c")
 _LOOP = ("walk.c", "walk.h", "clf_qp.c", "clf_qp.h")
-_HEADERS = ("controller.h", "ng_math.h")
+_SHIPPED = ("controller.h", "ng_math.h", "estimator.h", "controller.c", "estimator.c")
 _COMPILERS = ("cc", "gcc", "clang")
 _COMPILE_S = 300.0
 _UNKNOWN = "0" * 64
@@ -136,7 +136,7 @@ def sources(design: Design) -> dict[str, str]:
     shipped = writing.shipped()
     folder = resources.files("neuralgaits.simulation.native") / "c"
     loop = {name: (folder / name).read_text() for name in _LOOP}
-    return own | loop | {name: shipped[name] for name in (*_HEADERS, "controller.c")}
+    return own | loop | {name: shipped[name] for name in _SHIPPED}
 
 
 def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:

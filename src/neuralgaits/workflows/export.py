@@ -1,6 +1,5 @@
 """Write a trained gait for a robot, in C or ONNX, and compare it with Python."""
 
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -20,6 +19,7 @@ from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.exported import Exported, UncheckedExport
+from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.walk import EXPORTED
@@ -115,10 +115,11 @@ def _origin(trained: Run) -> Origin:
     about, verdict = found.summary, None
     if about is not None and found.proof is not None:
         verdict = f"{about.verdict} at level {about.level}"
+    hashes = file_hashes(trained.path, (ROBOT, WEIGHTS, PROOF))
     return Origin(
-        robot_sha256=_sha256(trained.path / ROBOT),
-        policy_sha256=_sha256(trained.path / WEIGHTS),
-        proof_sha256=None if verdict is None else _sha256(trained.path / PROOF),
+        robot_sha256=str(hashes[ROBOT]),
+        policy_sha256=str(hashes[WEIGHTS]),
+        proof_sha256=None if verdict is None else hashes[PROOF],
         proof_verdict=verdict,
         spec=trained.asked.spec,
         version=__version__,
@@ -144,10 +145,6 @@ def _warnings(trained: Run) -> list[str]:
         if not level.proved:
             warnings.append(f"level {level.level} is not proved of this gait: {level.reason}")
     return warnings
-
-
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _c(design: Design, states: int) -> tuple[dict[str, str], Told]:

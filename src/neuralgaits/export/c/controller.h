@@ -174,6 +174,10 @@ void ng_step(const ng_config *config, ng_state *state, const ng_measurement *rea
 /* From the robot file's joints to the signs and zeros of the theory. */
 void ng_measure(const ng_encoders *encoders, ng_measurement *reading);
 
+/* Coordinates of the robot standing on `leg`; of rates, their rates. */
+void ng_coordinates(ng_real pitch, const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
+                    ng_real q[NG_COORDINATES]);
+
 /* Motor commands in the order of the joints: torque over gear. */
 void ng_drive(const ng_command *command, ng_real motors[NG_LEGS][NG_LEG_JOINTS]);
 

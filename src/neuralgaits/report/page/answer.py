@@ -53,7 +53,9 @@ def _walked(saved: Saved, shown: ShownWalk | None) -> str:
     """What was seen in simulation, the fuller account first."""
     done, walks = saved.simulation, saved.walks
     if done is not None:
-        return f"In a MuJoCo simulation of the whole robot{_where(done)} {_counted(done)}."
+        return (
+            f"In a {done.stepped_by} simulation of the whole robot{_where(done)} {_counted(done)}."
+        )
     if walks is not None and walks.steps_walked and walks.share_that_walks is not None:
         count = len(walks.steps_walked)
         stayed = round(walks.share_that_walks * count)

@@ -106,6 +106,19 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             *([("step", c_double * step)] if commands else []),
         ],
     )
+    measurement = _structure(
+        "ng_measurement",
+        [
+            ("time_us", c_uint32),
+            *_reals("pitch", "dpitch"),
+            *((name, by_leg) for name in ("angles", "rates")),
+            *((name, pair) for name in ("hip_velocity", "normal_force")),
+        ],
+    )
+    estimator = _structure(
+        "ng_estimator",
+        [("started", c_int), ("estimate", measurement), ("accelerations", by_leg)],
+    )
     scene = _structure(
         "ng_scene",
         [
@@ -120,7 +133,9 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("joint_sign", by_leg),
             ("joint_offset", by_leg),
             ("gear", by_leg),
-            *_reals("angle_noise", "rate_noise", "encoder_step"),
+            *_reals("angle_noise", "rate_noise", "pitch_noise", "pitch_offset"),
+            ("estimator", c_int),
+            ("encoder_step", c_double),
             ("delay_ticks", c_int),
             ("substeps", c_int),
             ("slope", c_double),
@@ -148,6 +163,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         "ng_walk",
         [
             ("controller", state),
+            ("estimator", estimator),
             ("time_us", c_uint32),
             *_reals("age", "clock"),
             ("touch", pair),
@@ -158,6 +174,8 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("rise_pending", c_int),
             *_reals("next_rise", "push_start", "push_wait"),
             ("late", c_void_p),
+            ("believed", c_void_p),
+            ("speed_error", c_double),
             ("strides", c_void_p),
             ("strides_used", c_int),
             *(_told(commands) if commands else []),

@@ -51,6 +51,8 @@ def scene_of(
         _fill(getattr(scene, name), values)
     scene.pitch_sign, scene.root_angle = layout.pitch_sign, layout.root_angle
     scene.angle_noise, scene.rate_noise = disturbance.encoder_noise, disturbance.rate_noise
+    scene.pitch_noise, scene.pitch_offset = disturbance.noise_of_pitch, disturbance.pitch_offset
+    scene.estimator = int(disturbance.estimator)
     scene.encoder_step = disturbance.encoder_step
     scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
     scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT

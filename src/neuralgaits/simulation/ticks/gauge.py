@@ -85,6 +85,8 @@ class Gauge(NamedTuple):
     """Ticks at which a law gave something up, see `control.law.Limited`."""
     ticks: Int[Array, ""]
     """Ticks so far."""
+    speed_error: Scalar
+    """Sum of squares of the errors of an estimated hip speed [m^2/s^2]."""
 
     @classmethod
     def start(cls) -> "Gauge":
@@ -92,7 +94,7 @@ class Gauge(NamedTuple):
         none, origin, zero = Extremes.none(), Milestone.origin(), jnp.zeros((), jnp.int32)
         power = jnp.zeros(())
         given_up = jnp.zeros(2, jnp.int32)
-        return cls(zero, power, origin, origin, none, none, power, zero, given_up, zero)
+        return cls(zero, power, origin, origin, none, none, power, zero, given_up, zero, power)
 
 
 def update(
@@ -103,6 +105,7 @@ def update(
     hip: Scalar,
     normal_force: Float[Array, "2"],
     period_s: float,
+    speed_error: Scalar | float = 0.0,
 ) -> Gauge:
     """Account for one tick.
 
@@ -113,6 +116,7 @@ def update(
         hip: hip position forward (m).
         normal_force: on each foot, legs in the order of the robot file [2] (N).
         period_s: length of the tick (s).
+        speed_error: of the hip speed that its torques are for (m/s).
     """
     down = command.touchdown
     steps = gauge.steps + down
@@ -133,6 +137,7 @@ def update(
         saturated=gauge.saturated + command.saturated,
         relaxed=gauge.relaxed + command.relaxed,
         ticks=gauge.ticks + 1,
+        speed_error=gauge.speed_error + speed_error**2,
     )
 
 

@@ -13,6 +13,7 @@
 
 #include "clf_qp.h"
 #include "controller.h"
+#include "estimator.h"
 
 #ifdef NG_FLOAT
 #error "walks are compared with double precision"
@@ -48,6 +49,9 @@ typedef struct {
     /* Sensors and motors. */
     double angle_noise;               /* standard deviation [rad] */
     double rate_noise;                /* [rad/s] */
+    double pitch_noise;               /* of the pitch, in place of angle_noise [rad] */
+    double pitch_offset;              /* [rad] */
+    int estimator;                    /* whether rates and hip velocity are estimated */
     double encoder_step;              /* resolution of angles, 0 for exact ones [rad] */
     int delay_ticks;                  /* from a reading to its torque */
     int substeps;                     /* MuJoCo steps a tick */
@@ -103,6 +107,7 @@ typedef struct {
 /* One walk. */
 typedef struct {
     ng_state controller;
+    ng_estimator estimator;
     uint32_t time_us;
     double age;               /* since the last touchdown or the start [s] */
     double clock;             /* ticks times their length, added up [s] */
@@ -117,6 +122,8 @@ typedef struct {
     double push_start;        /* [s] */
     double push_wait;         /* from its touchdown to the push [s] */
     double *late;             /* controls under way: delay_ticks + 1 rows of nu */
+    double *believed;         /* estimated hip speeds of delay_ticks + 1 ticks [m/s] */
+    double speed_error;       /* sum of squares of how far they were from what came [m^2/s^2] */
     double *strides;          /* rows of NG_STRIDE, more than touchdowns to come; or NULL */
     int strides_used;
 #if NG_COMMANDS
