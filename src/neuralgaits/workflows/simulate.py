@@ -32,7 +32,7 @@ from neuralgaits.simulation.setup.starts import full_states, momentum_range, per
 from neuralgaits.simulation.setup.terrains import courses_of, told_by
 from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
 from neuralgaits.simulation.walk import Walk, walk
-from neuralgaits.workflows.export import steady_design_of
+from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.shared_walks import SharedWalks, at_first
 
 _ALL = 2**31 - 1
@@ -130,11 +130,11 @@ def simulate(
     if terrain is None:
         disturbance = on_slope(disturbance, orders)
     else:
-        _check_terrain(str(terrain), command, commands, disturbance, controller)
+        _check_terrain(str(terrain), command, commands, disturbance)
     _check_outputs(log, video)
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
-    wire = _wire(link, controller, commands)
+    wire = _wire(link, controller)
     shared = workers is not None or ray is not None
     if shared:
         _refuse_shared(controller, log, video, terrain)
@@ -173,22 +173,24 @@ def simulate(
             longest = _ALL if files else 0
             walked = course.walk(0, episodes, record=video is not None, longest=longest)
     else:
-        with connected(steady_design_of(trained), wire, episodes, seed) as remote:
+        with connected(design_of(trained), wire, episodes, seed) as remote:
             walked = walk(
                 robot,
-                gait.policy,
+                trained.trained.policy,
                 full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
                 plant=None if plant is None else load_robot(plant),
                 controller=wire.law,
                 steps=steps,
-                z2_range=momentum_range(gait),
+                z2_range=momentum_range(trained.trained),
                 disturbance=disturbance,
                 push=0.0 if push is None else push,
                 seed=seed,
                 record=video is not None,
                 longest=_ALL if files else 0,
                 remote=remote,
+                orders=orders,
                 reset_residual=trained.residuals.reset,
+                courses=courses,
             )
     settings = WalkSettings(
         run=str(trained.path),
@@ -257,16 +259,10 @@ def _refuse_shared(
 def _wire(
     link: str | Mapping[str, Any] | LinkConfig | None,
     controller: str | AbstractLaw,
-    commands: str | Path | None,
 ) -> LinkConfig | None:
     """How a controller's process is reached; None without one."""
     if controller != REMOTE:
         return _no_link(link)
-    if commands is not None:
-        raise InputError(
-            f"expected --command with --controller {REMOTE}, found --commands: its process is made "
-            "for one command"
-        )
     return parse_link(link)
 
 
@@ -275,7 +271,6 @@ def _check_terrain(
     command: str | Mapping[str, float] | None,
     commands: str | Path | None,
     disturbance: Disturbance,
-    controller: str | AbstractLaw,
 ) -> None:
     """Refuse what a terrain leaves no room for. Raises: InputError."""
     if commands is not None:
@@ -293,11 +288,6 @@ def _check_terrain(
         raise InputError(
             "expected a terrain or a floor that is disturbed, found both: leave out slope_deg and "
             "floor_height"
-        )
-    if controller == REMOTE:
-        raise InputError(
-            f"expected --terrain with pd, fblin or paper, found --controller {REMOTE}: its process "
-            "is made for one command"
         )
 
 
