@@ -251,7 +251,7 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
 
     @quick_jit
     @jax.vmap
-    def look(packed: jax.Array) -> tuple[Measurement, jax.Array]:
+    def look(packed: jax.Array) -> tuple[Measurement, Array]:
         reading = scene.reading(packed)
         return sense(scene, reading).seen, reading.wanted
 
