@@ -105,8 +105,10 @@ Chart chart_of(const Json& table) {
   const auto is = [](const Axis& axis, const char* name, double low, double high) {
     return axis.name == name && axis.low == low && axis.high == high && !axis.near();
   };
-  if (!is(chart[0], "phase", -0.05, 1.05) || !is(chart[1], "level", 0.0, 1.0))
-    refuse("a chart that does not begin with phase from -0.05 to 1.05 and level from 0 to 1");
+  // Files of earlier versions have the shorter axis.
+  if (!(is(chart[0], "phase", -0.1, 1.1) || is(chart[0], "phase", -0.05, 1.05)) ||
+      !is(chart[1], "level", 0.0, 1.0))
+    refuse("a chart that does not begin with phase from -0.1 to 1.1 and level from 0 to 1");
   return chart;
 }
 
@@ -212,7 +214,8 @@ WalkingSet walking_set_of(const Json& table) {
   const string what = "level 2";
   vector<string> fields = {"start_strip", "guard_strip", "risen",  "falling",
                            "disturbance", "barriers",    "carried"};
-  if (table.find("told")) fields.push_back("told");
+  for (const char* name : {"told", "floor"})
+    if (table.find(name)) fields.push_back(name);
   only(table, what, fields);
   const auto number = [&](const char* name) { return hexadecimal(field(table, what, name), name); };
   WalkingSet t;
@@ -230,6 +233,8 @@ WalkingSet walking_set_of(const Json& table) {
   t.barriers = names_of(field(table, what, "barriers"), "barriers");
   t.carried = names_of(field(table, what, "carried"), "carried conditions");
   if (const Json* told = table.find("told")) t.told = names_of(*told, "commands");
+  if (table.find("floor")) t.floor = number("floor");
+  if (!(t.floor >= 0.0)) refuse("a floor that is not a number from 0 up");
   return t;
 }
 
@@ -237,10 +242,11 @@ Orbit orbit_of(const Json& table, const Tube& tube) {
   const string what = "level 3";
   const auto series = [&](const char* name) { return series_of(field(table, what, name), name); };
   const string attraction = text_of(field(table, what, "attraction"), "attraction");
-  if (attraction == "any two walks") {
+  if (attraction == "any two walks" || attraction == "contraction alone") {
     only(table, what, {"attraction", "expansion"});
     Orbit o;
-    o.walks = true;
+    o.walks = attraction == "any two walks";
+    o.alone = !o.walks;
     o.expansion = series("expansion");
     return o;
   }

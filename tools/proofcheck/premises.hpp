@@ -53,6 +53,7 @@ struct WalkingSet {
   // Phases -start_strip, 1 - guard_strip and 1 + guard_strip, as doubles.
   double first = 0.0, before = 0.0, last = 0.0;
   double push[2] = {0.0, 0.0};       // Bound on what may be added to dz.
+  double floor = 0.0;                // Each foothold is at most this far off its height [m].
   vector<string> barriers, carried;  // Names of conditions.
   vector<string> told;               // Names of commands; the chart has two axes for each.
   bool claimed = false;
@@ -73,6 +74,7 @@ struct Orbit {
   Tube thin;
   bool nested = false;  // Attraction by nested tubes, not by contraction.
   bool walks = false;   // Of a gait with commands: no thin tube, any two walks converge.
+  bool alone = false;   // Of a box of robots: no thin tube, each has an orbit of its own.
   double guard_from = 0.0, guard_to = 0.0;
   vector<double> expansion, slowest, fastest;  // Chebyshev series of bounds on dF/dzeta.
   bool claimed = false;

@@ -49,7 +49,7 @@
 // of them in one. Answers do not depend on it.
 //
 // It is compiled in one line:
-// g++ -std=c++17 -O2 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
+// g++ -std=c++17 -O1 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
 //
 // Add -march=native for a processor with wider registers: more boxes are bounded at once. Nothing
 // else changes; multiplications and additions are not fused, whatever the processor has.
@@ -271,11 +271,13 @@ int check(const ProofFile& file, size_t threads) {
     for (const auto& [level, words] : levels) {
       say("level " + std::to_string(level) + " " + good(file));
       for (const string& line : words) say("  " + line);
-      if (file.chart.size() > 2 && !(file.theorems.walking && !file.theorems.walking->told.empty())) {
+      // Axes of commands come first, and the theorems speak of them.
+      const size_t first = 2 + (file.theorems.walking ? 2 * file.theorems.walking->told.size() : 0);
+      if (file.chart.size() > first) {
         string given;
-        for (size_t k = 2; k < file.chart.size(); ++k) {
+        for (size_t k = first; k < file.chart.size(); ++k) {
           const Axis& axis = file.chart[k];
-          given += (k > 2 ? " and " : "") + axis_words(axis, axis.low, axis.high);
+          given += (k > first ? " and " : "") + axis_words(axis, axis.low, axis.high);
         }
         say("  this holds for each fixed " + given + "; of one that changes it says nothing");
       }

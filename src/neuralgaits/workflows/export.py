@@ -21,7 +21,7 @@ from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.walk import LAWS
+from neuralgaits.simulation.walk import EXPORTED
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -89,7 +89,7 @@ def design_of(trained: Run) -> Design:
     return Design.of(
         trained.robot,
         gait,
-        LAWS,
+        EXPORTED,
         momentum_range(gait),
         _origin(trained),
         reset_residual=trained.residuals.reset,

@@ -247,6 +247,7 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
             told=told.reshape(2, len(scene.first)),
             touchdown=touchdown,
             saturated=saturated,
+            relaxed=jnp.zeros(2, bool),
         )
 
     @quick_jit
