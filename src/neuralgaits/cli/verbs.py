@@ -14,7 +14,9 @@ from neuralgaits.cli.arguments import (
     Episodes,
     Export,
     Fit,
+    ImportGait,
     Inspect,
+    Optimise,
     Refine,
     Report,
     Robots,
@@ -23,6 +25,7 @@ from neuralgaits.cli.arguments import (
     Train,
     View,
 )
+from neuralgaits.cli.given_verbs import carry_out_import, carry_out_optimise
 from neuralgaits.cli.learning_verbs import (
     carry_out_episodes,
     carry_out_fit,
@@ -60,6 +63,10 @@ def carry_out(verb: Verb) -> Outcome:
     match verb:
         case Train():
             return _train(verb)
+        case Optimise():
+            return carry_out_optimise(verb)
+        case ImportGait():
+            return carry_out_import(verb)
         case Simulate():
             return _simulate(verb)
         case Certify():

@@ -16,7 +16,9 @@ from neuralgaits.cli.arguments import (
     Episodes,
     Export,
     Fit,
+    ImportGait,
     Inspect,
+    Optimise,
     Refine,
     Report,
     Robots,
@@ -29,6 +31,8 @@ from neuralgaits.cli.misspelt import refuse_misspelt
 
 Verb = (
     Train
+    | Optimise
+    | ImportGait
     | Simulate
     | Certify
     | CheckProof
