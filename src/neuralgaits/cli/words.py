@@ -29,8 +29,6 @@ from neuralgaits.cli.misspelt import refuse_misspelt
 
 Verb = (
     Train
-    | Optimise
-    | ImportGait
     | Simulate
     | Certify
     | CheckProof
@@ -38,6 +36,8 @@ Verb = (
     | Refine
     | Episodes
     | Sweep
+    | Optimise
+    | ImportGait
     | Export
     | Report
     | View
