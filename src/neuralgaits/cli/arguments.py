@@ -89,6 +89,36 @@ class Train:
 
 
 @dataclass(frozen=True)
+class Optimise:
+    """Find a gait of least cost of transport by trajectory optimisation; needs the hzd extra."""
+
+    robot: Robot
+    """Name of a built-in robot, or path of an MJCF file."""
+    speed: Annotated[float, arg(metavar="V")]
+    """Mean speed to walk at [m/s]."""
+    degree: Annotated[int, arg(metavar="N")] = 5
+    """Of the Bezier polynomials of the joints."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Run folder to make, instead of runs/ROBOT/<time>-0."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class ImportGait:
+    """Make a run of a published gait: Bezier polynomials of the joints, from a file."""
+
+    file: Annotated[Positional[Path], arg(metavar="FILE.json")]
+    """Joints, control points [rad] and phase, as docs/optimise.md says."""
+    robot: Annotated[str, arg(metavar="ROBOT")]
+    """Name of a built-in robot, or path of an MJCF file: what the gait walks on."""
+    name: Annotated[str | None, arg(metavar="NAME")] = None
+    """Which gait, where the file has several."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Run folder to make, instead of runs/ROBOT/<time>-0."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Simulate:
     """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
