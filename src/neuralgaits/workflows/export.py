@@ -22,7 +22,7 @@ from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.walk import LAWS
+from neuralgaits.simulation.walk import EXPORTED
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -98,7 +98,7 @@ def _design(trained: Run, gait: AnyGait) -> Design:
     return Design.of(
         trained.robot,
         gait,
-        LAWS,
+        EXPORTED,
         momentum_range(gait),
         _origin(trained),
         reset_residual=trained.residuals.reset,

@@ -23,7 +23,7 @@ from neuralgaits.certificate.proof_file.json_fields import (
     text_of,
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, reason
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import reading
 from neuralgaits.runs import packed
@@ -154,7 +154,9 @@ def read_claims(path: Path) -> Claims:
     try:
         text = packed.content(path).decode("utf-8")
     except (OSError, ValueError) as error:
-        raise InputError(f"expected a proof file at {path}, found none to read: {error}") from None
+        raise InputError(
+            f"expected a proof file at {path}, found none to read: {reason(error)}"
+        ) from None
     try:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:

@@ -242,6 +242,7 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
             told=jnp.zeros((2, 0)),
             touchdown=touchdown,
             saturated=saturated,
+            relaxed=jnp.zeros(2, bool),
         )
 
     @quick_jit

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from neuralgaits._names import meant
 from neuralgaits.errors import InputError
 
 
@@ -102,7 +103,11 @@ def parse(disturb: "str | Mapping[str, float] | Disturbance | None") -> Disturba
     values: dict[str, float] = {}
     for name, text in pairs:
         if name not in known:
-            raise InputError(f"unknown disturbance {name!r}: expected one of {existing()}")
+            hint = meant(name, known)
+            raise InputError(
+                f"unknown disturbance {name!r}: {hint}{' ' if hint else ''}expected one of "
+                f"{existing()}"
+            )
         if name in values:
             raise InputError(f"disturbance {name} is given twice: give it once")
         try:
