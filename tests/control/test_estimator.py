@@ -71,7 +71,8 @@ def test_rates_follow_from_momentum_and_joints(robot, rng):
 
 @TWO
 def test_the_first_reading_is_taken_as_it_is(robot, rng):
-    reading = measured(robot, *rng.uniform(-1, 1, (2, robot.n)), jnp.asarray(1))
+    q, dq = rng.uniform(-1, 1, (2, robot.n))
+    reading = measured(robot, q, dq, jnp.asarray(1))
     known = estimate(ESTIMATOR, robot, start(robot), reading, standing(1), PERIOD)
     for found, given in zip(known.estimate, reading, strict=True):
         np.testing.assert_array_equal(found, given)

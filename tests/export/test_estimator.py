@@ -85,8 +85,8 @@ def expected(design, readings):
     @quick_filter_jit
     def run(readings):
         def tick(known, now):
-            reading, stance = now
-            after = estimate(Estimator(), robot, known, reading, stance, period)
+            reading, standing = now
+            after = estimate(Estimator(), robot, known, reading, standing, period)
             return after, after.estimate
 
         return jax.lax.scan(tick, start(robot), readings)[1]
