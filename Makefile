@@ -59,5 +59,5 @@ clean:
 	@touch $@
 
 .venv/dev.stamp: .venv/run.stamp
-	@$(PIP_INSTALL) --editable '.[dev,gym,onnx,video]'
+	@$(PIP_INSTALL) --editable '.[dev,gym,hzd,onnx,video]'
 	@touch $@

@@ -41,7 +41,7 @@ def test_every_import_is_declared() -> None:
     needed = {_distribution(module, installed) for module in _imported()}
     extras = PROJECT["optional-dependencies"]
     optional = set().union(
-        *(_names(extras[name]) for name in ("drake", "gym", "onnx", "ray", "video"))
+        *(_names(extras[name]) for name in ("drake", "gym", "hzd", "onnx", "ray", "video"))
     )
     assert needed <= _names(PROJECT["dependencies"]) | optional
     assert optional <= needed

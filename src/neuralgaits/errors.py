@@ -44,3 +44,7 @@ class Interrupted(KeyboardInterrupt):
 
 class NonFiniteError(NeuralGaitsError):
     """A computation met NaN or infinity; the message names the file that reproduces it."""
+
+
+class ConvergenceError(NeuralGaitsError):
+    """A solver ended without a solution; the message says how."""

@@ -89,6 +89,36 @@ class Train:
 
 
 @dataclass(frozen=True)
+class Optimise:
+    """Find a gait of least cost of transport by trajectory optimisation; needs the hzd extra."""
+
+    robot: Robot
+    """Name of a built-in robot, or path of an MJCF file."""
+    speed: Annotated[float, arg(metavar="V")]
+    """Mean speed to walk at [m/s]."""
+    degree: Annotated[int, arg(metavar="N")] = 5
+    """Of the Bezier polynomials of the joints."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Run folder to make, instead of runs/ROBOT/<time>-0."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class ImportGait:
+    """Make a run of a published gait: Bezier polynomials of the joints, from a file."""
+
+    file: Annotated[Positional[Path], arg(metavar="FILE.json")]
+    """Joints, control points [rad] and phase, as docs/optimise.md says."""
+    robot: Annotated[str, arg(metavar="ROBOT")]
+    """Name of a built-in robot, or path of an MJCF file: what the gait walks on."""
+    name: Annotated[str | None, arg(metavar="NAME")] = None
+    """Which gait, where the file has several."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Run folder to make, instead of runs/ROBOT/<time>-0."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Simulate:
     """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
@@ -96,8 +126,9 @@ class Simulate:
     """Run folder, or latest."""
     plant: Annotated[str | None, arg(metavar="ROBOT")] = None
     """Robot to simulate; the one the gait was trained for if not given."""
-    controller: Literal["pd", "fblin", "paper", "c"] = "pd"
-    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), or the exported
+    controller: Literal["pd", "fblin", "paper", "clf-qp", "c"] = "pd"
+    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
+    with a control Lyapunov function within limits of torque and friction, or the exported
     controller as a process of its own."""
     link: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """How to reach controller c, as in law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
@@ -115,13 +146,13 @@ class Simulate:
     """Impulse of a forward push [N s], over 0.1 s."""
     disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
-    parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
-    """Walk another robot each time, drawn from this box around the run's own, as in
-    mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
     sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
     """What the controller is told: the plant's own rates and hip velocity, or angles, pitch and
     contact alone, as in encoders,bits=14,pitch_noise=0.001,delay_ms=2, those numbers if not given;
     perfect if not given."""
+    parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
+    """Walk another robot each time, drawn from this box around the run's own, as in
+    mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
     command: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """What a gait that takes commands is told at every touchdown, as in speed=0.7 or slope=3
     [degrees]; the middle of its ranges if not given."""
@@ -271,7 +302,7 @@ class Sweep:
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """With --certify: time for each proof. What is proved then depends on the machine."""
     controllers: Annotated[str | None, arg(metavar="C,...")] = None
-    """Laws to walk under: pd (if not given), fblin, paper."""
+    """Laws to walk under: pd (if not given), fblin, paper, clf-qp."""
     disturbances: Annotated[str | None, arg(metavar="FILE|standard|none")] = None
     """What to walk under beside nothing: the standard eighteen (if not given), or those of a TOML
     file; see the page 'From a laptop to a cluster'."""

@@ -18,6 +18,7 @@ from typing import NoReturn
 
 from neuralgaits._environment import prepare
 from neuralgaits.errors import (
+    ConvergenceError,
     Interrupted,
     MismatchError,
     NeuralGaitsError,
@@ -67,7 +68,7 @@ def main(arguments: list[str]) -> int:
         # The reader of our output has gone; Python would complain again while it exits.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return GOOD
-    except (NonFiniteError, MismatchError) as error:
+    except (NonFiniteError, MismatchError, ConvergenceError) as error:
         return _fail(str(error), error, NO, verbose)
     except NeuralGaitsError as error:
         return _fail(str(error), error, BAD_INPUT, verbose)

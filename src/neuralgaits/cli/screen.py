@@ -110,6 +110,12 @@ def show_walks(result: Simulated) -> None:
             f"{share:.0%} of ticks are at the torque limit: what walks here has no torque in "
             "reserve; a slower gait (`train --speed`), stronger motors or lower gains have"
         )
+    if (given_up := result.relaxed) is not None:
+        show_sentence(
+            f"within limits of torque and friction, outputs could come back slower than asked at "
+            f"{given_up.decrease:.2%} of ticks, and forces were asked that the floor does not give "
+            f"at {given_up.contact:.2%}"
+        )
     missed = [
         (name, number(error.mean), number(error.worst))
         for name, error in result.command_error.items()

@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
+from neuralgaits.control.clf_qp import ground_force
 from neuralgaits.control.estimator import pinned
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import SpecError
@@ -197,6 +198,22 @@ def parts(
             ),
         ),
     ]
+
+
+def ground(robot: PlanarBiped) -> Part:
+    """The Program of the floor's force on the stance foot, see `control.clf_qp`."""
+
+    def force(q: Coordinates, dq: Coordinates) -> dict[str, Array]:
+        still, by_acceleration = ground_force(robot, q, dq)
+        return {"still": still, "by_acceleration": by_acceleration}
+
+    n = robot.n
+    return Part(
+        "ng_ground",
+        "Force of the floor on the stance foot, (x, z): without accelerations, and by each "
+        "[shares of the weight, of it a rad/s^2].",
+        trace(force, {"q": (n,), "dq": (n,)}, parameters=robot),
+    )
 
 
 def _policy(

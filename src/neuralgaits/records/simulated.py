@@ -19,7 +19,7 @@ _SHOWN = (
     ("steady_peak_torque_nm", "largest torque, away from touchdowns", "N m"),
     ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
     ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
-    ("min_normal_force_n", "smallest force on the standing foot", "N"),
+    ("min_normal_force_n", "smallest force on the standing foot, away from touchdowns", "N"),
     ("hip_speed_error_m_s", "error of the estimated hip speed, rms", "m/s"),
     ("saturated_fraction", "share of time at a torque limit", ""),
 )
@@ -90,6 +90,19 @@ class LinkFigures(Record):
 
 
 @dataclass(frozen=True)
+class Relaxed:
+    """Shares of ticks at which a law with a quadratic program gave something up.
+
+    Attributes:
+        decrease: of the ticks, those at which its Lyapunov function may fall too slowly.
+        contact: those at which it asks forces of the floor that this does not give.
+    """
+
+    decrease: float
+    contact: float
+
+
+@dataclass(frozen=True)
 class CommandError:
     """How far walks were from what they were told, in the unit of the command; None if unknown.
 
@@ -113,6 +126,7 @@ class WalkFigures(Record):
         max_output_error_rad, peak_torque_nm, steady_peak_torque_nm, max_joint_rate_rad_s,
             min_normal_force_n: extremes.
         saturated_fraction: share of time at a torque limit.
+        relaxed: of a law that has a quadratic program; None of others.
         poincare: None if it was not looked for.
         sim_steps_per_s, real_time_factor: of the simulation itself.
         command_error: of every command that can be measured; empty for a gait that takes none.
@@ -135,6 +149,7 @@ class WalkFigures(Record):
     max_joint_rate_rad_s: float | None = None
     min_normal_force_n: float | None = None
     saturated_fraction: float | None = None
+    relaxed: Relaxed | None = None
     poincare: ModelOrbit | None = None
     sim_steps_per_s: float | None = None
     real_time_factor: float | None = None
@@ -219,10 +234,11 @@ class Simulated(WalkFigures, WalkSettings):
         return {MUJOCO: "MuJoCo", "drake": "Drake"}.get(self.simulator, self.simulator)
 
     def unsaid(self) -> Collection[str]:
-        """No link, commands, terrain and estimates where there were none."""
+        """No link, commands, terrain, estimates and quadratic program where there were none."""
         unsaid = ["link"] if self.link is None else []
         for name in ("command_error", "parameters", "errors"):
             unsaid += [] if getattr(self, name) else [name]
-        for name in ("command", "commands", "terrain", "foothold_error_m", "hip_speed_error_m_s"):
+        walked = ("command", "commands", "terrain", "foothold_error_m")
+        for name in (*walked, "hip_speed_error_m_s", "relaxed"):
             unsaid += [name] if getattr(self, name) is None else []
         return unsaid

@@ -3,9 +3,10 @@
 import numpy as np
 
 from neuralgaits._types import Array, Float
+from neuralgaits.control import ClfQp
 from neuralgaits.gait import Orbit
 from neuralgaits.gait.commands import UNITS, Commands
-from neuralgaits.records.simulated import CommandError, ModelOrbit, WalkFigures
+from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.ticks.gauge import START_UP_STEPS
@@ -55,6 +56,7 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
         max_joint_rate_rad_s=_largest(steady.joint_rate, counted),
         min_normal_force_n=_smallest(steady.normal_force, counted),
         saturated_fraction=float(np.sum(gauge.saturated) / max(1, np.sum(gauge.ticks))),
+        relaxed=_relaxed(walk),
         poincare=None if orbit is None else _orbit(orbit),
         sim_steps_per_s=episodes.plant_steps / episodes.wall_s,
         real_time_factor=simulated / episodes.wall_s,
@@ -62,6 +64,15 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
         foothold_error_m=foothold_error(walk.courses, episodes.strides),
         hip_speed_error_m_s=hip_speed_error(walk),
     )
+
+
+def _relaxed(walk: Walk) -> Relaxed | None:
+    """What a law with a quadratic program gave up."""
+    if not isinstance(walk.law, ClfQp):
+        return None
+    gauge = walk.episodes.gauge
+    decrease, contact = np.sum(gauge.relaxed, axis=0) / max(1, np.sum(gauge.ticks))
+    return Relaxed(float(decrease), float(contact))
 
 
 def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, CommandError]:

@@ -115,7 +115,7 @@ def engine_for(
         return engine_of_trained(run, choice)
     if choice == "native":
         raise InputError(
-            "--engine native: expected pd, fblin or paper, found a law of type "
+            "--engine native: expected pd, fblin, paper or clf-qp, found a law of type "
             f"{type(law).__name__}"
         )
     return Engine(None, None)

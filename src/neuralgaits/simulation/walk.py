@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
-from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
+from neuralgaits.control import PAPER, AbstractLaw, ClfQp, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
@@ -33,8 +33,10 @@ from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import Episodes, Noise, Watch
 from neuralgaits.simulation.ticks.tick import Scene
 
-LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
-"""Control laws by name: `paper` is the PD of the paper's deployment."""
+EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
+"""Control laws that exported controllers have: `paper` is the PD of the paper's deployment."""
+LAWS = {**EXPORTED, "clf-qp": ClfQp()}
+"""Control laws by name."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,7 @@ def walk(
         starts: full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]
         plant: robot to simulate, `robot` if None; it must have the same joints.
         robots: in its place, one for each episode, of the same joints and feet; without courses.
-        controller: `pd`, `fblin`, `paper`, or a law.
+        controller: `pd`, `fblin`, `paper`, `clf-qp`, or a law.
         steps: walking steps of an episode.
         z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
         disturbance: of the plant.

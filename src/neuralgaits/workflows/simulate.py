@@ -36,7 +36,7 @@ from neuralgaits.simulation.setup.terrains import courses_of, told_by
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
 from neuralgaits.simulation.walk import Walk, walk
-from neuralgaits.workflows.export import steady_design_of
+from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.shared_walks import SharedWalks, at_first
 
 _ALL = 2**31 - 1
@@ -98,8 +98,9 @@ def simulate(
     Args:
         run: a run, its folder, or `latest`.
         plant: robot to simulate, by name or path; the run's own if None.
-        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), a law, or `c`: the
-            exported controller, compiled, as a process of its own.
+        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), `clf-qp` (see
+            docs/control.md), a law, or `c`: the exported controller, compiled, as a process of its
+            own.
         steps: walking steps of an episode.
         start: `centre` of the gait's region, `region` (anywhere in it), or `fixed-point`.
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
@@ -147,11 +148,11 @@ def simulate(
     if terrain is None:
         disturbance = on_slope(disturbance, orders)
     else:
-        _check_terrain(str(terrain), command, commands, disturbance, controller)
+        _check_terrain(str(terrain), command, commands, disturbance)
     _check_outputs(log, video)
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
-    wire = _wire(link, controller, commands, disturbance)
+    wire = _wire(link, controller, disturbance)
     shared = workers is not None or ray is not None
     if shared:
         _refuse_shared(controller, log, video, terrain)
@@ -180,8 +181,8 @@ def simulate(
             seed=seed,
             orders=orders,
             courses=courses,
-            drawn=drawn,
             simulator=simulator,
+            drawn=drawn,
         )
         if shared:
             command_told = trained.command if told and commands is None else None
@@ -192,22 +193,24 @@ def simulate(
             longest = _ALL if files else 0
             walked = course.walk(0, episodes, record=video is not None, longest=longest)
     else:
-        with connected(steady_design_of(trained), wire, episodes, seed) as remote:
+        with connected(design_of(trained), wire, episodes, seed) as remote:
             walked = walk(
                 robot,
-                gait.policy,
+                trained.trained.policy,
                 full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
                 plant=None if plant is None else load_robot(plant),
                 controller=wire.law,
                 steps=steps,
-                z2_range=momentum_range(gait),
+                z2_range=momentum_range(trained.trained),
                 disturbance=disturbance,
                 push=0.0 if push is None else push,
                 seed=seed,
                 record=video is not None,
                 longest=_ALL if files else 0,
                 remote=remote,
+                orders=orders,
                 reset_residual=trained.residuals.reset,
+                courses=courses,
                 simulator=simulator,
             )
     settings = WalkSettings(
@@ -283,7 +286,7 @@ def _engine(
     if controller != REMOTE:
         return engine_for(trained, controller, choice, simulator)
     if choice == "native":
-        raise InputError(f"--engine native: expected pd, fblin or paper, found {REMOTE}")
+        raise InputError(f"--engine native: expected pd, fblin, paper or clf-qp, found {REMOTE}")
     return Engine(None, None)
 
 
@@ -296,8 +299,8 @@ def _refuse_shared(
     """Refuse what only this process can do."""
     if not isinstance(controller, str) or controller == REMOTE:
         raise InputError(
-            "expected controller pd, fblin or paper with --workers or --ray, found another: leave "
-            "them out"
+            "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
+            "another: leave them out"
         )
     if log is not None or film is not None:
         raise InputError(
@@ -313,17 +316,11 @@ def _refuse_shared(
 def _wire(
     link: str | Mapping[str, Any] | LinkConfig | None,
     controller: str | AbstractLaw,
-    commands: str | Path | None,
     disturbance: Disturbance,
 ) -> LinkConfig | None:
     """How a controller's process is reached; None without one."""
     if controller != REMOTE:
         return _no_link(link)
-    if commands is not None:
-        raise InputError(
-            f"expected --command with --controller {REMOTE}, found --commands: its process is made "
-            "for one command"
-        )
     if disturbance.estimator:
         raise InputError(
             f"expected perfect sensing with --controller {REMOTE}, found encoders: its readings "
@@ -337,7 +334,6 @@ def _check_terrain(
     command: str | Mapping[str, float] | None,
     commands: str | Path | None,
     disturbance: Disturbance,
-    controller: str | AbstractLaw,
 ) -> None:
     """Refuse what a terrain leaves no room for. Raises: InputError."""
     if commands is not None:
@@ -355,11 +351,6 @@ def _check_terrain(
         raise InputError(
             "expected a terrain or a floor that is disturbed, found both: leave out slope_deg and "
             "floor_height"
-        )
-    if controller == REMOTE:
-        raise InputError(
-            f"expected --terrain with pd, fblin or paper, found --controller {REMOTE}: its process "
-            "is made for one command"
         )
 
 

@@ -339,7 +339,9 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     }
     state->ticks_to_policy -= 1;
     torques(law, command->q, command->dq, &state->held, command->actuated);
-    command->saturated = saturate(config, command->actuated);
+    command->relaxed[0] = command->relaxed[1] = 0;
+    command->saturated = law->within ? law->within(config, &state->held, command)
+                                     : saturate(config, command->actuated);
     for (int i = 0; i < NG_ACTUATED; ++i) {
         command->y_d[i] = state->held.y[i];
         command->dy_d[i] = state->held.dy[i];

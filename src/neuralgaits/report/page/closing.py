@@ -37,7 +37,8 @@ def _failures(contents: Contents) -> Iterator[str]:
     for name, measured in saved.measured.items():
         if measured.broken:
             most = html.number(measured.max_violation)
-            yield f"Training left {name} violated on samples, by up to {most} of its scale."
+            left = "Training left {} violated" if saved.asked.as_given is None else "{} is violated"
+            yield f"{left.format(name)} on samples, by up to {most} of its scale."
     for name, entry in saved.conditions.items():
         point = entry.counterexample
         if point is not None:

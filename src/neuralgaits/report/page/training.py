@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from neuralgaits.records.asked import Stated
+from neuralgaits.records.asked import Given, Stated
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.inspected import RobotFacts
-from neuralgaits.records.trained import Violations
+from neuralgaits.records.trained import Trained, Violations
 from neuralgaits.report import again
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import words
@@ -48,6 +48,8 @@ def _state(saved: Saved) -> Html:
             html.shell([resuming(saved.folder.path)]),
             class_="missing",
         )
+    if saved.asked.as_given is not None:
+        return html.paragraph(_not_trained(saved.asked.as_given, summary))
     said = (
         f"A policy with {_widths(saved.asked.hidden)} was trained for "
         f"{html.number(summary.steps)} gradient steps to a loss of {html.number(summary.loss)}, "
@@ -56,6 +58,21 @@ def _state(saved: Saved) -> Html:
     if saved.asked.parent:
         said += f", starting from the weights of {saved.asked.parent}"
     return html.paragraph(f"{said}.")
+
+
+def _not_trained(given: Given, summary: Trained) -> str:
+    """Where a gait is from that was given."""
+    made = (
+        f"optimised for the least cost of transport at {html.number(given.speed)} m/s"
+        if given.by == "optimise"
+        else "read from a file"
+    )
+    return (
+        f"Nothing was trained: Bézier polynomials of degree {given.degree} in z1 were {made}, and "
+        "a tube was put around their periodic orbit, as wide as the robot's limits allow. On the "
+        f"zero dynamics it walks at {html.number(summary.speed_m_s)} m/s with a mechanical cost of "
+        f"transport of {html.number(summary.cost_of_transport)}."
+    )
 
 
 def _ended_in_nan(saved: Saved) -> Html:
@@ -104,6 +121,8 @@ def _robot(robot: RobotFacts) -> list[Html]:
 
 def _settings(saved: Saved) -> list[tuple[str, Any]]:
     asked = saved.asked
+    if asked.as_given is not None:
+        return [("spec", asked.spec), ("polynomials of degree", asked.as_given.degree)]
     rate = asked.learning_rate
     rows: list[tuple[str, Any]] = [
         ("spec", asked.spec),
@@ -134,17 +153,18 @@ def _conditions(saved: Saved) -> list[Html]:
     if not asked:
         return [html.paragraph("The run does not say which conditions it was trained for.")]
     broken = [name for name, entry in measured.items() if entry.broken]
+    unseen = " that training has not seen" if saved.asked.as_given is None else ""
     if not measured:
         said = "What the gait is to satisfy; nothing is measured before the training ends."
     elif broken:
         said = (
-            f"Measured on random samples that training has not seen: {len(broken)} of "
+            f"Measured on random samples{unseen}: {len(broken)} of "
             f"{len(measured)} conditions are broken at some of them, where their margin is "
             "negative."
         )
     else:
         said = (
-            f"Measured on random samples that training has not seen: all {len(measured)} hold at "
+            f"Measured on random samples{unseen}: all {len(measured)} hold at "
             "all of them. This is evidence; what is proved stands further down."
         )
     ordered = sorted(asked, key=lambda one: _least(measured.get(one.name)))

@@ -77,7 +77,11 @@ def data(walk: ShownWalk) -> Html:
 
 def _said(walk: ShownWalk) -> str:
     """Which walk it is, and that it is a simulation and not a drawing of the plan."""
-    law = {"pd": "joint PD control", "fblin": "input-output linearisation"}
+    law = {
+        "pd": "joint PD control",
+        "fblin": "input-output linearisation",
+        "clf-qp": "a quadratic program with a control Lyapunov function",
+    }
     control = law.get(walk.controller, f"controller {walk.controller}")
     said = (
         f"Recorded from a MuJoCo simulation of the whole robot under {control}, with contact, "

@@ -68,7 +68,13 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("bandwidth", c_double),
             ("hold_ticks", c_int),
             ("measure_z2", c_int),
+            ("within", c_void_p),
+            ("own", c_void_p),
         ],
+    )
+    clf_qp = _structure(
+        "ng_clf_qp",
+        _reals("bandwidth", "price", "contact_price", "friction", "least_normal"),
     )
     config = _structure(
         "ng_config",
@@ -144,6 +150,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("start_up_steps", c_int),
             ("settling_s", c_double),
             ("law", law),
+            ("clf_qp", clf_qp),
             ("config", config),
         ],
     )
@@ -172,7 +179,9 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("strides", c_void_p),
             ("strides_used", c_int),
             *(_told(commands) if commands else []),
-            *((name, c_int) for name in ("ticks", "steps", "saturated", "ending", "plant_steps")),
+            *((name, c_int) for name in ("ticks", "steps", "saturated")),
+            ("relaxed", c_int * 2),
+            *((name, c_int) for name in ("ending", "plant_steps")),
             *_reals("energy", "peak_torque"),
             ("first", milestone),
             ("last", milestone),
@@ -188,6 +197,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         *((name, (m,)) for name in ("y_d", "dy_d")),
         ("z", (2,)),
         *((name, ()) for name in ("leg", "since_touchdown", "touchdown", "saturated")),
+        ("relaxed", (2,)),
         *((name, ()) for name in ("pitch", "dpitch")),
         *((name, (2, leg_joints)) for name in ("angles", "rates")),
         *((name, (2,)) for name in ("hip_velocity", "normal_force", "floor")),

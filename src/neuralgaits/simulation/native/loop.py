@@ -274,6 +274,7 @@ def _gauge(walks: list[Any]) -> Gauge:
         running=parts("running", Extremes),
         peak_torque=of("peak_torque"),
         saturated=of("saturated", whole=True),
+        relaxed=of("relaxed", whole=True),
         ticks=of("ticks", whole=True),
         speed_error=of("speed_error"),
     )

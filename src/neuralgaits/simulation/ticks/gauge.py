@@ -81,6 +81,8 @@ class Gauge(NamedTuple):
     """Largest |torque| of the whole episode [N m]."""
     saturated: Int[Array, ""]
     """Ticks with a clipped torque."""
+    relaxed: Int[Array, "2"]
+    """Ticks at which a law gave something up, see `control.law.Limited`."""
     ticks: Int[Array, ""]
     """Ticks so far."""
     speed_error: Scalar
@@ -91,7 +93,8 @@ class Gauge(NamedTuple):
         """Before the first tick."""
         none, origin, zero = Extremes.none(), Milestone.origin(), jnp.zeros((), jnp.int32)
         power = jnp.zeros(())
-        return cls(zero, power, origin, origin, none, none, power, zero, zero, power)
+        given_up = jnp.zeros(2, jnp.int32)
+        return cls(zero, power, origin, origin, none, none, power, zero, given_up, zero, power)
 
 
 def update(
@@ -132,6 +135,7 @@ def update(
         running=running.with_(now),
         peak_torque=jnp.maximum(gauge.peak_torque, now.torque),
         saturated=gauge.saturated + command.saturated,
+        relaxed=gauge.relaxed + command.relaxed,
         ticks=gauge.ticks + 1,
         speed_error=gauge.speed_error + speed_error**2,
     )

@@ -188,6 +188,8 @@ static void gauge(const ng_scene *scene, ng_walk *walk, const ng_command *comman
     walk->energy += NG_PERIOD * power;
     walk->peak_torque = larger(walk->peak_torque, now.torque);
     walk->saturated += command->saturated;
+    walk->relaxed[0] += command->relaxed[0];
+    walk->relaxed[1] += command->relaxed[1];
     walk->ticks += 1;
 }
 
@@ -288,6 +290,8 @@ static void keep(const ng_walk *walk, const mjData *data, const truth_of_tick *t
     record->since_touchdown = command->since_touchdown;
     record->touchdown = command->touchdown;
     record->saturated = command->saturated;
+    record->relaxed[0] = command->relaxed[0];
+    record->relaxed[1] = command->relaxed[1];
     record->pitch = truth->reading.pitch;
     record->dpitch = truth->reading.dpitch;
     memcpy(record->angles, truth->reading.angles, sizeof record->angles);

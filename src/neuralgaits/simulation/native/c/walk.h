@@ -11,6 +11,7 @@
 #include <mujoco/mjdata.h>
 #include <mujoco/mjmodel.h>
 
+#include "clf_qp.h"
 #include "controller.h"
 #include "estimator.h"
 
@@ -77,6 +78,7 @@ typedef struct {
     int start_up_steps;               /* left out of steady figures */
     double settling_s;                /* after a touchdown, left out likewise [s] */
     ng_law law;
+    ng_clf_qp clf_qp;                 /* what that law knows, if it is one */
     ng_config config;                 /* its law is the one above */
 } ng_scene;
 
@@ -135,6 +137,7 @@ typedef struct {
     int ticks;
     int steps;
     int saturated;            /* ticks */
+    int relaxed[2];           /* ticks: see ng_command */
     int ending;               /* an ng_ending */
     int plant_steps;
     double energy;
@@ -151,7 +154,7 @@ typedef struct {
     double q[NG_COORDINATES], dq[NG_COORDINATES];/* measured [rad], [rad/s] */
     double y_d[NG_ACTUATED], dy_d[NG_ACTUATED];  /* [rad], [rad/s] */
     double z[2];                                 /* measured (m, kg m^2/s) */
-    double leg, since_touchdown, touchdown, saturated;
+    double leg, since_touchdown, touchdown, saturated, relaxed[2];
     double pitch, dpitch;                        /* without noise [rad], [rad/s] */
     double angles[NG_LEGS][NG_LEG_JOINTS], rates[NG_LEGS][NG_LEG_JOINTS]; /* likewise */
     double hip_velocity[2];                      /* [m/s] */
