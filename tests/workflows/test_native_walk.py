@@ -28,7 +28,14 @@ from neuralgaits.simulation.native import library as native_library
 from neuralgaits.simulation.native import loop as native
 from neuralgaits.simulation.native.layout import address
 from neuralgaits.simulation.native.scene import scene_of
-from neuralgaits.simulation.native_walk import _design, compiler, engine_of, engine_of_run, sources
+from neuralgaits.simulation.native_walk import (
+    SOURCES,
+    _design,
+    compiler,
+    engine_of,
+    engine_of_run,
+    sources,
+)
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.push import Push
@@ -400,7 +407,7 @@ def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law
         (tmp_path / name).write_text(text)
     folder, loaded = Path(mujoco.__file__).parent, native_library.mujoco_library()
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-Wall", "-Wextra"]
-    files = [str(tmp_path / name) for name in ("walk.c", "clf_qp.c", "controller.c", "gait.c")]
+    files = [str(tmp_path / name) for name in SOURCES]
     files += [str(Path(__file__).parent / "walk_main.c"), "-o", str(tmp_path / "walk_main")]
     linked = ["-I", str(tmp_path), "-isystem", str(folder / "include")]
     linked += [str(loaded), f"-Wl,-rpath,{folder}", "-lm"]

@@ -1,5 +1,6 @@
 """The built-in gait specifications by name, and a user's own from FILE.py:NAME."""
 
+import ast
 import importlib.util
 import sys
 from collections.abc import Callable
@@ -111,7 +112,7 @@ def load(
     if not separator and name.endswith(".py"):
         raise SpecError(
             f"unknown spec {name!r}: expected FILE.py:NAME, found no name; add that of its "
-            f"function or spec, as in {name}:{Path(name).stem}"
+            f"function or spec, as in {name}:{(_defined(name) or [Path(name).stem])[0]}"
         )
     if not separator or not path.endswith(".py"):
         hint = meant(name, _BUILT_IN)
@@ -121,11 +122,24 @@ def load(
         )
     value = getattr(_module(path), attribute, None)
     if value is None:
-        raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}")
+        known = _defined(path)
+        hint = meant(attribute, known)
+        there = f": {hint}{' ' if hint else ''}there is {', '.join(known)}" if known else ""
+        raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}{there}")
     spec = _applied(name, value, robot) if callable(value) else value
     if not isinstance(spec, GaitSpec):
         raise SpecError(f"spec {name!r}: expected a GaitSpec, found {type(spec).__name__}")
     return spec
+
+
+def _defined(path: str) -> list[str]:
+    """Public functions of a file, from its text: it is not run."""
+    try:
+        body = ast.parse(Path(path).read_bytes()).body
+    except (OSError, SyntaxError, ValueError):
+        return []
+    found = (one.name for one in body if isinstance(one, ast.FunctionDef))
+    return [name for name in found if not name.startswith("_")]
 
 
 def _applied(name: str, function: Callable, robot: "PlanarBiped"):

@@ -36,7 +36,7 @@ from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.report_verb import carry_out_report
 from neuralgaits.cli.sweep_verb import carry_out_sweep
 from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
-from neuralgaits.cli.words import Verb
+from neuralgaits.cli.words import Verb, options
 from neuralgaits.errors import InputError, Interrupted
 
 _COMMANDS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
@@ -198,25 +198,8 @@ def _simulate(verb: Simulate) -> Outcome:
 
     with waiting("walking", quiet=verb.output.json):
         done = simulate(
-            verb.run,
-            plant=verb.plant,
-            controller=verb.controller,
-            steps=verb.steps,
-            start=verb.start,
-            push=verb.push,
-            disturb=verb.disturb,
-            sensing=verb.sensing,
+            **options(verb, "parameters"),
             parameters=_box(verb.parameters),
-            seed=verb.seed,
-            episodes=verb.episodes,
-            log=verb.log,
-            video=verb.video,
-            link=verb.link,
-            engine=verb.engine,
-            simulator=verb.simulator,
-            command=verb.command,
-            commands=verb.commands,
-            terrain=verb.terrain,
             workers=verb.at_work.workers,
             ray=verb.at_work.ray,
         )

@@ -19,7 +19,7 @@ _SHOWN = (
     ("steady_peak_torque_nm", "largest torque, away from touchdowns", "N m"),
     ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
     ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
-    ("min_normal_force_n", "smallest force on the standing foot", "N"),
+    ("min_normal_force_n", "smallest force on the standing foot, away from touchdowns", "N"),
     ("hip_speed_error_m_s", "error of the estimated hip speed, rms", "m/s"),
     ("saturated_fraction", "share of time at a torque limit", ""),
 )

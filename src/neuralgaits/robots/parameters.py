@@ -84,7 +84,7 @@ def _size(name: str, value: str) -> float:
         half = float(found[1]) * units[found[2]]
     except ValueError:
         raise InputError(f"--parameters: expected a number for {name}, found {value!r}") from None
-    if not found[2] and half >= 1.0:
+    if not found[2] and 1.0 <= half < math.inf:
         raise InputError(
             f"--parameters: expected {name} as a share such as 2% or 0.02, found {value}: "
             "write the per cent sign"
