@@ -60,18 +60,19 @@ def test_the_poles_are_where_they_are_asked_to_be():
 def test_rates_follow_from_momentum_and_joints(robot, rng):
     """Against the momentum they were made from, and the hip against finite differences."""
     q, dq = rng.uniform(-1, 1, (2, robot.n))
-    found, hip = pinned(robot, q, dq[1:], angular_momentum(robot, q, dq), 0.0)
+    found, hip = pinned(robot, q, dq[1:], angular_momentum(robot, q, dq), jnp.zeros(()))
     np.testing.assert_allclose(found, dq, atol=1e-12)
     step = 1e-6
     ahead, back = (hip_position(robot, q + sign * step * dq) for sign in (1, -1))
     np.testing.assert_allclose(hip, (ahead - back) / (2 * step), atol=1e-8)
-    more, _ = pinned(robot, q, dq[1:], angular_momentum(robot, q, dq), 0.25)
+    more, _ = pinned(robot, q, dq[1:], angular_momentum(robot, q, dq), jnp.asarray(0.25))
     np.testing.assert_allclose(more - found, 0.25 * np.eye(robot.n)[0], atol=1e-12)
 
 
 @TWO
 def test_the_first_reading_is_taken_as_it_is(robot, rng):
-    reading = measured(robot, *rng.uniform(-1, 1, (2, robot.n)), jnp.asarray(1))
+    q, dq = rng.uniform(-1, 1, (2, robot.n))
+    reading = measured(robot, q, dq, jnp.asarray(1))
     known = estimate(ESTIMATOR, robot, start(robot), reading, standing(1), PERIOD)
     for found, given in zip(known.estimate, reading, strict=True):
         np.testing.assert_array_equal(found, given)

@@ -85,7 +85,8 @@ def expected(design, readings):
     @quick_filter_jit
     def run(readings):
         def tick(known, now):
-            after = estimate(Estimator(), robot, known, *now, period)
+            reading, standing = now
+            after = estimate(Estimator(), robot, known, reading, standing, period)
             return after, after.estimate
 
         return jax.lax.scan(tick, start(robot), readings)[1]
