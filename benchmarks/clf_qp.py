@@ -10,15 +10,22 @@ LAWS=fblin,clf-qp,pd other laws.
 import os
 import time
 from dataclasses import replace
+from pathlib import Path
 
+import equinox as eqx
+import jax
+import jax.numpy as jnp
 import numpy as np
 from common import seeds, show, trained
 
+from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
+from neuralgaits.barriers import Gait
 from neuralgaits.control import AbstractLaw, ClfQp
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary
+from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
@@ -30,9 +37,23 @@ CHOSEN = os.environ.get("LAWS", "fblin,clf-qp").split(",")
 PARTS = os.environ.get("PARTS", "falls,inside,time").split(",")
 STEPS = 25
 TICKS = 20_000
+LOOKED_AT = 9000
+"""Ticks of a walk that are looked at: as many of all, so that it compiles once."""
 RADIUS = 0.009
 """sqrt V at the start of a step up to which level 4 is proved of default gaits [rad]."""
 PUSHES = {"push -12 N s": -12.0, "push +20 N s": 20.0}
+
+
+_libraries: dict[Path, Library] = {}
+
+
+def library_of(run: Run) -> Library:
+    """The compiled walk of a gait, written once."""
+    if run.path not in _libraries:
+        library = engine_of_run(run, "native").library
+        assert library is not None
+        _libraries[run.path] = library
+    return _libraries[run.path]
 
 
 def walked(
@@ -56,7 +77,7 @@ def walked(
         push=push,
         seed=seed,
         longest=longest,
-        library=engine_of_run(run, "native").library,
+        library=library_of(run),
         threads=1,
     )
 
@@ -93,26 +114,34 @@ def figures(found: list[WalkFigures]) -> str:
 def inside(runs: list[Run]) -> None:
     """Ticks inside the set of the full-order theorem, and those of them that gave something up."""
     for limit in (LIMIT, 41.0):
-        ticks, relaxed = 0, np.zeros(2, int)
+        ticks, relaxed, made = 0, np.zeros(2, int), []
         for run in runs:
             disturbance = Disturbance(torque_limit=limit)
-            found = walked(run, "clf-qp", disturbance, longest=10**6).episodes.records[0].command
+            one = walked(run, "clf-qp", disturbance, longest=LOOKED_AT)
+            made.append(summary(one))
+            found = one.episodes.records[0].command
             w = ClfQp().bandwidth
             y, dy = found.q[:, 1:] - found.y_d, found.dq[:, 1:] - found.dy_d
             root = np.sqrt(np.sum((dy / w) ** 2, 1) + 4.0 * np.sum((y + dy / w) ** 2, 1))
-            phase = np.array([float(run.gait.phase(z[0])) for z in found.z])
-            level = np.array([float(run.gait.level(z)) for z in found.z])
+            phase, level = np.asarray(_places(run.gait, found.z)).T
             there = (root <= RADIUS) & (phase >= 0.0) & (phase <= 1.0) & (level >= 0) & (level <= 1)
             ticks += int(np.sum(there))
             relaxed += np.sum(found.relaxed[there], axis=0)
+        fell = sum(sum(one.fell) for one in made)
+        show(f"{limit:g} N m: walks", f"{fell} of {len(runs)} fell", figures(made))
         show(f"{limit:g} N m: ticks with outputs and z in the set", ticks)
         show(f"{limit:g} N m: of these, decrease missed, contact", str(relaxed), "0, 0")
 
 
+@eqx.filter_jit
+def _places(gait: Gait, z: Array) -> Array:
+    """Phase and level of many states."""
+    return jax.vmap(lambda one: jnp.stack([gait.phase(one[0]), gait.level(one)]))(z)
+
+
 def tick_times(run: Run, law: str, torque_limit: float = LIMIT, ticks: int = TICKS) -> np.ndarray:
     """Processor time of each tick of a walk in C, policy and a call from Python included (us)."""
-    library = engine_of_run(run, "native").library
-    assert library is not None
+    library = library_of(run)
     start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
     live = LiveWalk(
         run.robot,

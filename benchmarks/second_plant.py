@@ -1,9 +1,10 @@
 """Drake against MuJoCo: the same walks in both, under the standard set of disturbances.
 
 Asked: the same verdict in at least 90 % of 18 disturbances x 10 walks, speeds within 3 %, z2 after
-the impact within 1 %. Speeds and z2 are those of walks that stay up in both. Then one walk on
-the orbit, with contact and time step of Drake changed. EPISODES, STEPS and RUN (a run folder;
-the shipped one if not given) change it. Needs the drake extra.
+the impact within 1 %. Speeds and z2 are means over walks that stay up in both; beside them z2 after
+the first impact, to which both come from one state. Before that one walk on the orbit, with
+contact and time step of Drake changed. EPISODES, STEPS, LAWS and RUN (a run folder; the shipped
+one if not given) change it. Needs the drake extra.
 """
 
 import os
@@ -27,7 +28,7 @@ from neuralgaits.simulation.simulators import DRAKE, MUJOCO, Simulator
 from neuralgaits.simulation.ticks.gauge import SETTLING_S, START_UP_STEPS
 from neuralgaits.simulation.walk import walk
 
-EPISODES, STEPS = int(os.environ.get("EPISODES", 10)), int(os.environ.get("STEPS", 30))
+EPISODES, STEPS = int(os.environ.get("EPISODES", 10)), int(os.environ.get("STEPS", 20))
 SHIPPED = Path(neuralgaits.__file__).parent / "demo_run"
 ALL = 2**31 - 1
 """Ticks of a record."""
@@ -41,6 +42,8 @@ class Walked(NamedTuple):
     """Mean over completed steps after the first ones [m/s]."""
     momentum: np.ndarray
     """Mean of z2 where the contact has settled after an impact [kg m^2/s]."""
+    first: np.ndarray
+    """The same after the first impact [kg m^2/s]."""
 
 
 def walked(
@@ -69,20 +72,27 @@ def walked(
     with np.errstate(divide="ignore", invalid="ignore"):
         speed = (gauge.last.hip - gauge.first.hip) / (gauge.last.time - gauge.first.time)
     momenta = [_settled(record) for record in done.records]
+    later = [_mean(found[START_UP_STEPS:]) for found in momenta]
+    first = [_mean(found[:1]) for found in momenta]
     fell = np.array([end.fell for end in done.endings])
-    return Walked(fell, np.asarray(speed), np.array(momenta))
+    return Walked(fell, np.asarray(speed), np.array(later), np.array(first))
 
 
-def _settled(record: Any) -> float:
-    """Mean z2 of a walk at SETTLING_S after its impacts (kg m^2/s)."""
+def _settled(record: Any) -> np.ndarray:
+    """Z2 of a walk at SETTLING_S after each impact (kg m^2/s)."""
     since = np.asarray(record.command.since_touchdown)
     ticks = np.flatnonzero((since[1:] >= SETTLING_S) & (since[:-1] < SETTLING_S)) + 1
-    ticks = ticks[START_UP_STEPS:]
-    return float(np.mean(np.asarray(record.z_plant)[ticks, 1])) if ticks.size else np.nan
+    return np.asarray(record.z_plant)[ticks, 1]
 
 
-def compare(name: str, run: Run, disturbance: Disturbance, law: str) -> tuple[int, float, float]:
-    """A row. Returns: walks of the same verdict, differences of speed and of z2."""
+def compare(
+    name: str, run: Run, disturbance: Disturbance, law: str
+) -> tuple[int, float, float, float]:
+    """A row.
+
+    Returns: walks of the same verdict, relative differences of speed and of z2, and the largest
+    of z2 after a first impact.
+    """
     one, other = (walked(run, where, disturbance, law) for where in (MUJOCO, DRAKE))
     same = int(np.sum(one.fell == other.fell))
     both = ~one.fell & ~other.fell
@@ -96,7 +106,7 @@ def compare(name: str, run: Run, disturbance: Disturbance, law: str) -> tuple[in
         f"{momenta} | {100 * momentum:+.2f} % |",
         flush=True,
     )
-    return same, speed, momentum
+    return same, speed, momentum, float(np.nanmax(np.abs(other.first / one.first - 1.0)))
 
 
 def _mean(values: np.ndarray) -> float:
@@ -115,13 +125,13 @@ def disturbed(run: Run, law: str) -> None:
     print("|---|---|---|---|---|---|---|", flush=True)
     compare("nothing", run, Disturbance(), law)
     rows = [compare(name, run, one, law) for name, one in DISTURBANCE_SET.items()]
-    same, speeds, momenta = zip(*rows, strict=True)
+    same, speeds, momenta, first = zip(*rows, strict=True)
     share = sum(same) / (EPISODES * len(rows))
     show(f"{law}: same verdict", share, ">= 0.9")
     show(f"{law}: speed, largest difference", float(np.nanmax(np.abs(speeds))), "<= 0.03")
-    show(
-        f"{law}: z2 after impact, largest difference", float(np.nanmax(np.abs(momenta))), "<= 0.01"
-    )
+    worst = float(np.nanmax(np.abs(momenta)))
+    show(f"{law}: z2 after impact, largest difference", worst, "<= 0.01")
+    show(f"{law}: z2 after the first impact, largest of all walks", float(np.nanmax(first)))
 
 
 def contacts(run: Run) -> None:

@@ -35,7 +35,7 @@ from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import to_text
 from neuralgaits.errors import InputError, SpecError
-from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.report import again
@@ -176,6 +176,7 @@ def test_the_return_map_of_each_robot_has_the_slope_of_its_impact(amber):
     ratio = float(after_z2 / before_z2)
     gain = np.asarray(found["orbit/gain"])
     assert gain == pytest.approx([ratio**2, -(ratio**2)], rel=1e-9)
+    assert isinstance(gait.policy, HybridInvariantPolicy)
     assert abs(ratio - float(gait.policy.momentum_ratio)) > 1e-4
 
 

@@ -12,9 +12,13 @@ from neuralgaits.hzd.gait_file import read_gait
 from neuralgaits.hzd.steady import steady
 from neuralgaits.records.asked import Given
 from neuralgaits.report import again
+from neuralgaits.report.page.document import document
+from neuralgaits.report.page.saved import Contents
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.given_run import given_run
 from neuralgaits.workflows.import_gait import import_gait
+from neuralgaits.workflows.inspect import inspect
+from neuralgaits.workflows.report import saved_of
 from support import published_gaits
 
 
@@ -43,6 +47,22 @@ def test_the_run_opens_as_any_other(imported):
     # The run's own copy makes it again.
     line = again.training(opened.folder)
     assert line is not None and line.startswith(f"neuralgaits import-gait {opened.path}/gait.json")
+
+
+def test_its_page_speaks_of_no_training(imported):
+    page = document(
+        Contents(
+            saved=saved_of(imported.folder),
+            robot=inspect(imported.robot),
+            walk=None,
+            no_walk="not walked",
+            figures=[],
+            assumptions=(),
+        )
+    )
+    assert "Nothing was trained: Bézier polynomials of degree 4 in z1 were read" in page
+    assert "A polynomial says where every joint should be, from one number alone" in page
+    assert "network says" not in page and "neuralgaits import-gait" in page
 
 
 def test_zeta_grows_alike_on_all_trajectories(imported):

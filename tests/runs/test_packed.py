@@ -33,7 +33,7 @@ def test_a_packed_proof_is_the_proof(run):
     for name in (run / PROOF, packed.packed(run / PROOF)):
         assert read_claims(name).program.hash == read_claims(plain).program.hash
     found = read_certificate(RunFolder.open(run))
-    assert found.reason is None
+    assert found.reason is None and found.summary is not None
     assert [level.verdict for level in found.summary.levels] == ["proved", "proved"]
 
 

@@ -136,7 +136,8 @@ def test_a_robot_that_flies_apart_has_fallen(amber, slow):
     wild[5:] = 1e6
     walked = walk(amber, policy, wild[None], controller="fblin", steps=1, simulator="drake")
     plant = build(amber)
-    world = DrakeWorld([plant], states(plant, *np.split(wild, 2), (0.0, 0.0)))
+    q, dq = np.split(wild, 2)
+    world = DrakeWorld([plant], states(plant, q, dq, (0.0, 0.0)))
     for _ in range(50):
         world.advance(np.array([0]), np.zeros((1, plant.wires.nu)), np.zeros(1))
     assert walked.episodes.endings[0].fell and np.isnan(world.states).all()

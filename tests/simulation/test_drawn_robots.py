@@ -1,6 +1,7 @@
 """Walks of robots drawn from a box: which robot a walk is of, and that it is that one."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,4 +80,5 @@ def test_each_walk_is_of_its_own_robot(trained, choice):
 def test_robots_are_drawn_around_the_run_s_own(trained):
     for name, value in (("plant", "amber3m-tail"), ("terrain", "stones"), ("controller", "c")):
         with pytest.raises(InputError, match=f"without --{name}"):
-            simulate(trained, parameters={"mass": 0.1}, **{name: value})
+            others: dict[str, Any] = {name: value}
+            simulate(trained, parameters={"mass": 0.1}, **others)

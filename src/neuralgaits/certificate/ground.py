@@ -31,7 +31,7 @@ def friction_needed(described: Mapping[str, Any]) -> float:
         quantity = row.get("quantity")
         if row.get("kind") != "Pointwise" or not isinstance(quantity, Mapping):
             continue
-        name = quantity.get("function")
+        name = str(quantity.get("function"))
         boxes = described["regions"][row["region"]]
         on_the_tube = name in FORCES and cover_the_tube(_corners(boxes))
         if on_the_tube or (name in IMPULSES and GUARD in _corners(boxes)):

@@ -31,8 +31,6 @@ from neuralgaits.cli.misspelt import refuse_misspelt
 
 Verb = (
     Train
-    | Optimise
-    | ImportGait
     | Simulate
     | Certify
     | CheckProof
@@ -40,6 +38,8 @@ Verb = (
     | Refine
     | Episodes
     | Sweep
+    | Optimise
+    | ImportGait
     | Export
     | Report
     | View

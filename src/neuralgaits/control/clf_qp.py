@@ -56,7 +56,7 @@ class ClfQp(AbstractLaw):
     """
 
     bandwidth: float = eqx.field(default=30.0, static=True)
-    price: float = eqx.field(default=100.0, static=True)
+    price: float = eqx.field(default=10.0, static=True)
     contact_price: float = eqx.field(default=1e6, static=True)
     least_normal: float = eqx.field(default=0.1, static=True)
     hold_ticks: int = eqx.field(default=1, static=True)

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
@@ -86,15 +85,7 @@ def export_controller(
 
 def design_of(trained: Run) -> Design:
     """Everything the exported controller of a run is made of."""
-    return _design(trained, trained.trained)
-
-
-def steady_design_of(trained: Run) -> Design:
-    """The same of the one gait at the run's command, which stays: it is told nothing."""
-    return _design(trained, trained.gait)
-
-
-def _design(trained: Run, gait: AnyGait) -> Design:
+    gait = trained.trained
     return Design.of(
         trained.robot,
         gait,

@@ -36,7 +36,7 @@ from neuralgaits.simulation.setup.terrains import courses_of, told_by
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
 from neuralgaits.simulation.walk import Walk, walk
-from neuralgaits.workflows.export import steady_design_of
+from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.shared_walks import SharedWalks, at_first
 
 _ALL = 2**31 - 1
@@ -148,11 +148,11 @@ def simulate(
     if terrain is None:
         disturbance = on_slope(disturbance, orders)
     else:
-        _check_terrain(str(terrain), command, commands, disturbance, controller)
+        _check_terrain(str(terrain), command, commands, disturbance)
     _check_outputs(log, video)
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
-    wire = _wire(link, controller, commands, disturbance)
+    wire = _wire(link, controller, disturbance)
     shared = workers is not None or ray is not None
     if shared:
         _refuse_shared(controller, log, video, terrain)
@@ -193,22 +193,24 @@ def simulate(
             longest = _ALL if files else 0
             walked = course.walk(0, episodes, record=video is not None, longest=longest)
     else:
-        with connected(steady_design_of(trained), wire, episodes, seed) as remote:
+        with connected(design_of(trained), wire, episodes, seed) as remote:
             walked = walk(
                 robot,
-                gait.policy,
+                trained.trained.policy,
                 full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
                 plant=None if plant is None else load_robot(plant),
                 controller=wire.law,
                 steps=steps,
-                z2_range=momentum_range(gait),
+                z2_range=momentum_range(trained.trained),
                 disturbance=disturbance,
                 push=0.0 if push is None else push,
                 seed=seed,
                 record=video is not None,
                 longest=_ALL if files else 0,
                 remote=remote,
+                orders=orders,
                 reset_residual=trained.residuals.reset,
+                courses=courses,
                 simulator=simulator,
             )
     settings = WalkSettings(
@@ -314,17 +316,11 @@ def _refuse_shared(
 def _wire(
     link: str | Mapping[str, Any] | LinkConfig | None,
     controller: str | AbstractLaw,
-    commands: str | Path | None,
     disturbance: Disturbance,
 ) -> LinkConfig | None:
     """How a controller's process is reached; None without one."""
     if controller != REMOTE:
         return _no_link(link)
-    if commands is not None:
-        raise InputError(
-            f"expected --command with --controller {REMOTE}, found --commands: its process is made "
-            "for one command"
-        )
     if disturbance.estimator:
         raise InputError(
             f"expected perfect sensing with --controller {REMOTE}, found encoders: its readings "
@@ -338,7 +334,6 @@ def _check_terrain(
     command: str | Mapping[str, float] | None,
     commands: str | Path | None,
     disturbance: Disturbance,
-    controller: str | AbstractLaw,
 ) -> None:
     """Refuse what a terrain leaves no room for. Raises: InputError."""
     if commands is not None:
@@ -356,11 +351,6 @@ def _check_terrain(
         raise InputError(
             "expected a terrain or a floor that is disturbed, found both: leave out slope_deg and "
             "floor_height"
-        )
-    if controller == REMOTE:
-        raise InputError(
-            f"expected --terrain with pd, fblin, paper or clf-qp, found --controller {REMOTE}: "
-            "its process is made for one command"
         )
 
 

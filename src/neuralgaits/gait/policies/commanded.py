@@ -40,7 +40,7 @@ from neuralgaits.gait.policies.step_ends import (
 )
 from neuralgaits.gait.policies.step_policy import NumberedStep
 from neuralgaits.gait.policy import NetworkPolicy
-from neuralgaits.gait.posture import Posture, walking_posture
+from neuralgaits.gait.posture import Posture, frame_of, walking_posture
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots.dynamics import swing_foot
 
@@ -126,10 +126,7 @@ class CommandedPolicy(NetworkPolicy):
             guard_outputs=outputs,
             guard_slopes=slopes,
             guard_z1=z1,
-            lower=posture.lower,
-            upper=posture.upper,
-            input_scale=posture.input_scale,
-            input_shift=posture.input_shift,
+            **frame_of(posture),
             curves=plain_curves(commands),
             told=commands,
             z2_dependence=z2_dependence,
@@ -243,10 +240,7 @@ class CommandedPolicy(NetworkPolicy):
                 (numbers[2 + 4 * m :], *biases[1:]),
                 self.network.activation,
             ),
-            lower=self.lower,
-            upper=self.upper,
-            input_scale=self.input_scale,
-            input_shift=self.input_shift,
+            **frame_of(self),
             z_start=numbers[0],
             z_guard=numbers[1],
             cubic=numbers[2 : 2 + 4 * m].reshape(4, m),
@@ -265,10 +259,7 @@ class CommandedPolicy(NetworkPolicy):
             ),
             guard_outputs=guard.outputs,
             guard_slopes=guard.slopes,
-            lower=self.lower,
-            upper=self.upper,
-            input_scale=self.input_scale,
-            input_shift=self.input_shift,
+            **frame_of(self),
             z_guard=guard.z1,
             z_start=start.z1,
             cubic=jnp.stack([guard.outputs] * 4),

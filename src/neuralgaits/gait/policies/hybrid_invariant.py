@@ -28,7 +28,7 @@ from neuralgaits.gait.policies.step_ends import (
     start_after,
 )
 from neuralgaits.gait.policies.step_policy import StepPolicy
-from neuralgaits.gait.posture import Posture, walking_posture
+from neuralgaits.gait.posture import Posture, frame_of, walking_posture
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
@@ -96,10 +96,7 @@ class HybridInvariantPolicy(StepPolicy):
             network=network,
             guard_outputs=posture.guard_outputs,
             guard_slopes=posture.guard_slopes,
-            lower=posture.lower,
-            upper=posture.upper,
-            input_scale=posture.input_scale,
-            input_shift=posture.input_shift,
+            **frame_of(posture),
             z_guard=np.asarray(posture.z_guard),
             z_start=np.zeros(()),
             cubic=np.zeros((4, m)),

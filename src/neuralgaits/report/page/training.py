@@ -49,7 +49,7 @@ def _state(saved: Saved) -> Html:
             class_="missing",
         )
     if saved.asked.as_given is not None:
-        return paragraph(_not_trained(saved.asked.as_given, summary))
+        return html.paragraph(_not_trained(saved.asked.as_given, summary))
     said = (
         f"A policy with {_widths(saved.asked.hidden)} was trained for "
         f"{html.number(summary.steps)} gradient steps to a loss of {html.number(summary.loss)}, "
@@ -63,15 +63,15 @@ def _state(saved: Saved) -> Html:
 def _not_trained(given: Given, summary: Trained) -> str:
     """Where a gait is from that was given."""
     made = (
-        f"optimised for the least cost of transport at {number(given.speed)} m/s"
+        f"optimised for the least cost of transport at {html.number(given.speed)} m/s"
         if given.by == "optimise"
         else "read from a file"
     )
     return (
         f"Nothing was trained: Bézier polynomials of degree {given.degree} in z1 were {made}, and "
         "a tube was put around their periodic orbit, as wide as the robot's limits allow. On the "
-        f"zero dynamics it walks at {number(summary.speed_m_s)} m/s with a mechanical cost of "
-        f"transport of {number(summary.cost_of_transport)}."
+        f"zero dynamics it walks at {html.number(summary.speed_m_s)} m/s with a mechanical cost of "
+        f"transport of {html.number(summary.cost_of_transport)}."
     )
 
 
