@@ -389,7 +389,7 @@ def test_a_live_walk_is_that_of_the_reference(run, library):
     assert lives[0].ending.fell
 
 
-@pytest.mark.parametrize("law", ["pd", "fblin"])
+@pytest.mark.parametrize("law", ["pd", "clf-qp"])
 def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law):
     """The loop as a program of its own, under the sanitizers of addresses and of behaviour."""
     command = compiler()
