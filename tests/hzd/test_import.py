@@ -14,6 +14,7 @@ from neuralgaits.records.asked import Given
 from neuralgaits.report import again
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
+from neuralgaits.training.precision import cast
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.given_run import given_run
 from neuralgaits.workflows.import_gait import import_gait
@@ -63,6 +64,15 @@ def test_its_page_speaks_of_no_training(imported):
     assert "Nothing was trained: Bézier polynomials of degree 4 in z1 were read" in page
     assert "A polynomial says where every joint should be, from one number alone" in page
     assert "network says" not in page and "neuralgaits import-gait" in page
+
+
+def test_outputs_stay_in_single_precision(imported):
+    """As a training needs them that goes on from such a gait."""
+    single = cast(imported.gait.policy, np.float32)
+    z = np.array([0.05, 15.0], dtype=np.float32)
+    y = single(z)
+    assert y.dtype == np.float32
+    np.testing.assert_allclose(y, imported.gait.policy(np.array([0.05, 15.0])), atol=1e-6)
 
 
 def test_zeta_grows_alike_on_all_trajectories(imported):

@@ -45,7 +45,7 @@ def test_the_floor_of_a_box_is_walked_on():
         drawn.on_its_floor(Disturbance(friction=0.4))
 
 
-@pytest.mark.parametrize("choice", ["native", "jax"])
+@pytest.mark.parametrize("choice", ["native", pytest.param("jax", marks=pytest.mark.slow)])
 def test_each_walk_is_of_its_own_robot(trained, choice):
     run = open_run(trained)
     library = engine_of_trained(run, "native").library if choice == "native" else None

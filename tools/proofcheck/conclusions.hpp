@@ -398,6 +398,14 @@ class Conclusions {
     const Chart& chart = file_.chart;
     const DoesNotFollow none{"the chart has no axes of the commands " + listed(t.told)};
     if (chart.size() < 2 + 2 * t.told.size()) throw none;
+    // Behind them are none but errors, which are constant, and of no command that is not told.
+    const auto ends = [](const string& name, const string& end) {
+      return name.size() >= end.size() && !name.compare(name.size() - end.size(), end.size(), end);
+    };
+    for (size_t k = 2 + 2 * t.told.size(); k < chart.size(); ++k)
+      if (chart[k].low != -chart[k].high || chart[k].near() || ends(chart[k].name, " before") ||
+          ends(chart[k].name, " after"))
+        throw none;
     string words;
     for (size_t k = 0; k < t.told.size(); ++k) {
       const Axis &first = chart[2 + 2 * k], &second = chart[3 + 2 * k];

@@ -122,9 +122,11 @@ class Chart:
     def sequences(self, told: Sequence[str]) -> tuple[str, ...] | None:
         """What may follow what, a phrase a command; None if the first axes are not those of `told`.
 
-        A command has two axes, (before, after).
+        A command has two axes, (before, after). Behind them are none but errors, which are
+        constant: of a command that is not told, what comes before and after may differ.
         """
-        if len(self.parameters) < 2 * len(told):
+        count = 2 * len(told)
+        if len(self.parameters) < count or not all(map(_is_error, self.parameters[count:])):
             return None
         found = []
         for place, name in enumerate(told):
@@ -224,6 +226,15 @@ def asked_for(near: Iterable[Near], low: np.ndarray, high: np.ndarray) -> np.nda
         found &= ~(low[:, first] - high[:, second] > change)
         found &= ~(low[:, second] - high[:, first] > change)
     return found
+
+
+def _is_error(axis: Axis) -> bool:
+    """Whether an axis can be an error of a parameter, and is none of a command."""
+    return (
+        axis.low == -axis.high
+        and axis.change is None
+        and not axis.name.endswith((" before", " after"))
+    )
 
 
 def _no_farther(one: Axis, own: Axis) -> bool:

@@ -41,7 +41,8 @@ class BezierPolicy(FreePolicy):
         start, guard = self.start_and_guard
         # About the middle of the step powers cancel less, which single precision feels.
         place = (2.0 * z[0] - (start + guard)) / (guard - start)
-        powers = self.coefficients @ _bernstein_in_powers(self.coefficients.shape[1] - 1)
+        table = _bernstein_in_powers(self.coefficients.shape[1] - 1)
+        powers = self.coefficients @ table.astype(self.coefficients.dtype)
         value = powers[:, -1]
         for k in range(powers.shape[1] - 2, -1, -1):
             value = powers[:, k] + place * value
