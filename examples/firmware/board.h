@@ -7,7 +7,10 @@
 /* Wait for the next tick of NG_PERIOD. Returns 0 if it has been missed. */
 int board_wait_for_tick(void);
 
-/* Read all sensors at one moment, in the signs and zeros of the robot file. */
+/*
+ * Read all sensors at one moment, in the signs and zeros of the robot file. With ESTIMATE rates and
+ * the velocity of the base are read once, when the robot stands still: zeros will do.
+ */
 void board_read(ng_encoders *encoders);
 
 /* Send torques to the drives. They must stop by themselves if nothing comes for some ticks. */

@@ -3,20 +3,24 @@
  * No operating system, no heap; all memory stands below.
  */
 #include "board.h"
+#include "estimator.h"
 
 #define BLEND_S NG(1.0) /* from holding the posture found to the gait [s] */
+#define ESTIMATE 1      /* 0 for a board that measures rates and the velocity of the base */
 #define FIRST_SELFTEST_LINE 100
 
 static void walk(void)
 {
     ng_config config = ng_config_of(&ng_laws[NG_LAW_PD]);
     ng_state state;
+    ng_estimator estimator;
     ng_encoders encoders;
     ng_measurement reading;
     ng_command command;
     ng_real motors[NG_LEGS][NG_LEG_JOINTS];
     config.blend_s = BLEND_S;
     ng_start(&state, 0);
+    ng_estimator_start(&estimator);
     while (board_enabled()) {
         if (!board_wait_for_tick()) {
             /* A late tick is one long gap between readings: the controller judges it. */
@@ -24,6 +28,9 @@ static void walk(void)
         }
         board_read(&encoders);
         ng_measure(&encoders, &reading);
+#if ESTIMATE
+        ng_estimate(&estimator, &state, &reading);
+#endif
         ng_step(&config, &state, &reading, &command);
         ng_drive(&command, motors);
         board_drive(motors);

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.export import export_controller
     from neuralgaits.workflows.figures import figures
     from neuralgaits.workflows.fit import fit
+    from neuralgaits.workflows.import_gait import import_gait
     from neuralgaits.workflows.inspect import inspect
+    from neuralgaits.workflows.optimise import optimise
     from neuralgaits.workflows.refine import refine
     from neuralgaits.workflows.report import write_report
     from neuralgaits.workflows.simulate import simulate
@@ -49,9 +51,11 @@ _HOMES = {
     "export_controller": "neuralgaits.workflows.export",
     "figures": "neuralgaits.workflows.figures",
     "fit": "neuralgaits.workflows.fit",
+    "import_gait": "neuralgaits.workflows.import_gait",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
     "open_run": "neuralgaits.analysis.run",
+    "optimise": "neuralgaits.workflows.optimise",
     "poincare": "neuralgaits.analysis.orbit",
     "refine": "neuralgaits.workflows.refine",
     "simulate": "neuralgaits.workflows.simulate",
@@ -77,9 +81,11 @@ __all__ = [
     "export_controller",
     "figures",
     "fit",
+    "import_gait",
     "inspect",
     "load_robot",
     "open_run",
+    "optimise",
     "poincare",
     "refine",
     "simulate",

@@ -28,6 +28,12 @@ class MismatchError(NeuralGaitsError):
     """Exported code does not compile, or does not do what Python does."""
 
 
+def reason(error: Exception) -> str:
+    """Why a file could not be used, without the number and the path that Python puts beside it."""
+    said = error.strerror if isinstance(error, OSError) else None
+    return said or str(error)
+
+
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C during work that can be gone on with. Attributes: command: that does."""
 
@@ -38,3 +44,7 @@ class Interrupted(KeyboardInterrupt):
 
 class NonFiniteError(NeuralGaitsError):
     """A computation met NaN or infinity; the message names the file that reproduces it."""
+
+
+class ConvergenceError(NeuralGaitsError):
+    """A solver ended without a solution; the message says how."""

@@ -1,11 +1,11 @@
 """Levels 1 to 3 of a gait that is told commands: its chart, its sets, what follows from bounds."""
 
 import json
-from collections import ChainMap
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -261,15 +261,19 @@ def test_the_program_is_the_family_s_margins(family, traced):
     sets, program = traced
     u = np.array([[0.3, 0.4, 0.605, 0.609], [1.0, 0.9, 0.618, 0.608]])
     values = evaluate(program, {"u": u}, POINT)
+
+    @jax.jit
+    def at(point):
+        step, zd = one_step(gait, run.zero_dynamics)(point)
+        found = spec.margins(step, zd, point[:2]) | set_margins(spec, step, zd, sets, point)
+        # What is deployed takes another formula to the same outputs.
+        plain = gait.of_pair(run.robot, Pair(point[2:3], point[3:4]))
+        return found, [each.policy(each.z(point[:2])) for each in (plain, step)]
+
     for k, point in enumerate(u):
-        step, zd = one_step(gait, run.zero_dynamics)(jnp.asarray(point))
-        u_k = jnp.asarray(point)
-        found = ChainMap(spec.margins(step, zd, u_k[:2]), set_margins(spec, step, zd, sets, u_k))
+        found, (deployed, traced) = at(point)
         for name, value in values.items():
             np.testing.assert_allclose(value[k], found[name], rtol=1e-6, atol=1e-7)
-        # What is deployed takes another formula to the same outputs.
-        plain = gait.of_pair(run.robot, Pair(u_k[2:3], u_k[3:4]))
-        deployed, traced = (each.policy(each.z(jnp.asarray(point[:2]))) for each in (plain, step))
         np.testing.assert_allclose(deployed, traced, atol=1e-11)
 
 

@@ -136,6 +136,45 @@ def test_figures_of_the_orbit_against_quadrature():
     assert found["z2_at_mid_step_at_least"] <= np.sqrt(2 * 90.0)
 
 
+def test_contraction_alone_needs_no_thin_tube():
+    alone = Orbit("contraction alone", expansion=ORBIT.expansion)
+    needed = {(output, low, high) for output, low, high, _ in orbit_premises(SHAPE, alone)}
+    assert {output for output, *_ in needed} == {"orbit/expansion", "orbit/gain"}
+    thin = {key for key in BOUNDS if key[0].startswith("orbit/")} - needed
+    bounds = {key: bound for key, bound in BOUNDS.items() if key not in thin}
+    found = conclude({2: SHAPE, 3: alone}, BOXES, bounds)[1]
+    whole = attraction(SHAPE, ORBIT, BOUNDS).figures["contraction_at_most"]
+    assert found.verdict == "proved" and "multiplier_at_most" not in found.figures
+    # Series of the thin tube enlarge what the strips may add.
+    assert whole * np.exp(-3e-3) <= found.figures["contraction_at_most"] <= whole
+    for key in needed:
+        for worse in (None, -1.5, float("nan")):
+            less = {k: v for k, v in bounds.items() if k != key}
+            less |= {} if worse is None else {key: worse}
+            assert conclude({2: SHAPE, 3: alone}, BOXES, less)[1].verdict == "undecided"
+    # Series of a tube that nothing is proved of, or none at all.
+    for wrong in (replace(alone, lower=(1.0,)), replace(alone, expansion=())):
+        assert attraction(SHAPE, wrong, bounds).verdict == "undecided"
+    told = replace(SHAPE, told=("speed",))
+    assert attraction(told, alone, bounds).verdict == "undecided"
+
+
+def test_a_floor_asks_how_far_the_foot_is_from_the_line():
+    alone = Orbit("contraction alone", expansion=ORBIT.expansion)
+    for floor, verdict in ((0.24, "proved"), (0.25, "undecided"), (-0.1, "undecided")):
+        shape = replace(SHAPE, floor=floor)
+        second, third = conclude({2: shape, 3: alone}, BOXES, BOUNDS)
+        assert (second.verdict, third.verdict) == (verdict, verdict)
+    second, third = conclude({2: replace(SHAPE, floor=0.24), 3: alone}, BOXES, BOUNDS)
+    assert "each foothold up to 0.24 m higher or lower than meant" in second.words[1]
+    assert "footholds lie equally high" in third.words[0]
+    for low, high in (((0.1, 0.0), (0.8, 1.0)), ((0.998, 0.0), (0.998, 1.0))):
+        less = BOUNDS | {("set/foot-above", low, high): 0.2}
+        assert conclude({2: replace(SHAPE, floor=0.24)}, BOXES, less)[0].verdict == "undecided"
+    # One orbit is that of a floor as meant.
+    assert attraction(replace(SHAPE, floor=0.1), ORBIT, BOUNDS).verdict == "undecided"
+
+
 def test_a_thin_tube_that_is_upside_down_has_no_width():
     orbit = replace(ORBIT, lower=ORBIT.upper, upper=ORBIT.lower)
     assert attraction(SHAPE, orbit, BOUNDS).reason == "the thin tube is upside down"

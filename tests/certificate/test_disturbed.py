@@ -30,7 +30,7 @@ PUSH = 0.999 * GAMMA * FLOOR / (2.0 * B)
 def _full(**changes):
     """The set of the other tests with a floor: its impacts still fit."""
     guard = SHAPE.guard_radius + FLOOR
-    return replace(SHAPE, floor=FLOOR, guard_radius=guard, start_strip=0.004, **changes)
+    return replace(SHAPE, least_radius=FLOOR, guard_radius=guard, start_strip=0.004, **changes)
 
 
 def _shape(full, push=PUSH, split=1.0):
@@ -89,7 +89,7 @@ def test_a_floor_counts_in_every_inequality_of_level_four():
     reasons = [step.claim for step in inequalities(low) if not step.holds]
     assert reasons == ["the bound at the guard < guard_radius"]
     for floor, claim in ((-1e-5, "0 < floor"), (0.1, "floor < radius")):
-        broken = [s.claim for s in inequalities(replace(full, floor=floor)) if not s.holds]
+        broken = [s.claim for s in inequalities(replace(full, least_radius=floor)) if not s.holds]
         assert claim in broken
     for weights in ((1.0, 2.0), (1.0, 0.5, 0.0)):
         reason = conclude_full_order(replace(full, weights=weights), bounds).reason
@@ -143,7 +143,7 @@ def test_forces_of_the_worst_push_and_the_jerk_of_held_torques(trained):
     model = replace(model, weights=WEIGHTS)
     u, xi = jnp.array([0.4, 0.3]), jnp.asarray(np.random.default_rng(1).normal(size=8) * 0.2)
     found = margins(model, full, shape, u, xi)
-    bound = full.floor + (full.radius - full.floor) * np.exp(-full.shrink * 0.16)
+    bound = full.least_radius + (full.radius - full.least_radius) * np.exp(-full.shrink * 0.16)
     push = np.random.default_rng(2).normal(size=(4000, 4))
     push *= 2.0 / np.linalg.norm(push, axis=1, keepdims=True)
 

@@ -1,5 +1,6 @@
 """One result or one line, on the right stream, with the right exit code."""
 
+import inspect
 import json
 import os
 import subprocess
@@ -17,6 +18,7 @@ from neuralgaits.cli import misspelt, verbs, words
 from neuralgaits.cli.main import main
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
+from neuralgaits.workflows import fit as fitting
 from neuralgaits.workflows import simulate as simulating
 from neuralgaits.workflows import train as training
 
@@ -264,3 +266,43 @@ def test_a_verb_says_which_run_latest_is(
     assert capfd.readouterr().err == ("" if flags else told) + "neuralgaits: no\n"
     assert main(["simulate", str(done.path)]) == 2
     assert capfd.readouterr().err == "neuralgaits: no\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("simulate latest", "train one first"),
+        ("simulate runs/none", "expected a run folder at runs/none, found nothing"),
+        ("robots rabbit --out runs/latest/x.xml", "a folder at runs/latest, found a file: name"),
+        ("inspect runs/file/x.xml", "cannot read runs/file/x.xml (Not a directory): give an MJCF"),
+        ("robots rabitt", "unknown robot rabitt: did you mean rabbit? use one of amber3m"),
+        ("robots rabbit", "found none: write `neuralgaits robots rabbit --out rabbit.xml`"),
+        ("train amber3m --parameters mass=2", "mass as a share such as 2% or 0.02, found 2: write"),
+        ("view latest --port 99999", "expected --port from 1 to 65535, found 99999"),
+    ],
+)
+def test_what_cannot_be_used_is_one_line(
+    capfd: Captured, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: str, found: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if "latest/" in words or "file/" in words:
+        (tmp_path / "runs").mkdir()
+        for name in ("latest", "file"):
+            (tmp_path / "runs" / name).write_text("amber3m/one\n")
+    assert main(words.split()) == 2
+    assert found in _only_line(capfd)
+
+
+@pytest.mark.parametrize(
+    ("line", "workflow", "left_out"),
+    [
+        ("simulate latest", simulating.simulate, ("parameters",)),
+        ("fit latest log.csv", fitting.fit, ()),
+    ],
+)
+def test_settings_are_named_as_the_arguments_of_the_workflow(
+    line: str, workflow: Any, left_out: tuple[str, ...]
+) -> None:
+    given = words.options(words.read(line.split()), *left_out)
+    inspect.signature(workflow).bind(**given)
+    assert not {"output", "at_work", *left_out} & set(given)

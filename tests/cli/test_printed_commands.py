@@ -178,7 +178,9 @@ def test_a_frictionless_simulation_is_repeated_without_friction(own, at):
     laid = replace(done, terrain="stairs,rise=-0.05", command={"speed": 0.7})
     line = simulating(folder, laid, place.run) or ""
     assert "--terrain stairs,rise=-0.05" in line and "--command speed=0.7" in line
-    check([line])
+    other = simulating(folder, replace(done, simulator="drake"), place.run) or ""
+    assert "--simulator drake" in other and "--simulator" not in line
+    check([line, other])
 
 
 def test_a_proof_of_narrower_ranges_is_asked_for_again():

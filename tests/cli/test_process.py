@@ -34,19 +34,11 @@ def test_inspect_as_json(tmp_path: Path) -> None:
     assert {found["stance_foot"], found["swing_foot"]} == {"foot_left", "foot_right"}
 
 
-@pytest.mark.parametrize(
-    ("arguments", "found"),
-    [
-        (["inspect", "amber9"], "amber3m"),
-        (["simulate", "latest"], "train"),
-        (["simulate", "runs/none"], "runs/none"),
-    ],
-)
-def test_bad_input_is_one_line_and_2(tmp_path: Path, arguments: list[str], found: str) -> None:
-    done = _python("-m", "neuralgaits", *arguments, cwd=tmp_path)
+def test_bad_input_is_one_line_and_2(tmp_path: Path) -> None:
+    done = _python("-m", "neuralgaits", "inspect", "amber9", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.count("\n") == 1
-    assert found in done.stderr
+    assert "amber3m" in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 
@@ -76,7 +68,7 @@ def test_the_public_names_exist() -> None:
 
 
 @pytest.mark.parametrize("closed", ["1>&-", "2>&-", "1>&- 2>&-"])
-@pytest.mark.parametrize(("arguments", "code"), [("--help", 0), ("inspect amber9", 2)])
+@pytest.mark.parametrize(("arguments", "code"), [("--help", 0), ("trian amber3m", 2)])
 def test_a_caller_that_closes_a_stream_gets_the_same_exit_code(
     tmp_path: Path, closed: str, arguments: str, code: int
 ) -> None:

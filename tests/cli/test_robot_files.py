@@ -105,7 +105,7 @@ def test_a_built_in_file_is_written_to_start_from(place, capfd):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["rabbit"], "write `neuralgaits robots ROBOT --out FILE.xml`"),
+        (["rabbit"], "write `neuralgaits robots rabbit --out rabbit.xml`"),
         (["--out", "mine.xml"], "write `neuralgaits robots ROBOT --out FILE.xml`"),
         (["rabit", "--out", "mine.xml"], "unknown robot rabit: did you mean rabbit?"),
         (["walker2d.xml", "--out", "mine.xml"], "found the file walker2d.xml: copy it"),

@@ -37,6 +37,16 @@ def test_torque_that_is_short_is_said(capsys: pytest.CaptureFixture[str], share,
     assert ("no torque in" in out) is (told is not None)
 
 
+def test_what_a_quadratic_program_gave_up_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    result = ASKED | {"steps_walked": [50], "fell": [False], "fall_reasons": [None]}
+    result |= {"poincare": None, "relaxed": {"decrease": 0.0123, "contact": 0.5}}
+    shown = Simulated.of(result)
+    assert shown.relaxed is not None and shown.relaxed.contact == 0.5
+    screen.show_walks(shown)
+    out = " ".join(capsys.readouterr().out.split())
+    assert "slower than asked at 1.23% of ticks" in out and "does not give at 50.00%" in out
+
+
 def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) -> None:
     disturb = {"friction": 0.2, "mass_scale": 1.0, "delay_ms": 0.0}
     result = ASKED | {

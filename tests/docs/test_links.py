@@ -1,12 +1,14 @@
 """Links lead somewhere as a code host follows them, and lists of what there is are whole."""
 
 import re
+from dataclasses import fields
 
 import pytest
 
 import neuralgaits
 from neuralgaits.cli.main import main
 from neuralgaits.report.makers import MAKERS, OF_FAMILIES
+from neuralgaits.simulation.setup.disturbance import Disturbance
 from support import pages
 
 
@@ -41,3 +43,22 @@ def test_the_readme_has_every_verb(capsys):
     assert known
     rows = re.findall(r"^\| `([\w-]+)", pages.read(pages.ROOT / "README.md"), re.MULTILINE)
     assert set(known[1].split(",")) <= set(rows)
+
+
+def test_the_page_on_control_has_every_disturbance():
+    page = pages.read(pages.ROOT / "docs" / "control.md")
+    rows = re.findall(r"^\| `(\w+)` \| (.*?)(?:[,:] .*)? \| (\S+) to (\S+) \|$", page, re.MULTILINE)
+    known = [(one.name, one.metadata) for one in fields(Disturbance)]
+    assert [name for name, *_ in rows] == [name for name, _ in known]
+    for (_, meaning, low, high), (_, about) in zip(rows, known, strict=True):
+        assert about["meaning"].startswith(meaning.partition(",")[0])
+        assert (float(low), float(high)) == (about["lowest"], about["highest"])
+
+
+def test_a_page_that_the_program_names_is_there_under_that_title():
+    """A wheel has no folder of pages: they are named as their readers see them."""
+    titles = {pages.read(page).partition("\n")[0].removeprefix("# ") for page in pages.PAGES}
+    named = set()
+    for file in (pages.ROOT / "src").rglob("*.py"):
+        named |= set(re.findall(r"the page '([^']+)'", file.read_text(encoding="utf-8")))
+    assert named and named <= titles

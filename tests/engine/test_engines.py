@@ -6,11 +6,13 @@ import os
 import sys
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from neuralgaits.engine import Engine, Job, Processes, Serial, engine_for
 from neuralgaits.engine.carry import differing, versions
+from neuralgaits.engine.on_ray import OnRay
 from neuralgaits.errors import InputError
 from support import engine_tasks as tasks
 
@@ -146,3 +148,10 @@ def test_engines_that_cannot_be_had_are_refused_in_one_line(
     with pytest.raises(InputError, match="^" + line.replace(".", r"\.")) as refused:
         engine_for(workers, ray)
     assert "\n" not in str(refused.value)
+
+
+def test_a_local_ray_is_a_new_one_whatever_runs_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: dict[str, object] = {}
+    monkeypatch.setitem(sys.modules, "ray", SimpleNamespace(init=lambda **how: asked.update(how)))
+    OnRay("local", 2)
+    assert (asked["address"], asked["num_cpus"]) == ("local", 2)

@@ -105,7 +105,7 @@ def test_an_empty_file(refused):
     message = refused("")
     assert "found none for time, pitch, joints.hip_left, joints.knee_left" in message
     assert message.endswith(
-        'add a line such as time = {column = "NAME", unit = "ms"}; see docs/logs.md'
+        'add a line such as time = {column = "NAME", unit = "ms"}; see the page \'Your own logs\''
     )
 
 
@@ -117,7 +117,8 @@ def test_a_table_that_is_begun_is_filled(refused):
 
 
 def test_a_file_that_is_not_there(amber, tmp_path):
-    with pytest.raises(InputError, match=r"none that can be read \(No such file.*docs/logs.md has"):
+    said = r"none that can be read \(No such file.*the page 'Your own logs' has"
+    with pytest.raises(InputError, match=said):
         read_columns(tmp_path / "columns.toml", amber)
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match=r"expected a TOML file"):

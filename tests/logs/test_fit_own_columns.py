@@ -34,7 +34,10 @@ def test_a_log_of_columns_that_nobody_knows_names_the_page(shipped_walk, capsys)
     assert "\n" not in said
     assert "found 't_ms,hip_l,knee_l,hip_r,knee_r,imu_pitch," in said
     assert "without t[s], stance[-], q_stance_shin[rad], q_stance_knee[rad], " in said
-    assert "say with --columns FILE what the columns are, or add these; docs/logs.md" in said
+    assert (
+        "say with --columns FILE what the columns are, or add these; the page 'Your own logs'"
+        in said
+    )
 
 
 def test_a_file_of_columns_with_a_mistake_is_one_line(shipped_walk, tmp_path, capsys):

@@ -50,7 +50,7 @@ REFUSED = {
     "arctan2": (lambda x: jnp.arctan2(x, x), "atan2"),
     "floor": (lambda x: jnp.floor(x), "round nothing"),
     "remainder": (lambda x: x % 2.0, "rem inside remainder"),
-    "erf": (lambda x: jax.scipy.special.erf(x), r"erf: .*docs/conditions\.md"),
+    "erf": (lambda x: jax.scipy.special.erf(x), r"erf: .*the page 'Conditions'"),
     "callback": (lambda x: jax.pure_callback(np.sin, x, x), "pure_callback"),
     "empty": (lambda x: x[:0] @ jnp.ones((0, 2)), "axis without elements: it sums no terms"),
     "empty rows": (lambda x: jnp.ones((3, 0)) @ x[:0] + x, "axis without elements"),
@@ -117,5 +117,5 @@ def test_float32_weights_are_refused():
 
 def test_what_has_no_advice_of_its_own_points_to_the_list():
     """Every primitive gets an answer."""
-    assert "docs/conditions.md" in refusals.advice("no_such_primitive")
+    assert "the page 'Conditions'" in refusals.advice("no_such_primitive")
     assert refusals.advice("scatter-mul") == refusals.advice("scatter-add")

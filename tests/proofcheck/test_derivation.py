@@ -4,10 +4,13 @@ The two share no formula: positions, momenta and forces there are sums over link
 are forward duals over the box's polynomials.
 """
 
+import itertools
+
 import numpy as np
 import pytest
 
-from support.checker_case import Case, SetCase, bounds
+from neuralgaits.barriers.commanded import commands_of
+from support.checker_case import Case, SetCase, ToldCase, bounds
 
 CASES = {
     "amber3m": Case("amber3m"),
@@ -15,10 +18,18 @@ CASES = {
     "legs": Case("legs-3"),
     "learned": Case("amber3m", learned=True),
     "learned sets": SetCase("torso-2", learned=True, disturbance=(0.02, 0.3)),
+    "speed": ToldCase("amber3m", commands=commands_of(speed=(0.55, 0.9))),
+    "footholds": ToldCase(
+        "amber3m",
+        "softplus",
+        commands=commands_of(step_length=(0.3, 0.33), step_height=(-0.01, 0.01)),
+    ),
+    "slope": ToldCase("rabbit", commands=commands_of(slope=(-0.08, 0.08))),
     "sets": SetCase("legs-2", disturbance=(0.02, 0.3), attraction="nested tubes"),
 }
-TIGHT = {"legs": 1e-6, "learned": 1e-8}
-"""Width of an enclosure at a point; 1e-9 elsewhere. Elimination in six unknowns costs digits."""
+TIGHT = {"legs": 1e-6, "learned": 1e-8, "speed": 1e-4, "footholds": 1e-3, "slope": 1e-4}
+"""Width of an enclosure at a point; 1e-9 elsewhere. Elimination in six unknowns costs digits, and
+so do models with coefficients in doubles, which add to each operation what rounding may do."""
 POINTS, BOXES, SAMPLES = 12, 12, 40
 
 
@@ -38,7 +49,7 @@ def file(case, tmp_path_factory):
 
 
 def test_values_at_points(proofcheck, case, file, tight):
-    u = np.random.default_rng(1).uniform(size=(POINTS, 2))
+    u = case.drawn(np.random.default_rng(1).uniform(size=(POINTS, case.chart.size)))
     found = bounds(proofcheck, file, u, u)
     expected = case.values(u)
     assert set(found[0]) == set(expected) >= {c.name for c in case.spec.conditions}
@@ -52,14 +63,15 @@ def test_values_at_points(proofcheck, case, file, tight):
 
 def test_boxes_contain_their_points(proofcheck, case, file):
     draw = np.random.default_rng(2)
-    size = 0.5 ** draw.uniform(2.0, 9.0, size=(BOXES, 1)) * np.ones(2)
-    low = draw.uniform(size=(BOXES, 2)) * (1.0 - size)
-    found = bounds(proofcheck, file, low, low + size)
+    axes = case.chart.size
+    size = 0.5 ** draw.uniform(2.0, 9.0, size=(BOXES, 1)) * np.ones(axes)
+    low = draw.uniform(size=(BOXES, axes)) * (1.0 - size)
+    found = bounds(proofcheck, file, case.drawn(low), case.drawn(low + size))
     bounded = 0
     for box, enclosed in enumerate(found):
-        corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
-        inside = np.concatenate([corners, draw.uniform(size=(SAMPLES, 2))])
-        values = case.values(low[box] + size[box] * inside)
+        corners = np.array(list(itertools.product((0, 1), repeat=axes)))
+        inside = np.concatenate([corners, draw.uniform(size=(SAMPLES, axes))])
+        values = case.values(case.drawn(low[box] + size[box] * inside))
         for name, ranges in enclosed.items():
             if ranges is None:
                 continue
@@ -72,12 +84,14 @@ def test_boxes_contain_their_points(proofcheck, case, file):
 
 def test_bounds_are_of_second_order(proofcheck, case, file, tight):
     """What bounds exceed the values by shrinks with the square of the box's size or faster."""
-    centre, sizes, excess = np.array([[0.45, 0.55]]), (0.01, 0.0025), []
-    lines = np.linspace(-0.5, 0.5, 15)
-    grid = np.stack(np.meshgrid(lines, lines), axis=-1).reshape(-1, 2)
+    more = case.chart.size - 2
+    centre, sizes, excess = np.array([[0.45, 0.55, *[0.4] * more]]), (0.01, 0.0025), []
+    lines = np.linspace(-0.5, 0.5, 15 if not more else 5 if more == 2 else 3)
+    grid = np.stack(np.meshgrid(*[lines] * (2 + more)), axis=-1).reshape(-1, 2 + more)
     for size in sizes:
-        (found,) = bounds(proofcheck, file, centre - size / 2, centre + size / 2)
-        values = case.values(centre + size * grid)
+        low, high = case.drawn(centre - size / 2), case.drawn(centre + size / 2)
+        (found,) = bounds(proofcheck, file, low, high)
+        values = case.values(case.drawn(centre + size * grid))
         excess.append(
             {name: np.max(values[name].min(axis=0) - found[name][:, 0]) for name in values}
         )

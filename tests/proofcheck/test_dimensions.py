@@ -185,3 +185,51 @@ def test_a_bound_out_of_reach_in_eight_axes_comes_to_an_end(proofcheck, tmp_path
     report = check(read_claims(file))
     assert report.verdict == "undecided"
     assert most <= report.boxes <= 2 * most
+
+
+CHANGE = 0.1
+
+
+def near_the_diagonal(u: Any) -> dict[str, Any]:
+    """Above 0.01 where both speeds are at most CHANGE apart, below 0 from 0.15 on."""
+    apart = u[2] - u[3]
+    return {"near": 0.0225 + 0.002 * jnp.sin(u[0]) * u[1] - apart * apart}
+
+
+@pytest.fixture(scope="module")
+def of_near_speeds(tmp_path_factory) -> Path:
+    """Proved of pairs that may follow each other."""
+    chart = Chart((PARAMETERS[0], Axis("speed after", 0.5, 0.9, CHANGE)))
+    program = trace(near_the_diagonal, {"u": (4,)})
+    whole = chart.whole((0.0, 0.0), (1.0, 1.0))
+    problem = Problem("tube", *whole, ("near",), (1.0,), program, least=(0.0,), near=chart.near)
+    (state,) = explore([problem], [None], lambda name, u: None)
+    statements = tuple(prove(problem, state))
+    assert {name for one in statements for name in one.conditions} == {"near"}
+    path = tmp_path_factory.mktemp("near") / "proof.json"
+    named = {"name": "none", "sha256": "0" * 64}
+    Proof(named, named, "0" * 64, program, chart, statements).write(path)
+    return path
+
+
+def test_what_is_true_of_near_speeds_is_confirmed_of_them(of_near_speeds, proofcheck):
+    assert check(read_claims(of_near_speeds)).verdict == "consistent"
+    answer = proofcheck("--program", of_near_speeds)
+    assert answer.returncode == 0, answer.stdout
+    assert "speed after in [0.5, 0.9], at most 0.1 from the one before" in answer.stdout
+
+
+@pytest.mark.parametrize("change", [0.2, None])
+def test_what_is_true_of_near_speeds_is_not_confirmed_of_others(
+    of_near_speeds, proofcheck, tmp_path, change
+):
+    table = json.loads(of_near_speeds.read_text())
+    if change is None:
+        del table["chart"][3]["change"]
+    else:
+        table["chart"][3]["change"] = change.hex()
+    forged = tmp_path / "proof.json"
+    forged.write_text(json.dumps(table))
+    answer = proofcheck("--program", forged)
+    assert answer.returncode == 1 and "speed after" in answer.stdout.splitlines()[-1]
+    assert check(read_claims(forged)).verdict == "rejected"

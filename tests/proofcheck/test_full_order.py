@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from neuralgaits.barriers import Gait
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -43,6 +44,7 @@ class FullCase(SetCase):
 
     @cached_property
     def full_model(self) -> FullOrderModel:
+        assert isinstance(self.gait, Gait)
         return FullOrderModel(self.robot, self.gait, self.spec)
 
     @cached_property

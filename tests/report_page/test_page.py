@@ -76,6 +76,7 @@ def test_without_a_certificate_nothing_is_called_proved(contents, shipped):
     assert "evidence and not a proof" in said and "nothing has been proved" in said
     assert "Proved" not in said and ">proved<" not in document(page)
     assert f"neuralgaits certify {shipped}" in certificate(page)
+    assert ("a certificate", f"neuralgaits certify {shipped}") in list(missing_parts(page))
 
 
 def test_samples_that_break_a_condition_are_said_to(contents, shipped):
@@ -100,6 +101,9 @@ def test_a_refuted_condition_is_shown_with_its_state(contents, shipped):
     assert "Not proved." in answer(page) and "(knee)" in answer(page)
     assert "Why it stays up." not in answer(page)
     assert page.saved.proved_level == 0
+    offered = dict(missing_parts(page))
+    assert "a gait that can be proved: some states break knee, which more steps may mend" in offered
+    assert not any(line.startswith("neuralgaits certify") for line in offered.values())
 
 
 def test_an_undecided_level_is_not_proved_and_says_why(contents, shipped):
@@ -112,6 +116,8 @@ def test_an_undecided_level_is_not_proved_and_says_why(contents, shipped):
     page = contents(shipped)
     assert page.saved.proved_level == 1
     assert "Level 2 is undecided: fences meet." in failures(page)
+    (what,) = [what for what, _ in missing_parts(page) if what.startswith("level")]
+    assert what.startswith("level 2")
 
 
 def test_a_proof_of_other_weights_is_not_shown(contents, shipped):

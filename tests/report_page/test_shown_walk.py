@@ -45,9 +45,10 @@ def test_the_first_fall_is_walked_again_to_its_end(shipped):
     assert asked.origin == "repeats the last simulation of this run"
 
 
-def test_only_a_process_of_its_own_is_not_repeated(shipped):
+def test_a_process_of_its_own_and_another_simulator_are_not_repeated(shipped):
     linked = {"controller": "c", "link": {"law": "pd", "mode": "lock-step"}}
-    assert "not repeating" in _simulated(shipped, **linked).origin
+    for other in (linked, {"simulator": "drake"}):
+        assert "not repeating" in _simulated(shipped, **other).origin
     for drawn in ({"push": 4.0}, {"disturb": vars(Disturbance(encoder_noise=0.001))}):
         assert "repeats the last simulation" in _simulated(shipped, **drawn).origin
 

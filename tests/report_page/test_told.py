@@ -158,7 +158,7 @@ def reading(chart, conditions, levels, told=("speed",)):
 
 def test_a_part_has_the_ranges_of_its_own_proof():
     chart = Chart.of([Command("speed", 0.70, 0.74, 0.03), Command("slope", -0.01, 0.02)])
-    found = part_of(reading(chart, CONDITIONS, (2, 3)))
+    found = part_of(reading(chart, CONDITIONS, (2, 3), ("speed", "slope")))
     assert found is not None and (found.conditions, found.level) == (3, 3)
     ranges = {name: (one.low, one.high, one.largest_change) for name, one in found.ranges.items()}
     assert ranges == {"speed": (0.70, 0.74, 0.03), "slope": (-0.01, 0.02, None)}

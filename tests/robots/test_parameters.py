@@ -12,6 +12,7 @@ from neuralgaits.robots.parameters import (
     axes_of,
     box_of,
     in_float64,
+    in_its_file,
     kinds_of,
     parse_box,
 )
@@ -56,6 +57,23 @@ def test_members_are_the_robots_of_edited_files(name):
         assert float(member.mass) == pytest.approx(float(other.mass), rel=1e-12)
 
 
+@pytest.mark.parametrize("robot", ["amber3m", "amber3m-tail", "legs"])
+def test_a_member_has_a_file_that_says_the_same(robot):
+    """Bodies of a file are changed in one way, the constants of the closed form in another."""
+    legs = robot == "legs"
+    robot = robot_from_text(random_biped(3, 2, torso=False), "legs") if legs else load_robot(robot)
+    family, rng = RobotFamily.of(robot, tuple(BOX)), np.random.default_rng(4)
+    half = np.array([axis.half for axis in axes_of(robot, BOX)])
+    errors = half * rng.uniform(-1.0, 1.0, len(half))
+    member, loaded = in_float64(family, errors), in_its_file(family, errors)
+    q, dq, ddq = rng.normal(size=(3, robot.n))
+    found, expected = (quantities(one, q, dq, ddq) for one in (loaded, member))
+    plain = quantities(robot, q, dq, ddq)
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(np.asarray(value), rel=1e-9, abs=1e-9), name
+        assert np.abs(np.asarray(value) - np.asarray(plain[name])).max() > 1e-3, name
+
+
 @pytest.mark.parametrize("kinds", [("mass",), ("com",), ("inertia", "rotor"), tuple(BOX)])
 def test_the_middle_of_a_box_is_the_robot_of_the_file(kinds):
     robot = robot_from_text(random_biped(4, 2, torso=True), "random")
@@ -90,6 +108,8 @@ def test_axes_say_what_they_are_of():
 def test_a_box_is_read_in_its_units():
     text = "mass=2%, com=5mm,inertia=0.05,rotor=10 %"
     assert parse_box(text) == {"mass": 0.02, "com": 0.005, "inertia": 0.05, "rotor": 0.1}
+    assert parse_box("friction=0.5,floor=5mm") == {"floor": 0.005, "friction": 0.5}
+    assert axes_of(load_robot("amber3m"), {"floor": 0.005, "friction": 0.5}) == ()
     assert parse_box("com=1cm")["com"] == parse_box("com=0.01m")["com"] == 0.01
 
 
@@ -103,6 +123,8 @@ def test_a_box_is_read_in_its_units():
         ("com=2%", "in mm or cm or m"),
         ("com=5", "in mm or cm or m"),
         ("mass=-2%", "found '-2%'"),
+        ("floor=5", "in mm or cm or m"),
+        ("friction=50%", "without a unit"),
         ("mass=0%", "above 0"),
         ("mass=1%,mass=2%", "twice"),
         ("mass=120%", "zero or negative"),

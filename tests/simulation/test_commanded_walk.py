@@ -12,6 +12,8 @@ from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.runs import RunFolder
+from neuralgaits.simulation.linked.config import LinkConfig
+from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import command_errors
 from neuralgaits.simulation.native_walk import engine_of_trained
@@ -20,7 +22,7 @@ from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks.strides import Strides
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.simulate import simulate
-from support.designs import FOOTHOLDS, SPEED, family_for
+from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design, family_for
 
 RELATIVE = 1e-8
 
@@ -60,6 +62,25 @@ def same(one, two):
             (a.command.y_d, a.command.told, a.command.z),
             (b.command.y_d, b.command.told, b.command.z),
         )
+
+
+@pytest.mark.slow
+def test_a_process_is_told_what_python_is_told(run):
+    """The exported controller at the other end of a wire, in lock-step."""
+    orders = Orders((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
+    settings = {"controller": "pd", "steps": 3, "longest": 900}
+    here = walked(run, orders, **settings)
+    design = commanded_design("amber3m", {"pd": LAWS["pd"]}, (SPEED,))
+    with connected(design, LinkConfig(lockstep=True), 2, 0) as remote:
+        there = walked(run, orders, remote=remote, **settings)
+        assert remote.summary().faults == (0, 0)
+    for ours, theirs in zip(here.strides, there.strides, strict=True):
+        # A change that is too large is spread over steps at both ends.
+        np.testing.assert_allclose(theirs.told, ours.told, atol=1e-12)
+        # From rest the first torques are held back by their rate limit.
+        np.testing.assert_allclose(theirs.time, ours.time, atol=0.02)
+    told = there.records[0].command.told
+    assert len(np.unique(told[:, 1])) >= 3
 
 
 @pytest.mark.slow

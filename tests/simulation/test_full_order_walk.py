@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import dynamics
-from neuralgaits.simulation.full_order import ExactOutputs, walk_exactly
+from support.full_order_walk import ExactOutputs, walk_exactly
 
 pytestmark = pytest.mark.slow
 

@@ -206,7 +206,6 @@ def test_a_file_may_begin_anywhere(runs, tmp_path):
         ("footholds", {"terrain": "stones", "commands": "random"}, "the robot is told what it"),
         ("footholds", {"terrain": "stones", "command": "step_length=0.35"}, "leave it out"),
         ("footholds", {"terrain": "stones", "disturb": "slope_deg=2"}, "leave out slope_deg"),
-        ("footholds", {"terrain": "stones", "controller": "c"}, "made for one command"),
     ],
 )
 def test_what_a_terrain_leaves_no_room_for_is_one_line(runs, which, asked, message):

@@ -7,7 +7,7 @@ import pytest
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.setup.disturbance import Disturbance
-from neuralgaits.simulation.ticks import lockstep
+from neuralgaits.simulation.ticks import world
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk
 
@@ -46,10 +46,12 @@ def test_the_gait_is_the_one_of_the_rigid_model(amber, gaits, batch, episode, na
     assert cost == pytest.approx(steady["mech_cot"], rel=0.05)
 
 
-def test_an_episode_does_not_depend_on_its_neighbours(amber, batch, brisk):
+def test_an_episode_does_not_depend_on_its_neighbours(amber, slow, brisk):
     policy, x = brisk
-    alone = walk(amber, policy, x[None], controller="fblin", steps=20).episodes.gauge
-    together = batch.episodes.gauge
+    asked = {"controller": "fblin", "steps": 3}
+    both = [slow[0], policy], np.array([slow[1], x])
+    alone = walk(amber, policy, x[None], **asked).episodes.gauge
+    together = walk(amber, *both, **asked).episodes.gauge
     assert alone.ticks[0] == together.ticks[1]
     np.testing.assert_allclose(alone.last.hip[0], together.last.hip[1], rtol=1e-7)
     np.testing.assert_allclose(alone.energy[0], together.energy[1], rtol=1e-6)
@@ -59,7 +61,7 @@ def test_a_walk_can_be_repeated_and_threads_change_nothing(amber, brisk, monkeyp
     policy, x = brisk
     noisy = Disturbance(encoder_noise=1e-4, floor_height=0.002)
     # Two episodes, a thread for each.
-    monkeypatch.setattr(lockstep, "_MIN_EPISODES_PER_THREAD", 1)
+    monkeypatch.setattr(world, "_MIN_EPISODES_PER_THREAD", 1)
     runs = [
         walk(
             amber,

@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import equinox as eqx
 import jax
 import numpy as np
 
@@ -24,7 +25,9 @@ from neuralgaits.barriers import (
     specs,
 )
 from neuralgaits.barriers import functions as f
-from neuralgaits.certificate.levels.chart import PLAIN
+from neuralgaits.barriers.conditions import FencesApart
+from neuralgaits.barriers.regions import AnyGait, CommandedGait
+from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.levels.orbit.theorem import Attraction, Orbit
 from neuralgaits.certificate.levels.sets import Sets, trace_certificate
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
@@ -32,6 +35,7 @@ from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
+from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
@@ -122,8 +126,20 @@ class Case:
         kind, links = self.name.split("-")
         return robot_from_text(random_biped(11, int(links), torso=kind == "torso"), self.name)
 
+    @property
+    def chart(self) -> Chart:
+        """Of what it is a function."""
+        return PLAIN
+
+    def drawn(self, shares: np.ndarray) -> np.ndarray:
+        """Chart points at shares of a step, of its level and of further axes. [points, axes]."""
+        axes = self.chart.parameters
+        low, high = ([0.0, 0.0, *(getattr(a, end) for a in axes)] for end in ("low", "high"))
+        high[:2] = 1.0, 1.0
+        return np.array(low) + shares * np.subtract(high, low)
+
     @cached_property
-    def gait(self) -> Gait:
+    def gait(self) -> AnyGait:
         """By construction hybrid invariant on the built-in robots, a free network elsewhere."""
         key = jax.random.key(5)
         kind = MLPPolicy if "-" in self.name else HybridInvariantPolicy
@@ -178,7 +194,10 @@ class Case:
             "scales": {"width": 1.0},
             "bounds": {"width": 0.0},
             "degree": 2,
-            "root": {"low": ["0x0p0"] * 2, "high": ["0x1p0"] * 2},
+            "root": {
+                "low": ["0x0p0", "0x0p0", *(a.low.hex() for a in self.chart.parameters)],
+                "high": ["0x1p0", "0x1p0", *(a.high.hex() for a in self.chart.parameters)],
+            },
             "tree": "-",
         }
         return {
@@ -189,7 +208,7 @@ class Case:
             "spec": {"name": "all", "sha256": "0"},
             "program": json.loads(self.program.to_json()),
             "program_hash": self.program.hash,
-            "chart": PLAIN.table(),
+            "chart": self.chart.table(),
             "statements": [claim],
             "theorems": self.theorems,
             "model": model_data(self.robot, self.gait, self.spec, self.program, self.residuals),
@@ -218,6 +237,7 @@ class SetCase(Case):
 
     @cached_property
     def sets(self) -> Sets:
+        assert isinstance(self.gait, Gait)
         tube = self.gait.tube
         low, high = (np.asarray(side) * float(tube.unit) for side in (tube.lower, tube.upper))
         thin = [tuple((low + share * (high - low)).tolist()) for share in (0.4, 0.6)]
@@ -278,3 +298,70 @@ def bounds(
                 table.setdefault(name, []).append([float.fromhex(x) for x in rest[1:]])
         found.append({k: None if v is None else np.array(v) for k, v in table.items()})
     return found
+
+
+@dataclass(frozen=True)
+class ToldCase(Case):
+    """A gait that is told commands, with the outputs of levels 2 and 3.
+
+    Attributes:
+        commands: that it is told.
+    """
+
+    commands: tuple[Command, ...] = ()
+
+    @cached_property
+    def gait(self) -> CommandedGait:
+        """An untrained family, moved so that no coefficient is zero."""
+        draw = np.random.default_rng(3)
+        found = specs.commanded(self.robot, self.commands).new_gait(
+            jax.random.key(5), "posture", (8, 7)
+        )
+        assert isinstance(found, CommandedGait)
+
+        def moved(size: float):
+            return lambda leaf: np.asarray(leaf) + size * draw.normal(size=np.shape(leaf))
+
+        p, sizes = found.policy, (0.02, 0.05, 0.002, 0.02)
+        leaves = (p.guard_outputs, p.guard_slopes, p.guard_z1, p.curves)
+        policy = eqx.tree_at(
+            lambda p: (p.guard_outputs, p.guard_slopes, p.guard_z1, p.curves),
+            p,
+            tuple(moved(size)(leaf) for size, leaf in zip(sizes, leaves, strict=True)),
+        )
+        tube = eqx.tree_at(
+            lambda t: (t.lower, t.upper),
+            found.tube,
+            tuple(map(moved(0.002), (found.tube.lower, found.tube.upper))),
+        )
+        return CommandedGait(policy, tube)
+
+    @property
+    def chart(self) -> Chart:
+        """With two axes a command."""
+        return Chart.of(self.commands)
+
+    @cached_property
+    def spec(self):
+        found = replace(super().spec, commands=self.commands)
+        return found.with_conditions(FencesApart("apart", "tube", 0.1))
+
+    @cached_property
+    def sets(self) -> Sets:
+        """For sets around nothing in particular."""
+        names = tuple(one.name for one in self.commands)
+        held = ("one gain", "joint_angles rate")
+        return Sets(
+            {
+                2: WalkingSet(0.01, 0.008, 0.1, 0.8, (0.02, 0.3), held, (), names),
+                3: Orbit("any two walks", expansion=(0.1, -0.2, 0.3)),
+            }
+        )
+
+    @cached_property
+    def program(self):
+        return trace_certificate(self.spec, self.robot, self.gait, self.sets, self.residuals)
+
+    @property
+    def theorems(self) -> list[dict[str, Any]]:
+        return list(Theorems(self.sets.parameters).tables())

@@ -25,10 +25,10 @@ from neuralgaits.certificate.levels.full_order.theorem import FENCES, FullOrder
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.gait.full_order import FullPoint
-from neuralgaits.simulation.full_order import ExactOutputs, ExactWalk, walk_exactly
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.ticks.tick import Record
 from neuralgaits.simulation.walk import walk
+from support.full_order_walk import ExactOutputs, ExactWalk, walk_exactly
 
 WALKS, STEPS = 10_000, 3
 """Walks of the model, and impacts in each."""

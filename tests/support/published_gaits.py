@@ -1,4 +1,4 @@
-"""Gaits of AMBER-3M that were published with their numbers: amber3m_gaits.json says where."""
+"""Gaits of AMBER-3M that were published with their numbers: examples/gaits/amber3m.json."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,8 @@ import numpy as np
 
 from neuralgaits.gait import BezierPolicy
 
-GAITS = json.loads(Path(__file__).with_name("amber3m_gaits.json").read_text())["gaits"]
+FILE = Path(__file__).parents[2] / "examples" / "gaits" / "amber3m.json"
+GAITS = json.loads(FILE.read_text())["gaits"]
 
 
 def published(name: str) -> tuple[BezierPolicy, np.ndarray]:

@@ -41,6 +41,10 @@ int main(int argc, char **argv)
     scene->model = model;
     scene->step = mj_step;
     scene->config.law = &scene->law;
+    if (scene->law.within) {
+        scene->law.within = ng_clf_qp_within;
+        scene->law.own = &scene->clf_qp;
+    }
     for (int i = 0; i < starts; ++i) {
         mjData *data = mj_makeData(model);
         ng_walk *walk = filled(1, sizeof *walk, NULL);

@@ -9,7 +9,7 @@
 
 namespace {
 
-// ------------------------------------------------------------------------------ 12 the check
+// ------------------------------------------------------------------------------ 15 the check
 //
 // A statement: on a box of the chart, each output has at least its bound, in its scale. The tree
 // says how the box was halved. Every leaf is bounded anew, and split further if that is not enough.
@@ -182,7 +182,9 @@ class ModelBounder : public Bounder {
   ModelBounder(const Model& model, const Theorems& theorems) : model_(model), theorems_(theorems) {}
   size_t most_boxes() const override { return 1; }
   void over(const vector<const Box*>& boxes, const vector<const Claim*>&) override {
-    place_.emplace(model_, theorems_, *boxes[0]);
+    const Box& box = *boxes[0];
+    place_.emplace(model_, model_.step, theorems_, coordinate<TM>(box.low[0], box.high[0], 0),
+                   coordinate<TM>(box.low[1], box.high[1], 1), box);
   }
   vector<Estimate> margins(size_t, const Claim& claim) override {
     vector<Estimate> found = claim.output->margins(*place_);
@@ -196,7 +198,7 @@ class ModelBounder : public Bounder {
  private:
   const Model& model_;
   const Theorems& theorems_;
-  std::optional<Place> place_;
+  std::optional<Place<TM>> place_;
 };
 
 Bounding by_the_model(const Model& model, const Theorems& theorems) {

@@ -4,7 +4,7 @@
 
 namespace {
 
-// --------------------------------------------------------------------------- 15 what follows
+// --------------------------------------------------------------------------- 18 what follows
 //
 // The statements are inequalities on boxes. Levels 2 and 3 put them together: each method draws one
 // conclusion, or says which premise is missing. docs/guarantees.md has the same in prose.
@@ -17,6 +17,7 @@ struct ProofFile {
   Model model;
   string underivable;              // Why nothing follows from `model` here; empty if it does.
   std::optional<Program> program;  // If statements are to be bounded by it.
+  std::shared_ptr<const Listing> recorded;  // Outputs of a gait that is told commands.
   Regions regions;
   std::map<string, Condition> conditions;
   Theorems theorems;
@@ -90,10 +91,10 @@ class Conclusions {
     positive("set/fence-lower", t.lower());
     positive("set/fence-upper", t.upper());
     positive("set/foot-rises", {{t.first, 0.0}, {t.risen, 1.0}});
-    positive("set/foot-above", {{t.risen, 0.0}, {t.falling, 1.0}});
+    off_the_line("set/foot-above", {{t.risen, 0.0}, {t.falling, 1.0}});
     positive("set/foot-falls", {{t.falling, 0.0}, {t.last, 1.0}});
-    positive("set/foot-above", {{t.before, 0.0}, {t.before, 1.0}});
-    positive("set/foot-below", {{t.last, 0.0}, {t.last, 1.0}});
+    off_the_line("set/foot-above", {{t.before, 0.0}, {t.before, 1.0}});
+    off_the_line("set/foot-below", {{t.last, 0.0}, {t.last, 1.0}});
     if (t.told.empty()) {
       positive("set/reset-level", t.strip());
       if (!(bound("set/reset-phase", t.strip()) > -t.start_strip))
@@ -114,6 +115,9 @@ class Conclusions {
       push = ", whatever d(t) with |d| <= (" + brief(t.push[0]) + " m/s, " + brief(t.push[1]) +
              " N m) is added to dz,";
     if (!t.told.empty()) push += ", whatever admissible commands follow each other,";
+    if (t.floor > 0.0)
+      push += (push.empty() ? ", each foothold up to " : " each foothold up to ") + brief(t.floor) +
+              " m higher or lower than meant,";
     vector<string> words = {
         start + ", up to where the swing foot meets the ground; its width in z2 is everywhere " +
             at_least(width) + " of its middle or more",
@@ -147,6 +151,8 @@ class Conclusions {
     if (t.told.empty() == o.walks)
       throw DoesNotFollow{"its parameters are not those of a gait with commands, or of one without"};
     if (o.walks) return any_two_walks(t, o);
+    if (o.alone) return contraction_alone(t, o);
+    if (t.floor > 0.0) throw DoesNotFollow{"an orbit is enclosed for footholds as meant only"};
     if (!(t.falling < o.guard_from && o.guard_from < o.guard_to && o.guard_to <= t.last))
       throw DoesNotFollow{"the thin tube's guard is not where the foot falls"};
     const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
@@ -393,6 +399,13 @@ class Conclusions {
     }
   }
 
+  // How far the foot is from the line between footholds, where the next one may be off that line.
+  void off_the_line(const string& output, const Box& box) const {
+    if (!(positive(output, box) > file_.theorems.walking->floor))
+      throw DoesNotFollow{output + words_for(box, file_.chart) + " is not above " +
+                          brief(file_.theorems.walking->floor) + " m"};
+  }
+
   // A reset lands in T of the next step, whatever that is told. The start of a step and its fences
   // at phase 0 depend on the command before alone, which is known; so the reset's place is told in
   // metres from there, and its zeta against those fences. Phases are at most 1 / stride of the
@@ -407,6 +420,28 @@ class Conclusions {
       throw DoesNotFollow{"a reset may land outside the strip around the start of a step"};
     if (!(share > (steepness * I(t.start_strip)).high()))
       throw DoesNotFollow{"a reset may land outside the fences of a step told another command"};
+  }
+
+  // One orbit of which nothing is said but that it attracts: the section at mid-step is an interval
+  // that the return map carries into itself.
+  vector<string> contraction_alone(const WalkingSet& t, const Orbit& o) const {
+    const double behind = (I(t.last) - I(1.0)).high(), before = (I(1.0) - I(t.before)).high();
+    const I ends = I(t.start_strip) + I(larger(behind, before));
+    const I edge = I(1.0) + I(larger(t.start_strip, larger(behind, before)));
+    not_negative("orbit/expansion", t.whole());
+    const I gain = I(-bound("orbit/gain", t.strip()));
+    const I slope = gain * exp(over_step(o.expansion) + ends * largest(o.expansion, edge));
+    if (!(slope.high() < 1.0))
+      throw DoesNotFollow{"the return map is not shown to contract: |P'| <= " +
+                          at_most(slope.high())};
+    const string shrinks = "the return map of the section at mid-step contracts to " +
+                           at_most(slope.high()) + " or less on all of T: ";
+    if (t.floor > 0.0)
+      return {shrinks + "any two trajectories of the undisturbed system in T whose footholds lie "
+                        "equally high, step by step, converge; where all lie as meant, to one "
+                        "periodic orbit"};
+    return {shrinks + "there is one periodic orbit, and every trajectory of the undisturbed system "
+                      "in T converges to it"};
   }
 
   // Two walks under the same commands. Along a step the zeta of neighbours part as dF/dzeta says;
@@ -435,7 +470,15 @@ class Conclusions {
   string admissible(const WalkingSet& t) const {
     const Chart& chart = file_.chart;
     const DoesNotFollow none{"the chart has no axes of the commands " + listed(t.told)};
-    if (chart.size() != 2 + 2 * t.told.size()) throw none;
+    if (chart.size() < 2 + 2 * t.told.size()) throw none;
+    // Behind them are none but errors, which are constant, and of no command that is not told.
+    const auto ends = [](const string& name, const string& end) {
+      return name.size() >= end.size() && !name.compare(name.size() - end.size(), end.size(), end);
+    };
+    for (size_t k = 2 + 2 * t.told.size(); k < chart.size(); ++k)
+      if (chart[k].low != -chart[k].high || chart[k].near() || ends(chart[k].name, " before") ||
+          ends(chart[k].name, " after"))
+        throw none;
     string words;
     for (size_t k = 0; k < t.told.size(); ++k) {
       const Axis &first = chart[2 + 2 * k], &second = chart[3 + 2 * k];

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "mechanics.hpp"
+#include "commanded.hpp"
 
 namespace {
 
-// ----------------------------------------------------------------------------- 9 conditions
+// ---------------------------------------------------------------------------- 12 conditions
 //
 // A quantity is a function of a state, as the model names it; a condition turns it into margins
 // that must not be negative. What a user has written is not known here.
@@ -166,6 +166,12 @@ vector<S> state_mismatch(Motion<S>& p) {
   return out;
 }
 
+// Of the friction cone, on one of its sides.
+template <class S>
+S slack(I friction, const Vec<S>& force, bool forward) {
+  return forward ? friction * force.z - force.x : friction * force.z + force.x;
+}
+
 template <class S>
 vector<S> value(const Quantity& q, Motion<S>& p) {
   const string& n = q.name;
@@ -181,11 +187,9 @@ vector<S> value(const Quantity& q, Motion<S>& p) {
   if (n == "joint_angles") return without_first(p.pose().q);
   if (n == "joint_rates") return without_first(p.dq());
   if (n == "torques") return p.forces().torque;
-  if (n == "normal_force") return {p.forces().ground.z};
-  if (n == "friction_forward")
-    return {number("coefficient") * p.forces().ground.z - p.forces().ground.x};
-  if (n == "friction_backward")
-    return {number("coefficient") * p.forces().ground.z + p.forces().ground.x};
+  if (n == "normal_force") return {p.at_stance(p.forces().ground).z};
+  if (n == "friction_forward" || n == "friction_backward")
+    return {slack(number("coefficient"), p.at_stance(p.forces().ground), n == "friction_forward")};
   if (n == "torque_reserve") {
     vector<S> out;
     for (size_t j = 0; j < robot.torque_limit.size(); ++j) {
@@ -194,13 +198,12 @@ vector<S> value(const Quantity& q, Motion<S>& p) {
     }
     return out;
   }
-  if (n == "foot_height") return {p.foot().z};
+  if (n == "foot_height") return {p.foot_height()};
   if (n == "foot_forward") return {p.foot().x};
-  if (n == "foot_vertical_velocity") return {p.foot_velocity().z};
+  if (n == "foot_vertical_velocity") return {p.foot_lift()};
   if (n == "foot_above_arc") {
-    const Policy& policy = p.model.policy;
-    const S t = inverse(I(policy.guard) - I(policy.start)) * (p.z1 - S(I(policy.start)));
-    return {p.foot().z - (I(4.0) * number("clearance")) * (t * (S(I(1.0)) - t))};
+    const S t = p.phase();
+    return {p.foot_height() - (I(4.0) * number("clearance")) * (t * (S(I(1.0)) - t))};
   }
   if (n == "foot_on_circle") {
     const Vec<S> off = p.foot() - Vec<S>{S(I(q.centre[0])), S(I(q.centre[1]))};
@@ -240,13 +243,15 @@ vector<S> value(const Quantity& q, Motion<S>& p) {
   if (n == "rate_mismatch") return rate_mismatch(p);
   if (n == "state_mismatch") return state_mismatch(p);
   if (n == "impulse") return {p.impact().impulse.x, p.impact().impulse.z};
-  if (n == "normal_impulse") return {p.impact().impulse.z};
-  if (n == "impulse_cone_forward")
-    return {number("coefficient") * p.impact().impulse.z - p.impact().impulse.x};
-  if (n == "impulse_cone_backward")
-    return {number("coefficient") * p.impact().impulse.z + p.impact().impulse.x};
-  if (n == "old_foot_lift")
-    return {point(robot.foot, p.impact().pose.spin(p.impact().w)).z};
+  if (n == "normal_impulse") return {p.at_landing(p.impact().impulse).z};
+  if (n == "impulse_cone_forward" || n == "impulse_cone_backward")
+    return {slack(number("coefficient"), p.at_landing(p.impact().impulse),
+                  n == "impulse_cone_forward")};
+  if (n == "old_foot_lift") {
+    const Vec<S> v = point(robot.foot, p.impact().pose.spin(p.impact().w));
+    if (!p.step.ground) return {v.z};
+    return {v.z - p.step.ground->landing_sine / p.step.ground->landing_cosine * v.x};
+  }
   throw Unknown{"the quantity " + n};
 }
 
@@ -345,7 +350,8 @@ Condition condition_of(const Json& table, int joints) {
       {"Equality", {"quantity", "tolerance", "loss"}},
       {"Fence", {"side"}},
       {"Inlet", {"side"}},
-      {"TubeWidth", {"least"}}};
+      {"TubeWidth", {"least"}},
+      {"FencesApart", {}}};
   const auto known = kinds.find(c.kind);
   if (known == kinds.end()) {
     c.unknown = "the kind of condition " + c.kind;
@@ -378,75 +384,88 @@ Condition condition_of(const Json& table, int joints) {
 // F = d zeta / d phase along the flow, where dz is as given.
 template <class S>
 S flow_slope(Motion<S>& p, const S& dz1, const S& dz2) {
-  const Tube& tube = p.model.tube;
-  return (I(tube.guard) - I(tube.start)) * (p.z2 * dz2 / dz1);
+  return (p.step.to - p.step.from) * (p.z2 * dz2 / dz1);
 }
 template <class S>
 S flow_slope(Motion<S>& p) { return flow_slope(p, p.dz1(), p.dz2()); }
 
 // Fences and their slopes over the phase, by a dual in the phase.
-Fences<Dual> sloping_fences(const Tube& tube, const TM& phase) {
-  return fences(tube, Dual(phase, TM(1.0)));
+template <class Band, class T>
+Fences<DualOf<T>> sloping_fences(const Band& band, const T& phase) {
+  return fences(band, DualOf<T>(phase, T(1.0)));
 }
 
-using Rates = vector<std::pair<TM, TM>>;  // Values of (dz1, dz2).
+template <class T>
+using Rates = vector<std::pair<T, T>>;  // Values of (dz1, dz2).
 
 // Flow inward over a fence of a tube, in its widths per step, for each dz given.
-vector<TM> inward(const Tube& tube, const TM& phase, Motion<TM>& p, bool upper,
-                  const Rates& rates) {
-  const Fences<Dual> f = sloping_fences(tube, phase);
-  const TM width = f.upper.v - f.lower.v;
-  vector<TM> out;
+template <class Band, class T>
+vector<T> inward(const Band& band, const T& phase, Motion<T>& p, bool upper,
+                 const Rates<T>& rates) {
+  const Fences<DualOf<T>> f = sloping_fences(band, phase);
+  const T width = f.upper.v - f.lower.v;
+  vector<T> out;
   for (const auto& [dz1, dz2] : rates) {
-    const TM along = flow_slope(p, dz1, dz2);
+    const T along = flow_slope(p, dz1, dz2);
     out.push_back((upper ? f.upper.d - along : along - f.lower.d) / width);
   }
   return out;
 }
 
-TM reset_level(const Tube& tube, Motion<TM>& p) {
-  return level_of(tube, p.hip_after(), p.z2_after());
+template <class Band, class T>
+T reset_level(const Band& band, Motion<T>& p) {
+  return level_of(band, p.hip_after(), p.z2_after());
 }
 
 // 2 (z2 of the upper fence - z2 of the lower) / their sum.
-TM relative_width(const Tube& tube, const TM& phase) {
-  const Fences<TM> f = fences(tube, phase);
-  const TM low = root(I(2.0) * f.lower), high = root(I(2.0) * f.upper);
+template <class Band, class T>
+T relative_width(const Band& band, const T& phase) {
+  const Fences<T> f = fences(band, phase);
+  const T low = root(I(2.0) * f.lower), high = root(I(2.0) * f.upper);
   return I(2.0) * (high - low) / (high + low);
 }
 
 // dh/dt + alpha(h) in a state that moves.
-vector<TM> barrier_margins(const Condition& c, Motion<Dual>& p) {
-  vector<TM> out;
-  const vector<Dual> h = value(c.quantity, p);
+template <class T>
+vector<T> barrier_margins(const Condition& c, Motion<DualOf<T>>& p) {
+  vector<T> out;
+  const vector<DualOf<T>> h = value(c.quantity, p);
   for (const double slope : c.alpha)
-    for (const Dual& one : h) out.push_back(one.d + I(slope) * one.v);
+    for (const DualOf<T>& one : h) out.push_back(one.d + I(slope) * one.v);
   return out;
 }
 
-vector<TM> margins(const Condition& c, Motion<TM>& p, const TM& phase) {
+// What the lower fence and the gap between both must exceed, in the unit of zeta.
+constexpr double kApart = 0.01;
+
+template <class T>
+vector<T> margins(const Condition& c, Motion<T>& p, const T& phase) {
   if (c.kind == "Pointwise") return value(c.quantity, p);
   if (c.kind == "Barrier") return barrier_margins(c, p.flow());
   if (c.kind == "DiscreteBarrier") {
-    vector<TM> now = value(c.quantity, p), later = value(c.quantity, p.after());
+    vector<T> now = value(c.quantity, p), later = value(c.quantity, p.after());
     for (size_t i = 0; i < now.size(); ++i)
       later[i] = later[i] - (I(1.0) - I(c.gamma)) * now[i];
     return later;
   }
   if (c.kind == "Equality") {
-    vector<TM> out;
+    vector<T> out;
     for (const double sign : {-1.0, 1.0})
-      for (const TM& error : value(c.quantity, p))
-        out.push_back(TM(c.tolerance) + I(sign) * error);
+      for (const T& error : value(c.quantity, p)) out.push_back(T(c.tolerance) + I(sign) * error);
     return out;
   }
   if (c.kind == "Fence")
-    return inward(p.model.tube, phase, p, c.side == "upper", {{p.dz1(), p.dz2()}});
+    return inward(p.step, phase, p, c.side == "upper", {{p.dz1(), p.dz2()}});
   if (c.kind == "Inlet") {
-    const TM level = reset_level(p.model.tube, p);
-    return {c.side == "lower" ? level : TM(1.0) - level};
+    const T level = reset_level(p.step.next(), p);
+    return {c.side == "lower" ? level : T(1.0) - level};
   }
-  if (c.kind == "TubeWidth") return {relative_width(p.model.tube, phase) - TM(c.least)};
+  if (c.kind == "TubeWidth") return {relative_width(p.step, phase) - T(c.least)};
+  if (c.kind == "FencesApart") {
+    const Fences<T> f = fences(p.step, phase);
+    const I unit = inverse(I(p.step.unit));
+    return {unit * f.lower - T(kApart), unit * (f.upper - f.lower) - T(kApart)};
+  }
   throw Unknown{"the kind of condition " + c.kind};
 }
 
@@ -459,6 +478,9 @@ string words_for(const Condition& c, double bound) {
     return "reset inside the " + c.side + " fence" + least + "tube widths";
   if (c.kind == "TubeWidth")
     return "relative width of the tube in z2 beyond " + brief(c.least) + " >= " + number;
+  if (c.kind == "FencesApart")
+    return "lower fence, and gap between the fences, beyond " + brief(kApart) +
+           " of the unit of zeta" + least + "of it";
   const string unit = unit_of(c.quantity), what = words_for(c.quantity);
   if (c.kind == "Barrier") {
     string gain = brief(c.alpha[0]);

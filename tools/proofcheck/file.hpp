@@ -4,7 +4,7 @@
 
 namespace {
 
-// ------------------------------------------------------------------------------- 16 the file
+// ------------------------------------------------------------------------------- 19 the file
 
 struct Named { string name, sha256; };
 
@@ -105,8 +105,10 @@ Chart chart_of(const Json& table) {
   const auto is = [](const Axis& axis, const char* name, double low, double high) {
     return axis.name == name && axis.low == low && axis.high == high && !axis.near();
   };
-  if (!is(chart[0], "phase", -0.05, 1.05) || !is(chart[1], "level", 0.0, 1.0))
-    refuse("a chart that does not begin with phase from -0.05 to 1.05 and level from 0 to 1");
+  // Files of earlier versions have the shorter axis.
+  if (!(is(chart[0], "phase", -0.1, 1.1) || is(chart[0], "phase", -0.05, 1.05)) ||
+      !is(chart[1], "level", 0.0, 1.0))
+    refuse("a chart that does not begin with phase from -0.1 to 1.1 and level from 0 to 1");
   return chart;
 }
 
@@ -213,7 +215,8 @@ WalkingSet walking_set_of(const Json& table) {
   const string what = "level 2";
   vector<string> fields = {"start_strip", "guard_strip", "risen",  "falling",
                            "disturbance", "barriers",    "carried"};
-  if (table.find("told")) fields.push_back("told");
+  for (const char* name : {"told", "floor"})
+    if (table.find(name)) fields.push_back(name);
   only(table, what, fields);
   const auto number = [&](const char* name) { return hexadecimal(field(table, what, name), name); };
   WalkingSet t;
@@ -231,6 +234,8 @@ WalkingSet walking_set_of(const Json& table) {
   t.barriers = names_of(field(table, what, "barriers"), "barriers");
   t.carried = names_of(field(table, what, "carried"), "carried conditions");
   if (const Json* told = table.find("told")) t.told = names_of(*told, "commands");
+  if (table.find("floor")) t.floor = number("floor");
+  if (!(t.floor >= 0.0)) refuse("a floor that is not a number from 0 up");
   return t;
 }
 
@@ -238,10 +243,11 @@ Orbit orbit_of(const Json& table, const Tube& tube) {
   const string what = "level 3";
   const auto series = [&](const char* name) { return series_of(field(table, what, name), name); };
   const string attraction = text_of(field(table, what, "attraction"), "attraction");
-  if (attraction == "any two walks") {
+  if (attraction == "any two walks" || attraction == "contraction alone") {
     only(table, what, {"attraction", "expansion"});
     Orbit o;
-    o.walks = true;
+    o.walks = attraction == "any two walks";
+    o.alone = !o.walks;
     o.expansion = series("expansion");
     return o;
   }
@@ -269,7 +275,7 @@ FullOrder full_order_of(const Json& table) {
                            "guard_strip", "crossing", "risen",  "pace",         "inertia",
                            "mismatch",    "drift",    "gain",   "landing",      "landing_slope",
                            "barriers"};
-  for (const char* name : {"floor", "weights"})
+  for (const char* name : {"least_radius", "weights"})
     if (table.find(name)) fields.push_back(name);
   only(table, what, fields);
   const auto number = [](const Json& from, const char* name) {
@@ -290,7 +296,7 @@ FullOrder full_order_of(const Json& table) {
   f.gain = number(table, "gain");
   f.landing = number(table, "landing");
   f.landing_slope = number(table, "landing_slope");
-  if (table.find("floor")) f.floor = number(table, "floor");
+  if (table.find("least_radius")) f.floor = number(table, "least_radius");
   if (const Json* weights = table.find("weights")) f.weights = series_of(*weights, "weights");
   const vector<double> pace = series_of(*table.find("pace"), "a pace");
   if (pace.size() != 2) refuse("a pace that is not two numbers");
@@ -563,6 +569,46 @@ void conditions_of_statements(const Json& list, const ProgramFacts& program, Pro
   }
 }
 
+// Whether axes behind phase and level are those of the policy's commands, before and after, and all.
+bool is_derivable(const Json& policy, const Chart& chart) {
+  const Json* told = policy.type == Json::object ? policy.find("commands") : nullptr;
+  const vector<Command> commands = told ? commands_of(*told) : vector<Command>();
+  if (chart.size() != 2 + 2 * commands.size()) return false;
+  for (size_t i = 0; i < commands.size(); ++i)
+    if (chart[2 + 2 * i].name != commands[i].name + " before" ||
+        chart[3 + 2 * i].name != commands[i].name + " after")
+      return false;
+  return true;
+}
+
+// Every output as formulas of a step between two commands. What is not known is said of the output.
+void record_outputs(ProofFile& file) {
+  Recording recording;
+  const Step<Formula> step = told_step(file.model, recording);
+  Place<Formula> place(file.model, step, file.theorems, Formula::axis(recording, 0),
+                       Formula::axis(recording, 1));
+  std::map<string, vector<size_t>> named;
+  for (auto& [name, output] : file.outputs) {
+    if (!output.unknown.empty()) continue;
+    if (!output.formulas) {
+      output.unknown = "it is not about gaits that are told commands";
+      continue;
+    }
+    try {
+      for (const Formula& one : output.formulas(place)) named[name].push_back(one.of(recording));
+    } catch (const Unknown& unknown) {
+      output.unknown = unknown.what;
+      continue;
+    }
+    if (named[name].size() != output.elements)
+      throw Inconsistent{name + " has " + std::to_string(named[name].size()) +
+                         " elements in the model, " + std::to_string(output.elements) +
+                         " in the Program"};
+  }
+  file.recorded = std::make_shared<const Listing>(file.chart.size(), std::move(recording.elements),
+                                                  std::move(named));
+}
+
 // What the file says of robot, policy, tube and spec, as far as it is needed.
 void read_model(const Json& table, const ProgramFacts& program, bool by_program, ProofFile& file) {
   constexpr int kAnyJoint = 1'000'000;  // Where no robot is read, no joint is looked at.
@@ -577,7 +623,7 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   if (residuals) parts.push_back("residuals");  // Of a run that has learned some.
   only(model, "the model", parts);
   read_regions(*model.find("regions"), file.chart, file.regions);
-  if (by_program || file.chart.size() > 2) {
+  if (by_program || !is_derivable(*model.find("policy"), file.chart)) {
     file.underivable = "a chart with the axis " + file.chart.back().name;
     read_conditions(*model.find("conditions"), program, kAnyJoint, file);
     return;
@@ -587,14 +633,22 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
     throw Inconsistent{"the file is about " + file.robot + ", its model is that of " +
                        file.model.robot.name};
   const int joints = file.model.robot.joints();
-  file.model.policy = policy_of(*model.find("policy"), joints, program.constants);
-  file.model.tube = tube_of(*model.find("tube"), file.model.policy, program.constants);
+  file.model.policy =
+      policy_of(*model.find("policy"), joints, program.constants, file.model.family);
+  if (file.model.family) {
+    read_fences(*model.find("tube"), program.constants, *file.model.family);
+  } else {
+    file.model.tube = tube_of(*model.find("tube"), file.model.policy, program.constants);
+    file.model.step = only_step(file.model.policy, file.model.tube);
+  }
   if (residuals) {
     only(*residuals, "the residuals", {"flow", "reset"});
     const Json &flow = *residuals->find("flow"), &reset = *residuals->find("reset");
     if (flow.type != Json::null) file.model.flow = flow_residual_of(flow, program.constants);
     if (reset.type != Json::null)
       file.model.reset = reset_residual_of(reset, joints, program.constants);
+    if (file.model.family && file.model.reset)
+      throw Unknown{"a gait that is told commands, on a robot with what was learned of its reset,"};
   }
   read_conditions(*model.find("conditions"), program, joints, file);
 }
@@ -645,6 +699,7 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
       output.unknown = file.underivable + "; --program checks the Program in the file instead";
     }
   }
+  if (file.model.family) record_outputs(file);
   for (const Json& row : list_of(*table.find("statements"), "the statements"))
     file.statements.push_back(statement_of(row, file.chart, file.outputs));
   if (file.statements.empty()) refuse("no statements");

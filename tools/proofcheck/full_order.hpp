@@ -4,7 +4,7 @@
 
 namespace {
 
-// --------------------------------------------------------------------------- 11 full order
+// --------------------------------------------------------------------------- 14 full order
 //
 // Level 4 is about states whose outputs are off zero: with w the double pole of the outputs y,
 //
@@ -109,8 +109,8 @@ class FullState {
   template <class Chosen>
   Motion<BM>& kept(std::optional<Motion<BM>>& motion, Chosen outputs_off) {
     if (!motion) {
-      const auto [z1, z2] = z_at(model.tube, phase_, level_);
-      motion.emplace(model, z1, z2, outputs_off());
+      const auto [z1, z2] = z_at(model.step, phase_, level_);
+      motion.emplace(model, model.step, z1, z2, outputs_off());
     }
     return *motion;
   }
@@ -156,19 +156,19 @@ class FullState {
   Moved& ahead(std::optional<Moved>& found, Motion<BM>& from) {
     if (found) return *found;
     const auto [z1, z2] =
-        z_at(model.tube, DualOf<BM>(phase_, BM(1.0)), DualOf<BM>(level_, BM(0.0)));
+        z_at(model.step, DualOf<BM>(phase_, BM(1.0)), DualOf<BM>(level_, BM(0.0)));
     std::optional<Off<DualOf<BM>>> still;
     if (from.off) {
       still = Off<DualOf<BM>>{{}, {}, bandwidth()};
       for (const BM& y : from.off->y) still->y.push_back(DualOf<BM>(y));
       for (const BM& dy : from.off->dy) still->dy.push_back(DualOf<BM>(dy));
     }
-    found.emplace(model, z1, z2, still);
+    found.emplace(model, model.step, z1, z2, still);
     return *found;
   }
 };
 
-FullState& full_state(Place& at) {
+FullState& full_state(Place<TM>& at) {
   if (!at.full) at.full = std::make_shared<FullState>(at.model, *at.theorems.full, at.box);
   return *at.full;
 }
@@ -177,7 +177,7 @@ FullState& full_state(Place& at) {
 template <class S>
 S height(const BarrierConstants& barrier, bool upper, Motion<S>& p) {
   if (!barrier.condition) {
-    const S level = level_of(p.model.tube, p.z1, p.z2);
+    const S level = level_of(p.step, p.z1, p.z2);
     return upper ? S(I(1.0)) - level : level;
   }
   const vector<S> all = value(barrier.condition->quantity, p);
@@ -205,7 +205,7 @@ vector<S> xi_after(Motion<S>& p, const FullState& f) {
 }
 
 template <class S>
-S landing_phase(Motion<S>& p) { return phase_of(p.model.tube, p.hip_after()); }
+S landing_phase(Motion<S>& p) { return phase_of(p.step, p.hip_after()); }
 
 // bound^2 - the sum of squares.
 BM room(double bound, const vector<BM>& slopes) {
@@ -396,13 +396,23 @@ const std::map<string, Meaning>& barrier_outputs() {
 struct Output {
   size_t elements = 0;  // In the Program.
   string unknown;       // Why it cannot be checked here; empty if it can.
-  std::function<vector<Estimate>(Place&)> margins;
+  std::function<vector<Estimate>(Place<TM>&)> margins;
+  std::function<vector<Formula>(Place<Formula>&)> formulas;  // Of a gait that is told commands.
   std::function<string(double)> words;  // That the margin is at least this.
 };
 
+// Of margins of a place of either kind.
+template <class Margins>
+Output output_of(Margins margins, std::function<string(double)> words) {
+  return {0, "", [margins](Place<TM>& at) { return estimates(margins(at)); },
+          [margins](Place<Formula>& at) { return margins(at); }, std::move(words)};
+}
+
 Output output_of(const Condition& c) {
-  return {0, c.unknown, [&c](Place& at) { return estimates(margins(c, at.wide(), at.phase)); },
-          [&c](double least) { return words_for(c, least); }};
+  Output found = output_of([&c](auto& at) { return margins(c, at.wide(), at.phase); },
+                           [&c](double least) { return words_for(c, least); });
+  found.unknown = c.unknown;
+  return found;
 }
 
 string with_unit(const char* words, double least, const char* unit) {
@@ -410,33 +420,34 @@ string with_unit(const char* words, double least, const char* unit) {
 }
 
 Output output_of(const string& name, const Meaning& meaning) {
-  const bool set = name.rfind("set/", 0) == 0;
-  return {0, "",
-          [name, set](Place& at) {
-            return estimates(set ? set_margins(name, at) : orbit_margins(name, at));
-          },
-          [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+  const auto words = [&meaning](double least) {
+    return with_unit(meaning.words, least, meaning.unit);
+  };
+  if (name.rfind("set/", 0) == 0)
+    return output_of([name](auto& at) { return set_margins(name, at); }, words);
+  return output_of([name](auto& at) { return orbit_margins(name, at); }, words);
 }
 
 // set/after NAME, set/value NAME, set/rate NAME, of a barrier condition.
 Output output_of(const string& what, const Condition& c) {
-  if (!c.unknown.empty()) return {0, c.unknown, {}, {}};
+  if (!c.unknown.empty()) return {0, c.unknown, {}, {}, {}};
   const string h = words_for(c.quantity) + " >= ", unit = " " + unit_of(c.quantity);
   if (what == "set/value")
-    return {0, "", [&c](Place& at) { return estimates(value(c.quantity, at.wide())); },
-            [h, unit](double least) { return h + at_least(least) + unit; }};
+    return output_of([&c](auto& at) { return value(c.quantity, at.wide()); },
+                     [h, unit](double least) { return h + at_least(least) + unit; });
   if (what == "set/after")
-    return {0, "", [&c](Place& at) { return estimates(value(c.quantity, at.wide().after())); },
-            [h, unit](double least) { return "after the reset, " + h + at_least(least) + unit; }};
-  return {0, "", [&c](Place& at) { return estimates(pushed_rates(c, at)); },
-          [&c](double least) { return "disturbed, " + words_for(c, least); }};
+    return output_of([&c](auto& at) { return value(c.quantity, at.wide().after()); },
+                     [h, unit](double least) {
+                       return "after the reset, " + h + at_least(least) + unit;
+                     });
+  return output_of([&c](auto& at) { return pushed_rates(c, at); },
+                   [&c](double least) { return "disturbed, " + words_for(c, least); });
 }
-
 
 // full/NAME.
 Output output_of_full_order(const string& name, const Meaning& meaning) {
-  return {0, "", [name](Place& at) { return estimates(full_margins(name, full_state(at))); },
-          [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+  return {0, "", [name](Place<TM>& at) { return estimates(full_margins(name, full_state(at))); },
+          {}, [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
 }
 
 // disturbed/NAME.
@@ -449,21 +460,21 @@ const std::map<string, Meaning>& disturbed_outputs() {
 
 Output output_of_disturbed(const string& name, const Meaning& meaning) {
   return {0, "",
-          [name](Place& at) {
+          [name](Place<TM>& at) {
             return estimates(disturbed_margins(name, at.theorems.disturbed->push, full_state(at)));
           },
-          [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+          {}, [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
 }
 
 // disturbed/decrease BARRIER, the barrier of that number.
 Output output_of_decrease(size_t number) {
   return {0, "",
-          [number](Place& at) {
+          [number](Place<TM>& at) {
             return estimates(decrease(at.theorems.disturbed->barriers[number],
                                       at.theorems.full->barriers[number], number == 1,
                                       full_state(at)));
           },
-          [](double least) {
+          {}, [](double least) {
             return with_unit("dh/dt + alpha h - weight |slope of dh/dt in xi|^2 - lost", least, "/s");
           }};
 }
@@ -471,11 +482,11 @@ Output output_of_decrease(size_t number) {
 // full/WHAT BARRIER, the barrier of that number: the first two are the fences.
 Output output_of_barrier(const string& what, size_t number, const Meaning& meaning) {
   return {0, "",
-          [what, number](Place& at) {
+          [what, number](Place<TM>& at) {
             const BarrierConstants& barrier = at.theorems.full->barriers[number];
             return estimates(barrier_margins(what, barrier, number == 1, full_state(at)));
           },
-          [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
+          {}, [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 namespace {
 
-// ------------------------------------------------- 13 Taylor models of several boxes at once
+// ------------------------------------------------- 16 Taylor models of several boxes at once
 //
 // What section 3 does with an interval for every coefficient is done here with doubles, and all that
 // is not exact is one number more: a value is, on each box, p(e) + s . xi + x with |x| <= r, where p
@@ -78,9 +78,11 @@ class Arithmetic {
     measure(y);
   }
 
-  void constant(V* y, double number) const {
+  void constant(V* y, I number) const {
     clear(y);
-    y[0] = all(number);
+    const double m = middle(number);
+    y[0] = all(m);
+    y[terms_] = all(larger(number.n + m, number.h - m));
   }
 
   // A sign is exact.

@@ -4,7 +4,7 @@
 
 namespace {
 
-// ------------------------------------------------------------------------------ 8 mechanics
+// ----------------------------------------------------------------------------- 10 mechanics
 //
 // A state of the zero dynamics: the robot follows its outputs exactly, so z gives all angles, and
 // z with the flow gives all rates. S is TM, or Dual for derivatives along a direction in z.
@@ -166,6 +166,48 @@ struct Pose {
   }
 };
 
+// After the swing foot has met the ground, the legs having swapped roles.
+template <class S>
+struct Struck {
+  Pose<S> pose;
+  vector<S> dq;    // Rates of the coordinates.
+  Vec<S> impulse;  // Of the ground on the new stance foot.
+};
+
+// Plastic impact of a robot whose links turn at w: the old stance foot is free, the impulse acts at the
+// new one, so momenta conjugate to coordinates about the new foot are kept, and the new foot stands
+// still after it. Before it, each link moved as it would about a foot that stands still, and with that
+// foot besides: what the second brings into the momenta is what rates of coordinates change for.
+template <class S>
+Struck<S> struck(const Robot& robot, const Pose<S>& before, vector<S> w) {
+  vector<S> theta = before.theta;
+  const Vec<S> carried = point(robot.foot, before.spin(w));
+  std::reverse(theta.begin(), theta.end());
+  std::reverse(w.begin(), w.end());
+  Struck<S> found{Pose<S>(robot, unturned(robot, theta)), unturned(robot, w), {}};
+  const size_t n = w.size();
+  const vector<S> kept = found.pose.momenta(vector<Vec<S>>(n, carried), vector<S>(n, S(0.0)));
+  // Columns of the mass matrix: momenta for unit rates of the coordinates.
+  vector<vector<S>> mass(n, vector<S>(n, S(0.0)));
+  for (size_t j = 0; j < n; ++j) {
+    vector<S> unit(n, S(0.0));
+    unit[j] = S(I(1.0));
+    const vector<S> turning = turned(robot, unit);
+    const vector<S> column = found.pose.momenta(found.pose.velocities(turning), turning);
+    for (size_t i = 0; i < n; ++i) mass[i][j] = column[i];
+  }
+  const vector<S> change = solved(mass, kept);
+  const vector<Vec<S>> more = found.pose.velocities(turned(robot, change));
+  Vec<S> impulse{S(0.0), S(0.0)};
+  for (size_t i = 0; i < n; ++i) {
+    const Vec<S> gained = more[i] - carried;
+    impulse = impulse + Vec<S>{robot.mass[i] * gained.x, robot.mass[i] * gained.z};
+    found.dq[i] = found.dq[i] + change[i];
+  }
+  found.impulse = impulse;
+  return found;
+}
+
 // y_d and its first derivatives.
 template <class S>
 struct Outputs {
@@ -238,17 +280,32 @@ class Motion {
   const Model& model;
   const Robot& robot;
   using T = typename Under<S>::type;
+  using K = Scalar<S>;
+  const Step<K>& step;
   const S z1, z2;
   const std::optional<Off<S>> off;  // Nothing: outputs are zero.
+  const std::optional<T> told;      // The phase, where it is known apart from z1.
 
-  Motion(const Model& m, S first, S second, std::optional<Off<S>> outputs_off = {},
+  Motion(const Model& m, const Step<K>& s, S first, S second,
+         std::optional<Off<S>> outputs_off = {}, std::optional<T> phase = {},
          std::optional<Outputs<S>> known = {})
-      : model(m), robot(m.robot), z1(std::move(first)), z2(std::move(second)),
-        off(std::move(outputs_off)), outputs_(std::move(known)) {}
+      : model(m), robot(m.robot), step(s), z1(std::move(first)), z2(std::move(second)),
+        off(std::move(outputs_off)), told(std::move(phase)), outputs_(std::move(known)) {}
+
+  // Of the step, by its outputs.
+  S phase() const {
+    if constexpr (Under<S>::moves) {
+      if (told) return {*told, inverse(step.span()) * z1.d};
+    } else {
+      if (told) return *told;
+    }
+    return inverse(step.span()) * (z1 - S(step.start));
+  }
 
   const Outputs<S>& outputs() {
     const auto jets = [this](const T& first, const T& second, int order) {
-      return desired_outputs(model.policy, first, second, order);
+      const T phase = told ? *told : inverse(step.span()) * (first - T(step.start));
+      return desired_outputs(model.policy, step, phase, first, second, order);
     };
     if (!outputs_) outputs_ = outputs_of_jets(jets, z1, z2);
     return *outputs_;
@@ -328,23 +385,22 @@ class Motion {
   // Rates of the links due to outputs that are off zero.
   vector<S> w_off() const { return turned(robot, lifted(S(I(0.0)), off->dy)); }
 
-  // Rates of the links, and of the coordinates.
-  const vector<S>& w() {
-    if (!w_) {
-      vector<S> rates;
-      for (size_t k = 0; k < per_dz1().size(); ++k)
-        rates.push_back(per_dz1()[k] * dz1() + per_dz2()[k] * dz2());
-      if (off) {
-        const vector<S> more = w_off();
-        for (size_t k = 0; k < rates.size(); ++k) rates[k] = rates[k] + more[k];
-      }
-      w_ = rates;
-    }
-    return *w_;
-  }
+  // Rates of the coordinates, and of the links.
   const vector<S>& dq() {
-    if (!dq_) dq_ = unturned(robot, w());
+    if (!dq_) {
+      vector<S> joints;
+      const Outputs<S>& desired = outputs();
+      for (size_t j = 0; j < desired.y.size(); ++j) {
+        const S rate = desired.d1[j] * dz1() + desired.d2[j] * dz2();
+        joints.push_back(off ? rate + off->dy[j] : rate);
+      }
+      dq_ = lifted(dz1(), joints);
+    }
     return *dq_;
+  }
+  const vector<S>& w() {
+    if (!w_) w_ = turned(robot, dq());
+    return *w_;
   }
 
   const vector<Vec<S>>& spin() {
@@ -356,6 +412,28 @@ class Motion {
   // Velocity of the swing foot per unit of dz1 and of dz2.
   Vec<S> foot_per_dz1() { return point(robot.foot, pose().spin(per_dz1())); }
   Vec<S> foot_per_dz2() { return point(robot.foot, pose().spin(per_dz2())); }
+  // A vector's part across the line between the footholds of this step, upwards: level, its height.
+  S across_ground(const Vec<S>& v) const {
+    return step.ground ? v.z - step.ground->rise * v.x : v.z;
+  }
+  // Of the swing foot above that line, and its rate.
+  S foot_height() {
+    const S found = across_ground(foot());
+    return step.ground ? found - S(step.ground->level) : found;
+  }
+  S foot_lift() { return across_ground(foot_velocity()); }
+  // A vector along and across the ground under the stance foot, or under the next foothold.
+  Vec<S> at_stance(const Vec<S>& v) const {
+    if (!step.ground) return v;
+    return against(step.ground->stance_sine, step.ground->stance_cosine, v);
+  }
+  Vec<S> at_landing(const Vec<S>& v) const {
+    if (!step.ground) return v;
+    return against(step.ground->landing_sine, step.ground->landing_cosine, v);
+  }
+  static Vec<S> against(const K& sine, const K& cosine, const Vec<S>& v) {
+    return {cosine * v.x + sine * v.z, cosine * v.z - sine * v.x};
+  }
   Vec<S> hip() { return point(robot.hip, pose().e); }
   Vec<S> hip_velocity() { return point(robot.hip, spin()); }
 
@@ -384,7 +462,7 @@ class Motion {
   }
 
   Motion& after() {
-    if (!after_) after_ = std::make_unique<Motion>(model, hip_after(), z2_after());
+    if (!after_) after_ = std::make_unique<Motion>(model, step.next(), hip_after(), z2_after());
     return *after_;
   }
 
@@ -393,37 +471,12 @@ class Motion {
     vector<S> w, dq;  // Rates of links and coordinates after it.
     Vec<S> impulse;   // Of the ground on the new stance foot; the links' own.
   };
-
-  // Plastic impact: the old stance foot is free, the impulse acts at the new one, so momenta
-  // conjugate to coordinates about the new foot are kept; the new foot stands still after it.
   const Impact& impact() {
     if (impact_) return *impact_;
-    Pose<S> pose_after(robot, unturned(robot, theta_after()));
-    vector<Vec<S>> before = pose().velocities(w());
-    std::reverse(before.begin(), before.end());
-    vector<S> w_before = w();
-    std::reverse(w_before.begin(), w_before.end());
-    const vector<S> kept = pose_after.momenta(before, w_before);
-    // Columns of the mass matrix: momenta for unit rates of the coordinates.
-    const size_t n = kept.size();
-    vector<vector<S>> mass(n, vector<S>(n, S(0.0)));
-    for (size_t j = 0; j < n; ++j) {
-      vector<S> unit(n, S(0.0));
-      unit[j] = S(I(1.0));
-      const vector<S> turning = turned(robot, unit);
-      const vector<S> column = pose_after.momenta(pose_after.velocities(turning), turning);
-      for (size_t i = 0; i < n; ++i) mass[i][j] = column[i];
-    }
-    const vector<S> rates = solved(mass, kept);
-    const vector<S> turning = turned(robot, rates);
-    const vector<Vec<S>> later = pose_after.velocities(turning);
-    Vec<S> impulse{S(0.0), S(0.0)};
-    for (size_t i = 0; i < n; ++i) {
-      const Vec<S> change = later[i] - before[i];
-      impulse = impulse + Vec<S>{robot.mass[i] * change.x, robot.mass[i] * change.z};
-    }
-    const vector<S> dq = model.reset ? corrected(pose_after, turning, rates) : rates;
-    impact_ = std::make_unique<Impact>(Impact{pose_after, turned(robot, dq), dq, impulse});
+    const Struck<S> found = struck(robot, pose(), w());
+    const vector<S> dq =
+        model.reset ? corrected(found.pose, turned(robot, found.dq), found.dq) : found.dq;
+    impact_ = std::make_unique<Impact>(Impact{found.pose, turned(robot, dq), dq, found.impulse});
     return *impact_;
   }
 
@@ -450,7 +503,7 @@ class Motion {
   // Desired outputs with their second derivatives.
   const vector<Jet<T>>& jets() {
     if (!jets_) {
-      jets_ = desired_outputs(model.policy, z1, z2, 2);
+      jets_ = desired_outputs(model.policy, step, phase(), z1, z2, 2);
       outputs_ = first_order(*jets_);
     }
     return *jets_;
@@ -467,7 +520,7 @@ class Motion {
         moved->dy.push_back({off->dy[j], dy.empty() ? T(0.0) : dy[j]});
       }
     }
-    return {model, DualOf<T>(z1, first), DualOf<T>(z2, second), moved,
+    return {model, step, DualOf<T>(z1, first), DualOf<T>(z2, second), moved, told,
             along(jets(), first, second)};
   }
 
@@ -529,65 +582,10 @@ const typename Motion<S>::Forces& Motion<S>::forces() {
   }
 }
 
-// ---- the tube's chart: phase and level of a state.
-
-template <class S>
-struct Fences {
-  S lower, upper;  // zeta = z2^2 / 2
-};
-
-// Chebyshev polynomials T_0 to T_(count - 1) of 2 phase - 1. As T_(m+n) = 2 T_m T_n - T_(m-n) with
-// m and n near half: one by one, an error would grow with the powers of 1 + sqrt 2.
-template <class S>
-vector<S> chebyshev(const S& phase, size_t count) {
-  vector<S> t = {S(I(1.0)), I(2.0) * phase - S(I(1.0))};
-  while (t.size() < count) {
-    const size_t m = (t.size() + 1) / 2, n = t.size() / 2;
-    t.push_back(I(2.0) * (t[m] * t[n]) - t[m - n]);
-  }
-  return t;
-}
-
-// A series' value.
-template <class S>
-S sum(const vector<double>& series, const vector<S>& polynomials) {
-  S total(0.0);
-  for (size_t k = 0; k < series.size(); ++k) total = total + I(series[k]) * polynomials[k];
-  return total;
-}
-
-template <class S>
-Fences<S> fences(const Tube& tube, const S& phase) {
-  const auto t = chebyshev(phase, std::max(tube.lower.size(), tube.upper.size()));
-  return {I(tube.unit) * sum(tube.lower, t), I(tube.unit) * sum(tube.upper, t)};
-}
-
-template <class S>
-S phase_of(const Tube& tube, const S& z1) {
-  return inverse(I(tube.guard) - I(tube.start)) * (z1 - S(I(tube.start)));
-}
-
-template <class S>
-S level_of(const Tube& tube, const S& z1, const S& z2) {
-  const Fences<S> f = fences(tube, phase_of(tube, z1));
-  return (I(0.5) * (z2 * z2) - f.lower) / (f.upper - f.lower);
-}
-
-// The state (z1, z2) at a phase of the step, zeta given; and at a box of a tube's chart.
-template <class S>
-std::pair<S, S> z_of(const Tube& tube, const S& phase, const S& zeta) {
-  return {S(I(tube.start)) + (I(tube.guard) - I(tube.start)) * phase, root(I(2.0) * zeta)};
-}
-
-template <class S>
-std::pair<S, S> z_at(const Tube& tube, const S& phase, const S& level) {
-  const Fences<S> f = fences(tube, phase);
-  return z_of(tube, phase, f.lower + level * (f.upper - f.lower));
-}
-
+// A state at a phase of the step, zeta given.
 Motion<TM> state_of(const Model& model, const TM& phase, const TM& zeta) {
-  const auto [z1, z2] = z_of(model.tube, phase, zeta);
-  return {model, z1, z2};
+  const auto [z1, z2] = z_of(model.step, phase, zeta);
+  return {model, model.step, z1, z2};
 }
 
 // The thin tube's chart has the same z1 at a phase.

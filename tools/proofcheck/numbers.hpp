@@ -210,6 +210,27 @@ I log1p_at(double x) {
   return {log_at(y.low()).n, log_at(y.high()).h};
 }
 
+// log(x / (1 - x))
+I logit_at(double x) {
+  const I rest = I(1.0) - I(x);
+  return log_at(x) - I(log_at(rest.low()).n, log_at(rest.high()).h);
+}
+
+// arctan x = 2 arctan(x / (1 + sqrt(1 + x^2))), three times, then its series: x is below 0.2.
+I arctan_at(double x) {
+  if (!(std::abs(x) < 1e100)) throw NoBound();
+  I r(x);
+  const int halvings = 3, terms = 12;
+  for (int k = 0; k < halvings; ++k) r = r / (I(1.0) + root(I(1.0) + square(r)));
+  const I r2 = square(r);
+  I sum(0.0);
+  for (int j = terms - 1; j >= 0; --j) sum = inverse(I(2 * j + 1)) - r2 * sum;
+  // Alternating with decreasing terms: the rest is at most the first term left out.
+  double rest = magnitude(r) / (2 * terms + 1);
+  for (int j = 0; j < terms; ++j) rest *= magnitude(r2);
+  return I(1 << halvings) * (r * sum + symmetric(rest));
+}
+
 struct SineCosine { I sine, cosine; };
 
 // x = r + k pi/2; series of sine and cosine at r.

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "robot.hpp"
+#include "steps.hpp"
 
 namespace {
 
-// ----------------------------------------------------------------------------- 7 the policy
+// ----------------------------------------------------------------------------- 9 the policy
 //
 // Desired outputs as a jet in z: value, d/dz1, d/dz2, and the three second derivatives, each a
 // Taylor model on the box. `order` says how many of them are wanted.
@@ -23,8 +23,8 @@ Jet<T> operator+(const Jet<T>& a, const Jet<T>& b) {
   return r;
 }
 
-template <class T>
-Jet<T> operator*(I k, const Jet<T>& a) {
+template <class K, class T>
+Jet<T> operator*(const K& k, const Jet<T>& a) {
   Jet<T> r;
   for (size_t i = 0; i < 6; ++i) r.c[i] = k * a.c[i];
   return r;
@@ -113,13 +113,15 @@ void refuse_infinite(const T& model) {
     for (const I& slope : model.s) finite(slope.n, slope.h);
 }
 
+// A layer with its own biases, or those given.
 template <class T>
-vector<Jet<T>> applied(const Layer& layer, const vector<Jet<T>>& inputs, int order) {
+vector<Jet<T>> applied(const Layer& layer, const vector<Jet<T>>& inputs, int order,
+                       const vector<Scalar<T>>& biases = {}) {
   vector<Jet<T>> out(static_cast<size_t>(layer.rows));
   const double* weight = layer.weights.data();
   const auto count = static_cast<size_t>(parts(order));
   for (size_t row = 0; row < out.size(); ++row) {
-    out[row].c[0] = T(layer.biases[row]);
+    out[row].c[0] = biases.empty() ? T(layer.biases[row]) : T(biases[row]);
     for (const Jet<T>& input : inputs) {
       for (size_t part = 0; part < count; ++part)
         add_scaled(out[row].c[part], *weight, input.c[part]);
@@ -127,6 +129,22 @@ vector<Jet<T>> applied(const Layer& layer, const vector<Jet<T>>& inputs, int ord
     }
     for (const T& part : out[row].c) refuse_infinite(part);
   }
+  return out;
+}
+
+// The same of formulas: a row of each part.
+template <>
+vector<Jet<Formula>> applied(const Layer& layer, const vector<Jet<Formula>>& inputs, int order,
+                             const vector<Formula>& biases) {
+  vector<Jet<Formula>> out(static_cast<size_t>(layer.rows));
+  for (size_t row = 0; row < out.size(); ++row)
+    for (size_t part = 0; part < static_cast<size_t>(parts(order)); ++part) {
+      vector<Formula> terms;
+      for (const Jet<Formula>& input : inputs) terms.push_back(input.c[part]);
+      const Formula bias = biases.empty() ? Formula(layer.biases[row]) : biases[row];
+      out[row].c[part] = weighted(layer.weights.data() + row * inputs.size(), terms,
+                                  part ? Formula(0.0) : bias);
+    }
   return out;
 }
 
@@ -146,9 +164,9 @@ vector<Jet<T>> scaled_state(const vector<double>& scale, const vector<double>& s
 
 template <class T>
 vector<Jet<T>> network(const vector<Layer>& layers, bool with_softplus, vector<Jet<T>> values,
-                       int order) {
+                       int order, const vector<Scalar<T>>& first = {}) {
   for (size_t i = 0; i < layers.size(); ++i) {
-    values = applied(layers[i], values, order);
+    values = applied(layers[i], values, order, i ? vector<Scalar<T>>() : first);
     if (i + 1 == layers.size()) break;
     for (Jet<T>& value : values)
       value = with_softplus ? softplus(value, order) : tanh(value, order);
@@ -156,30 +174,53 @@ vector<Jet<T>> network(const vector<Layer>& layers, bool with_softplus, vector<J
   return values;
 }
 
+// H of an output, by the powers of its phase t.
+template <class K, class T>
+Jet<T> by_powers(const Step<K>& step, size_t output, const Jet<T>& t, int order) {
+  const size_t m = step.cubic.size() / 4;
+  Jet<T> path;
+  path.c[0] = T(step.cubic[3 * m + output]);
+  for (size_t power = 3; power-- > 0;) {
+    path = product(path, t, order);
+    path.c[0] = path.c[0] + T(step.cubic[power * m + output]);
+  }
+  return path;
+}
+
+// The same by its ends: near one of them, what is uncertain of the other counts for nothing. With
+// s = 1 - t: s^2 (p + t (p' + 2 p)) + t^2 (q - s (q' - 2 q)).
+template <class K, class T>
+Jet<T> by_ends(const Step<K>& step, size_t output, const Jet<T>& t, const Jet<T>& rest, int order) {
+  const size_t m = step.ends.size() / 4;
+  const auto end = [&](size_t k) { return step.ends[k * m + output]; };
+  Jet<T> near = (end(1) + I(2.0) * end(0)) * t, far = (I(2.0) * end(2) - end(3)) * rest;
+  near.c[0] = near.c[0] + T(end(0));
+  far.c[0] = far.c[0] + T(end(2));
+  return product(product(rest, rest, order), near, order) +
+         product(product(t, t, order), far, order);
+}
+
 // y_d = lower + (upper - lower) logistic(logit), the logit being the network's output, or
-// H(t) + 4 (4 t (1 - t))^2 network with t the phase of the step and H a cubic.
+// H(t) + 4 (4 t (1 - t))^2 network with t the phase of the step and H a cubic. The phase is that of
+// z1; given apart, bounds of both need not know that it is.
 template <class T>
-vector<Jet<T>> desired_outputs(const Policy& p, const T& z1, const T& z2, int order) {
+vector<Jet<T>> desired_outputs(const Policy& p, const Step<Scalar<T>>& step, const T& phase,
+                               const T& z1, const T& z2, int order) {
   vector<Jet<T>> values = scaled_state(p.scale, p.shift, z1, z2);
   if (!p.z2_dependence) values[1] = Jet<T>();
-  values = network(p.layers, p.softplus, values, order);
+  values = network(p.layers, p.softplus, values, order, step.first);
   const size_t m = p.lower.size();
   if (p.hybrid_invariant) {
     Jet<T> t, rest;
-    t.c[0] = z1 - T(p.start);
-    t.c[1] = T(1.0);
-    t = inverse(I(p.guard) - I(p.start)) * t;
+    t.c[0] = phase;
+    t.c[1] = T(inverse(step.span()));
     rest = I(-1.0) * t;
     rest.c[0] = rest.c[0] + T(1.0);
     const Jet<T> bump = I(4.0) * product(t, rest, order);
     const Jet<T> window = I(4.0) * product(bump, bump, order);
     for (size_t i = 0; i < m; ++i) {
-      Jet<T> path;
-      path.c[0] = T(p.cubic[3 * m + i]);
-      for (size_t power = 3; power-- > 0;) {
-        path = product(path, t, order);
-        path.c[0] = path.c[0] + T(p.cubic[power * m + i]);
-      }
+      const Jet<T> path = step.ends.empty() ? by_powers(step, i, t, order)
+                                            : by_ends(step, i, t, rest, order);
       values[i] = path + product(window, values[i], order);
     }
   }

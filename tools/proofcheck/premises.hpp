@@ -4,11 +4,11 @@
 
 namespace {
 
-// ------------------------------------------------------------------------ 10 set and orbit
+// ------------------------------------------------------------------------ 13 set and orbit
 //
 // Level 2 is about the set T, phases -start_strip to 1 + guard_strip between the fences; level 3
 // about a thin tube in it around the periodic orbit. Their premises are margins like those of
-// conditions, over boxes of the chart of either. What follows from them is in section 12.
+// conditions, over boxes of the chart of either. What follows from them is in section 18.
 
 // An axis of the chart: phase, level, then parameters of the gait.
 // With a change, nothing is said of what is farther than this from the axis before it.
@@ -53,6 +53,7 @@ struct WalkingSet {
   // Phases -start_strip, 1 - guard_strip and 1 + guard_strip, as doubles.
   double first = 0.0, before = 0.0, last = 0.0;
   double push[2] = {0.0, 0.0};       // Bound on what may be added to dz.
+  double floor = 0.0;                // Each foothold is at most this far off its height [m].
   vector<string> barriers, carried;  // Names of conditions.
   vector<string> told;               // Names of commands; the chart has two axes for each.
   bool claimed = false;
@@ -73,6 +74,7 @@ struct Orbit {
   Tube thin;
   bool nested = false;  // Attraction by nested tubes, not by contraction.
   bool walks = false;   // Of a gait with commands: no thin tube, any two walks converge.
+  bool alone = false;   // Of a box of robots: no thin tube, each has an orbit of its own.
   double guard_from = 0.0, guard_to = 0.0;
   vector<double> expansion, slowest, fastest;  // Chebyshev series of bounds on dF/dzeta.
   bool claimed = false;
@@ -126,71 +128,96 @@ struct Theorems {
 class FullState;
 
 // A box of the chart, and the states that it stands for in either tube.
+template <class T>
 class Place {
  public:
   const Model& model;
+  const Step<Scalar<T>>& step;
   const Theorems& theorems;
-  const TM phase, level;
+  const T phase, level;
   const Box box;
   std::shared_ptr<FullState> full;  // Made when level 4 asks for it first.
 
-  Place(const Model& m, const Theorems& t, const Box& b)
-      : model(m), theorems(t), phase(coordinate<TM>(b.low[0], b.high[0], 0)),
-        level(coordinate<TM>(b.low[1], b.high[1], 1)), box(b) {}
+  Place(const Model& m, const Step<Scalar<T>>& s, const Theorems& t, T first, T second, Box b = {})
+      : model(m), step(s), theorems(t), phase(std::move(first)), level(std::move(second)),
+        box(std::move(b)) {}
 
-  Motion<TM>& wide() {
-    if (!wide_) wide_.emplace(state_at(model, model.tube, phase, level));
+  Motion<T>& wide() {
+    if (!wide_) {
+      const auto [z1, z2] = z_at(step, phase, level);
+      // Formulas of z1 and of the phase apart: bounds do not know that both follow from commands.
+      std::optional<T> told;
+      if constexpr (std::is_same_v<T, Formula>) told = phase;
+      wide_.emplace(model, step, z1, z2, std::optional<Off<T>>(), told);
+    }
     return *wide_;
   }
-  Motion<TM>& thin() {
+  Motion<T>& thin() {
     if (!thin_) thin_.emplace(state_at(model, theorems.orbit->thin, phase, level));
     return *thin_;
   }
 
  private:
-  std::optional<Motion<TM>> wide_, thin_;
+  std::optional<Motion<T>> wide_, thin_;
 };
 
 // dz at the corners of the disturbance's box. Every margin that is asked there is linear in dz, or
 // a quotient of linear functions whose denominator has one sign: no point inside is worse.
-Rates pushed(const WalkingSet& set, Motion<TM>& p) {
+template <class T>
+Rates<T> pushed(const WalkingSet& set, Motion<T>& p) {
   if (!set.disturbed()) return {{p.dz1(), p.dz2()}};
-  Rates corners;
+  Rates<T> corners;
   for (const double first : {-set.push[0], set.push[0]})
     for (const double second : {-set.push[1], set.push[1]})
-      corners.push_back({p.dz1() + TM(first), p.dz2() + TM(second)});
+      corners.push_back({p.dz1() + T(first), p.dz2() + T(second)});
   return corners;
 }
 
 // dF/dzeta at a phase: zeta moves by 1 where z2 moves by 1 / z2.
-TM expansion(Motion<TM>& p) {
-  Motion<Dual> across = p.moving(TM(0.0), inverse(p.z2));
+template <class T>
+T expansion(Motion<T>& p) {
+  Motion<DualOf<T>> across = p.moving(T(0.0), inverse(p.z2));
   return flow_slope(across).d;
 }
 
-// rho, how far a neighbour is off after guard and reset, per zeta it was off before. With p the
-// height of the foot, the level of p through this state runs along t = (-p_z2, p_z1) in z. A
-// neighbour that is off by 1 in zeta is off by 1 / z2 in z2; it equals a t plus a multiple of the
-// flow for a = dz1 / (z2 dp/dt). The reset carries a t to a Dz(t), which is off by
-// z2 (z2' - (dz2 / dz1) z1') in zeta along the flow after the reset.
-TM reset_gain(Motion<TM>& p) {
-  const TM p1 = p.foot_per_dz1().z, p2 = p.foot_per_dz2().z;
-  Motion<Dual> along_ground = p.moving(-p2, p1);
-  const Dual hip = along_ground.hip_after(), momentum = along_ground.z2_after();
-  Motion<TM>& after = p.after();
-  const TM off = after.z2 * (momentum.d - after.dz2() / after.dz1() * hip.d);
-  return off * p.dz1() / (p.z2 * (p1 * p.dz1() + p2 * p.dz2()));
+// Where a neighbour lands that is off by 1 in zeta at this phase, before guard and reset: how much
+// further ahead in z1, and how much higher in zeta.
+template <class T>
+struct Parted {
+  T ahead, zeta;
+};
+
+// With p the height of the foot, the level of p through this state runs along t = (-p_z2, p_z1) in z.
+// A neighbour that is off by 1 in zeta is off by 1 / z2 in z2; it equals a t plus a multiple of the
+// flow for a = dz1 / (z2 dp/dt). The reset carries a t to a Dz(t).
+template <class T>
+Parted<T> parted_by_reset(Motion<T>& p) {
+  const T p1 = p.across_ground(p.foot_per_dz1()), p2 = p.across_ground(p.foot_per_dz2());
+  Motion<DualOf<T>> along_ground = p.moving(-p2, p1);
+  const DualOf<T> hip = along_ground.hip_after(), momentum = along_ground.z2_after();
+  const T a = p.dz1() / (p.z2 * (p1 * p.dz1() + p2 * p.dz2()));
+  return {a * hip.d, a * (p.z2_after() * momentum.d)};
+}
+
+// rho, how far a neighbour is off after guard and reset, per zeta it was off before: along the flow
+// after the reset, zeta changes by z2 dz2 / dz1 a metre.
+template <class T>
+T reset_gain(Motion<T>& p) {
+  const Parted<T> found = parted_by_reset(p);
+  Motion<T>& after = p.after();
+  return found.zeta - after.z2 * (after.dz2() / after.dz1()) * found.ahead;
 }
 
 // Rate at which |r| falls outside the thin tube, r being the distance from its middle in its half
 // widths; level runs from the thin tube's fence of one side to the set's.
-TM narrowing(Place& at, bool upper) {
-  const Fences<Dual> thin = sloping_fences(at.theorems.orbit->thin, at.phase);
-  const Fences<TM> wide = fences(at.model.tube, at.phase);
-  const TM from = upper ? thin.upper.v : thin.lower.v, to = upper ? wide.upper : wide.lower;
-  const TM zeta = from + at.level * (to - from);
-  const Dual middle = I(0.5) * (thin.lower + thin.upper), width = thin.upper - thin.lower;
-  Motion<TM> state = state_of(at.model, at.phase, zeta);
+template <class T>
+T narrowing(Place<T>& at, bool upper) {
+  const Fences<DualOf<T>> thin = sloping_fences(at.theorems.orbit->thin, at.phase);
+  const Fences<T> wide = fences(at.step, at.phase);
+  const T from = upper ? thin.upper.v : thin.lower.v, to = upper ? wide.upper : wide.lower;
+  const T zeta = from + at.level * (to - from);
+  const DualOf<T> middle = I(0.5) * (thin.lower + thin.upper), width = thin.upper - thin.lower;
+  Motion<T> state = state_of(at.model, at.phase, zeta);
   return width.d / width.v - (flow_slope(state) - middle.d) / (zeta - middle.v);
 }
 
@@ -233,59 +260,106 @@ const std::map<string, Meaning>& theorem_outputs() {
   return table;
 }
 
-vector<TM> inside(const TM& level) { return {level, TM(1.0) - level}; }
+template <class T>
+vector<T> inside(const T& level) { return {level, T(1.0) - level}; }
+template <class T>
+vector<T> both_signs(const T& x) { return {x, -x}; }
 
-vector<TM> set_margins(const string& n, Place& at) {
-  const Tube& tube = at.model.tube;
-  const WalkingSet& set = *at.theorems.walking;
-  Motion<TM>& p = at.wide();
-  if (n == "set/inertia") return {-p.transversal()};
-  if (n == "set/width") return {relative_width(tube, at.phase)};
-  if (n == "set/fence-lower" || n == "set/fence-upper")
-    return inward(tube, at.phase, p, n == "set/fence-upper", pushed(set, p));
-  if (n == "set/foot-above") return {p.foot().z};
-  if (n == "set/foot-below") return {-p.foot().z};
-  if (n == "set/reset-phase") {
-    const TM phase = phase_of(tube, p.hip_after());
-    return {phase, -phase};
+// How far inside the outputs' bounds both ends of a step are kept, as a share of the bounds' width.
+constexpr double kInside = 1e-3;
+
+// Where a reset lands, of a gait that is told commands; nothing here depends on the next one.
+template <class T>
+vector<T> inlet_margins(const string& n, Place<T>& at) {
+  const auto& step = at.step;
+  Motion<T>& p = at.wide();
+  if (n == "set/reset-place") return both_signs<T>(p.hip_after() - T(step.next().from));
+  if (n == "set/inlet") {
+    const Fences<T> f = fences(step.next(), T(0.0));
+    const T z2 = p.z2_after();
+    vector<T> margins = inside<T>((I(0.5) * (z2 * z2) - f.lower) / (f.upper - f.lower));
+    margins.push_back(z2 / p.z2);
+    return margins;
   }
+  if (n == "set/stride") return {T(step.to - step.from)};
+  if (n == "set/steepness") {
+    const Fences<DualOf<T>> f = sloping_fences(step, at.phase);
+    const Fences<T> first = fences(step, T(0.0));
+    const T share = inverse(first.upper - first.lower), low = share * f.lower.d,
+            high = share * f.upper.d;
+    return {low, high, -low, -high};
+  }
+  if (n != "set/within-bounds") throw Unknown{"the output " + n};
+  vector<T> out;
+  const Policy& policy = at.model.policy;
+  for (const auto& end : {step.start_outputs, step.guard_outputs})
+    for (const bool upper : {false, true})
+      for (size_t j = 0; j < end.size(); ++j) {
+        const I low(policy.lower[j]), high(policy.upper[j]), margin = I(kInside) * (high - low);
+        out.push_back(upper ? T(high - margin) - T(end[j]) : T(end[j]) - T(low + margin));
+      }
+  return out;
+}
+
+template <class T>
+vector<T> set_margins(const string& n, Place<T>& at) {
+  const WalkingSet& set = *at.theorems.walking;
+  const auto& step = at.step;
+  Motion<T>& p = at.wide();
+  if (n == "set/inertia") return {-p.transversal()};
+  if (n == "set/width") return {relative_width(step, at.phase)};
+  if (n == "set/fence-lower" || n == "set/fence-upper")
+    return inward(step, at.phase, p, n == "set/fence-upper", pushed(set, p));
+  if (n == "set/foot-above") return {p.foot_height()};
+  if (n == "set/foot-below") return {-p.foot_height()};
+  if (n == "set/reset-phase") return both_signs<T>(phase_of(step, p.hip_after()));
   if (n == "set/reset-level") {
     // Levels do not tell forward from backward, so z2 must keep its sign as well.
-    vector<TM> margins = inside(reset_level(tube, p));
+    vector<T> margins = inside<T>(reset_level(step, p));
     margins.push_back(p.z2_after() / p.z2);
     return margins;
   }
-  vector<TM> out;
+  if (n != "set/forward" && n != "set/foot-rises" && n != "set/foot-falls")
+    return inlet_margins(n, at);
+  vector<T> out;
   for (const auto& [dz1, dz2] : pushed(set, p)) {
-    const TM rise = p.foot_per_dz1().z * dz1 + p.foot_per_dz2().z * dz2;
-    if (n == "set/forward") out.push_back(inverse(I(tube.guard) - I(tube.start)) * dz1);
-    else if (n == "set/foot-rises") out.push_back(rise);
-    else if (n == "set/foot-falls") out.push_back(-rise);
-    else throw Unknown{"the output " + n};
+    const T rise = p.across_ground(p.foot_per_dz1()) * dz1 + p.across_ground(p.foot_per_dz2()) * dz2;
+    if (n == "set/forward") out.push_back(inverse(step.to - step.from) * dz1);
+    else out.push_back(n == "set/foot-rises" ? rise : -rise);
   }
   return out;
 }
 
-vector<TM> orbit_margins(const string& n, Place& at) {
+// Of two walks that are told the same commands, and of the return map on all of the set.
+template <class T>
+vector<T> return_margins(const string& n, Place<T>& at) {
   const Orbit& orbit = *at.theorems.orbit;
+  Motion<T>& p = at.wide();
+  if (n == "orbit/expansion")
+    return {sum(orbit.expansion, chebyshev(at.phase, orbit.expansion.size())) - expansion(p)};
+  if (n == "orbit/gain")
+    return both_signs<T>(orbit.walks ? parted_by_reset(p).zeta : reset_gain(p));
+  if (n == "orbit/moved") return both_signs<T>(parted_by_reset(p).ahead);
+  if (n == "orbit/along") return both_signs<T>(p.z2 * p.dz2() / p.dz1());
+  throw Unknown{"the output " + n};
+}
+
+vector<TM> orbit_margins(const string& n, Place<TM>& at) {
+  const Orbit& orbit = *at.theorems.orbit;
+  if (n == "orbit/expansion" || n == "orbit/gain" || orbit.walks) return return_margins(n, at);
   const auto series = [&at](const vector<double>& coefficients) {
     return sum(coefficients, chebyshev(at.phase, coefficients.size()));
   };
-  if (n == "orbit/expansion") return {series(orbit.expansion) - expansion(at.wide())};
-  if (n == "orbit/gain") {
-    const TM gain = reset_gain(at.wide());
-    return {gain, -gain};
-  }
   if (n == "orbit/nested-above") return {narrowing(at, true)};
   if (n == "orbit/nested-below") return {narrowing(at, false)};
   // In the chart of the thin tube.
   Motion<TM>& p = at.thin();
   if (n == "orbit/fence-lower" || n == "orbit/fence-upper")
     return inward(orbit.thin, at.phase, p, n == "orbit/fence-upper", {{p.dz1(), p.dz2()}});
-  if (n == "orbit/foot-above") return {p.foot().z};
-  if (n == "orbit/foot-below") return {-p.foot().z};
-  if (n == "orbit/reset-level") return inside(reset_level(orbit.thin, p));
-  if (n == "orbit/inside") return inside(level_of(at.model.tube, p.z1, p.z2));
+  if (n == "orbit/foot-above") return {p.foot_height()};
+  if (n == "orbit/foot-below") return {-p.foot_height()};
+  if (n == "orbit/reset-level") return inside<TM>(reset_level(orbit.thin, p));
+  if (n == "orbit/inside") return inside<TM>(level_of(at.model.step, p.z1, p.z2));
   if (n == "orbit/width") {
     const Fences<TM> f = fences(orbit.thin, at.phase);
     return {root(I(2.0) * f.lower) - root(I(2.0) * f.upper)};
@@ -296,16 +370,19 @@ vector<TM> orbit_margins(const string& n, Place& at) {
   if (n == "orbit/reset-gain-high") return {-reset_gain(p)};
   throw Unknown{"the output " + n};
 }
+// A thin tube is that of a gait without commands.
+vector<Formula> orbit_margins(const string& n, Place<Formula>& at) { return return_margins(n, at); }
 
 // dh/dt + alpha(h) of a barrier h at the corners of the disturbance's box. Whatever h reads is that
 // of the undisturbed surface, so that h is a function of z and its rate is linear in dz.
-vector<TM> pushed_rates(const Condition& c, Place& at) {
-  Motion<TM>& p = at.wide();
-  vector<TM> out;
+template <class T>
+vector<T> pushed_rates(const Condition& c, Place<T>& at) {
+  Motion<T>& p = at.wide();
+  vector<T> out;
   p.jets();
   for (const auto& [dz1, dz2] : pushed(*at.theorems.walking, p)) {
-    Motion<Dual> moved = p.moving(dz1, dz2);
-    const vector<TM> one = barrier_margins(c, moved);
+    Motion<DualOf<T>> moved = p.moving(dz1, dz2);
+    const vector<T> one = barrier_margins(c, moved);
     out.insert(out.end(), one.begin(), one.end());
   }
   return out;

@@ -5,12 +5,13 @@
 
 namespace {
 
-// --------------------------------------------------------------------------- 14 the Program
+// ------------------------------------------------------------------------------ 17 listings
 //
-// The list of operations in the file, as the finder worked with it. It is read only on request: of
-// what it computes this section knows nothing, and shows nothing about the robot. Every value is a
-// flat vector; an element for which there is no bound over a box is left out, and so is what needs
-// it.
+// Formulas are bounded on many boxes: those that this program derived of a gait that is told commands,
+// or, on request, the Program: the list of operations in the file, as the finder worked with it. Of
+// what that computes this section knows nothing, and shows nothing about the robot. Every value of it
+// is a flat vector; an element for which there is no bound over a box is left out, and so is what
+// needs it.
 
 struct Operation {
   string kind;
@@ -138,33 +139,26 @@ Program program_of(const Json& table, const vector<vector<double>>& constants) {
   return program;
 }
 
-// One number of a value, with how it follows from others. Moves only say which number is meant, and
-// sums and inner products are taken apart, so that few kinds are left.
-struct Element {
-  enum Kind { axis, fibre, number, negative, plus, minus, times, scaled, row, expanded };
-  Kind kind;
-  vector<size_t> operands;  // Of a row: k_1, t_1, k_2, t_2, .. and perhaps c.
-  size_t which = 0;         // Of an axis or a fibre.
-  double value = 0.0;       // Of a number.
-  Expansion (*near)(double, double) = nullptr;
-  std::uint32_t needs = 0;  // A bit for each axis that it depends on, and kXi.
-};
-constexpr std::uint32_t kXi = std::uint32_t{1} << kMostAxes;
+// One number of a value is an element, with how it follows from others. Moves only say which number
+// is meant, and sums and inner products are taken apart, so that few kinds are left.
 
-// A Program as its elements, each after what it needs.
+// Outputs as elements, each after what it needs: those of a Program, or of what was recorded.
 class Listing {
  public:
+  Listing(size_t axes, vector<Element> recorded, std::map<string, vector<size_t>> named)
+      : layout{axes, 0}, elements(std::move(recorded)), outputs(std::move(named)) {}
+
   explicit Listing(const Program& program) : layout{program.axes, program.fibres} {
     vector<vector<size_t>> values(1);
     for (size_t k = 0; k < program.axes; ++k)
-      values[0].push_back(add({Element::axis, {}, k, 0.0, nullptr, std::uint32_t{1} << k}));
+      values[0].push_back(add({Element::axis, {}, k, I(0.0), nullptr, std::uint32_t{1} << k}));
     if (program.ball) values.emplace_back();
     for (size_t k = 0; k < program.fibres; ++k)
-      values[1].push_back(add({Element::fibre, {}, k, 0.0, nullptr, kXi}));
+      values[1].push_back(add({Element::fibre, {}, k, I(0.0), nullptr, kXi}));
     for (const vector<double>& constant : program.constants) {
       values.emplace_back();
       for (const double x : constant)
-        values.back().push_back(add({Element::number, {}, 0, x, nullptr, 0}));
+        values.back().push_back(add({Element::number, {}, 0, I(x), nullptr, 0}));
     }
     for (const Operation& op : program.operations) {
       vector<const vector<size_t>*> operands;
@@ -180,16 +174,12 @@ class Listing {
   std::map<string, vector<size_t>> outputs;
 
  private:
-  size_t add(Element element) {
-    for (const size_t operand : element.operands) element.needs |= elements[operand].needs;
-    elements.push_back(std::move(element));
-    return elements.size() - 1;
-  }
+  size_t add(Element element) { return added(elements, std::move(element)); }
   size_t add(Element::Kind kind, vector<size_t> operands) {
-    return add({kind, std::move(operands), 0, 0.0, nullptr, 0});
+    return add({kind, std::move(operands), 0, I(0.0), nullptr, 0});
   }
   size_t of(Expansion (*near)(double, double), size_t a) {
-    return add({Element::expanded, {a}, 0, 0.0, near, 0});
+    return add({Element::expanded, {a}, 0, I(0.0), near, 0});
   }
   size_t product(size_t a, size_t b) {
     if (elements[a].needs == 0) return add(Element::scaled, {a, b});
@@ -336,11 +326,11 @@ class Evaluation {
   }
 };
 
-// Bounds of a Program's outputs over boxes of up to N axes.
+// Bounds of a listing's outputs over boxes of up to N axes.
 template <int N>
-class ProgramBounder : public Bounder {
+class ListingBounder : public Bounder {
  public:
-  explicit ProgramBounder(std::shared_ptr<const Listing> listing) : listing_(std::move(listing)) {}
+  explicit ListingBounder(std::shared_ptr<const Listing> listing) : listing_(std::move(listing)) {}
   size_t most_boxes() const override { return kLanes; }
 
   void over(const vector<const Box*>& boxes, const vector<const Claim*>& claims) override {
@@ -375,18 +365,22 @@ class ProgramBounder : public Bounder {
 };
 
 template <int N>
-Bounding bounding_in(const Program& program) {
-  const auto listing = std::make_shared<const Listing>(program);
-  return [listing] { return std::make_unique<ProgramBounder<N>>(listing); };
+Bounding bounding_in(std::shared_ptr<const Listing> listing) {
+  return [listing] { return std::make_unique<ListingBounder<N>>(listing); };
 }
 
-// Bounds of a Program's outputs. Each number of axes is compiled for itself: only some are.
+// Bounds of the outputs of a listing. Each number of axes is compiled for itself: only some are.
+Bounding by_the_listing(std::shared_ptr<const Listing> listing) {
+  const size_t axes = listing->layout.axes;
+  if (axes <= 2) return bounding_in<2>(listing);
+  if (axes <= 4) return bounding_in<4>(listing);
+  if (axes <= 8) return bounding_in<8>(listing);
+  if (axes <= 12) return bounding_in<12>(listing);
+  return bounding_in<kMostAxes>(listing);
+}
+
 Bounding by_the_program(const Program& program) {
-  if (program.axes <= 2) return bounding_in<2>(program);
-  if (program.axes <= 4) return bounding_in<4>(program);
-  if (program.axes <= 8) return bounding_in<8>(program);
-  if (program.axes <= 12) return bounding_in<12>(program);
-  return bounding_in<kMostAxes>(program);
+  return by_the_listing(std::make_shared<const Listing>(program));
 }
 
 }  // namespace

@@ -16,24 +16,27 @@
 //    3  Taylor models        taylor.hpp       functions of a box: quadratic polynomials with
 //                                             interval coefficients; of a ball: with a slope
 //    4  duals                                 a value and its derivative along a direction
-//    5  reading              reading.hpp      JSON, hexadecimal floats, base64, sha256
-//    6  the model            robot.hpp        robot from link data, policy, tube, residuals
-//    7  the policy           policy.hpp       desired outputs and derivatives up to second order
-//    8  mechanics            mechanics.hpp    from a state to forces and impact, link by link
-//    9  conditions           conditions.hpp   what is claimed of single states, also in words
-//   10  set and orbit        premises.hpp     what levels 2 and 3 rest on
-//   11  full order           full_order.hpp   what levels 4 and 5 rest on; all outputs and their words
-//   12  the check            check.hpp        trees of boxes, on several threads
-//   13  lanes                lanes.hpp        Taylor models of several boxes at once, in doubles
-//   14  the Program          program.hpp      the file's own list of operations, on request
-//   15  what follows         conclusions.hpp  from statements about boxes to trajectories
-//   16  the file             file.hpp         consistency of what it says
-//   17  the command          this file
+//    5  formulas             formulas.hpp     the same operations, written down to be carried out later
+//    6  reading              reading.hpp      JSON, hexadecimal floats, base64, sha256
+//    7  the model            robot.hpp        robot from link data, policy, tube, residuals
+//    8  steps                steps.hpp        one step of a gait: its ends, its tube
+//    9  the policy           policy.hpp       desired outputs and derivatives up to second order
+//   10  mechanics            mechanics.hpp    from a state to forces and impact, link by link
+//   11  told commands        commanded.hpp    the step between two commands: footholds, impacts, path
+//   12  conditions           conditions.hpp   what is claimed of single states, also in words
+//   13  set and orbit        premises.hpp     what levels 2 and 3 rest on
+//   14  full order           full_order.hpp   what levels 4 and 5 rest on; all outputs and their words
+//   15  the check            check.hpp        trees of boxes, on several threads
+//   16  lanes                lanes.hpp        Taylor models of several boxes at once, in doubles
+//   17  listings             program.hpp      formulas, or the file's own Program on request, bounded so
+//   18  what follows         conclusions.hpp  from statements about boxes to trajectories
+//   19  the file             file.hpp         consistency of what it says
+//   20  the command          this file
 //
 // proofcheck FILE prints the robot and every statement in words, with all numbers that they depend
 // on, and answers with its exit code: 0 proved of what is printed, 1 rejected (false, with a point;
 // or the file contradicts itself, or claims what does not follow), 2 not a proof file, 3 undecided (a
-// user's own condition, policy or residual, a chart with parameters beside phase and level, boxes
+// user's own condition, policy or residual, a chart with axes beside phase, level and commands, boxes
 // that do not reach their bounds, or a condition that is not claimed on all of its region), 70 the
 // rounding does not work. Boxes are bounded with models of second degree whatever degree the finder
 // used.
@@ -46,7 +49,7 @@
 // of them in one. Answers do not depend on it.
 //
 // It is compiled in one line:
-// g++ -std=c++17 -O2 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
+// g++ -std=c++17 -O1 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
 //
 // Add -march=native for a processor with wider registers: more boxes are bounded at once. Nothing
 // else changes; multiplications and additions are not fused, whatever the processor has.
@@ -60,7 +63,7 @@
 
 namespace {
 
-// ---------------------------------------------------------------------------- 17 the command
+// ---------------------------------------------------------------------------- 20 the command
 
 string read_file(const string& path) {
   string text;
@@ -127,6 +130,11 @@ string effort(long boxes, std::chrono::steady_clock::time_point start) {
 // The verdict on what holds.
 const char* good(const ProofFile& file) { return file.program ? "consistent" : "proved"; }
 
+Bounding bounding_of(const ProofFile& file) {
+  if (file.program) return by_the_program(*file.program);
+  return file.recorded ? by_the_listing(file.recorded) : by_the_model(file.model, file.theorems);
+}
+
 // Checks one statement and prints it.
 Finding check(const ProofFile& file, const Bounding& bounding, const Statement& s, size_t threads) {
   const auto start = std::chrono::steady_clock::now();
@@ -157,15 +165,54 @@ void say_names(const ProofFile& file) {
         std::to_string(file.program->outputs.size()) + " outputs");
 }
 
+// z2 on both fences of a step at three phases.
+void say_fences(const string& where, const Step<I>& step) {
+  for (const double phase : {0.0, 0.5, 1.0}) {
+    const Fences<I> f = fences(step, I(phase));
+    say("  " + where + "at phase " + brief(phase) + ": z2 between " +
+        at_least(root(I(2.0) * f.lower).low()) + " and " + at_most(root(I(2.0) * f.upper).high()) +
+        " kg m^2/s");
+  }
+}
+
+// What a gait is told, and its tubes at commands that stay, at both ends of each range.
+void say_family(const Family& family) {
+  for (const Command& c : family.commands)
+    say("  told at each touchdown: " + c.name + ", " + brief(c.low) + " to " + brief(c.high) +
+        (c.change < HUGE_VAL ? ", by at most " + brief(c.change) + " more or less than before"
+                             : ", any after any") +
+        "; what is proved is what the chart of each statement says of it");
+  say("  where a step ends, and with it z1 at phase 0 and 1, follows from the commands: see the text "
+      "of this program, section 11");
+  say("tubes, at commands that stay:");
+  const size_t count = family.commands.size();
+  for (size_t corner = 0; corner < size_t{1} << count; ++corner) {
+    vector<I> commands;
+    string where;
+    for (size_t i = 0; i < count; ++i) {
+      const Command& c = family.commands[i];
+      const double at = corner >> i & 1 ? c.high : c.low;
+      commands.push_back(I(at));
+      where += c.name + " " + brief(at) + ", ";
+    }
+    Step<I> step;
+    step.before = step.after = places(family, commands);
+    step.lower = family.lower;
+    step.upper = family.upper;
+    step.unit = family.unit;
+    say_fences(where, step);
+  }
+}
+
 // Every number of robot, policy and tube that the statements depend on; weights by their hash.
 void say_model(const ProofFile& file) {
   const Robot& robot = file.model.robot;
   const Policy& policy = file.model.policy;
-  const Tube& tube = file.model.tube;
   say("robot " + file.robot + ": " + std::to_string(robot.links) + " links, " +
       at_least(robot.weight_mass.low()) + " kg");
   for (const string& line : robot.words) say("  " + line);
-  string layers = "2";
+  string layers = std::to_string(
+      2 + (file.model.family ? file.model.family->told[0].size() : size_t{0}));
   for (const Layer& layer : policy.layers) layers += "-" + std::to_string(layer.rows);
   say("policy " + layers + (policy.softplus ? ", softplus" : ", tanh") +
       (policy.hybrid_invariant ? ", between postures before and after the impact" : "") +
@@ -174,14 +221,15 @@ void say_model(const ProofFile& file) {
   for (size_t j = 0; j < policy.lower.size(); ++j)
     say("  joint " + std::to_string(j) + ": outputs between " + brief(policy.lower[j]) + " and " +
         brief(policy.upper[j]) + " rad");
-  say("  z1 from " + brief(policy.start) + " m after the impact to " + brief(policy.guard) +
-      " m at the guard");
-  say("tube, z1 from " + brief(tube.start) + " m at phase 0 to " + brief(tube.guard) +
-      " m at phase 1");
-  for (const double phase : {0.0, 0.5, 1.0}) {
-    const Fences<I> f = fences(tube, I(phase));
-    say("  at phase " + brief(phase) + ": z2 between " + at_least(root(I(2.0) * f.lower).low()) +
-        " and " + at_most(root(I(2.0) * f.upper).high()) + " kg m^2/s");
+  if (file.model.family) {
+    say_family(*file.model.family);
+  } else {
+    const Tube& tube = file.model.tube;
+    say("  z1 from " + brief(policy.start) + " m after the impact to " + brief(policy.guard) +
+        " m at the guard");
+    say("tube, z1 from " + brief(tube.start) + " m at phase 0 to " + brief(tube.guard) +
+        " m at phase 1");
+    say_fences("", file.model.step);
   }
   const auto sizes = [](const vector<double>& bounds) {
     string words;
@@ -203,8 +251,7 @@ int check(const ProofFile& file, size_t threads) {
   // What is quickly seen to be wrong comes first.
   for (const Statement& s : file.statements) read_tree(s);
   const auto levels = concluded(file);
-  const Bounding bounding =
-      file.program ? by_the_program(*file.program) : by_the_model(file.model, file.theorems);
+  const Bounding bounding = bounding_of(file);
   const auto start = std::chrono::steady_clock::now();
   Finding worst;
   long boxes = 0;
@@ -227,11 +274,13 @@ int check(const ProofFile& file, size_t threads) {
     for (const auto& [level, words] : levels) {
       say("level " + std::to_string(level) + " " + good(file));
       for (const string& line : words) say("  " + line);
-      if (file.chart.size() > 2 && !(file.theorems.walking && !file.theorems.walking->told.empty())) {
+      // Axes of commands come first, and the theorems speak of them.
+      const size_t first = 2 + (file.theorems.walking ? 2 * file.theorems.walking->told.size() : 0);
+      if (file.chart.size() > first) {
         string given;
-        for (size_t k = 2; k < file.chart.size(); ++k) {
+        for (size_t k = first; k < file.chart.size(); ++k) {
           const Axis& axis = file.chart[k];
-          given += (k > 2 ? " and " : "") + axis_words(axis, axis.low, axis.high);
+          given += (k > first ? " and " : "") + axis_words(axis, axis.low, axis.high);
         }
         say("  this holds for each fixed " + given + "; of one that changes it says nothing");
       }
@@ -256,8 +305,7 @@ double asked(std::istream& in) {
 
 // For tests: enclosures of all outputs over boxes of the chart, lower corner then upper.
 int answer_bounds(const ProofFile& file, std::istream& in) {
-  const Bounding bounding =
-      file.program ? by_the_program(*file.program) : by_the_model(file.model, file.theorems);
+  const Bounding bounding = bounding_of(file);
   const std::unique_ptr<Bounder> bounder = bounding();
   vector<Claim> claims;
   for (const auto& [name, output] : file.outputs)
@@ -295,6 +343,8 @@ int answer_functions(std::istream& in) {
     else if (name == "logistic") r = logistic_at(x);
     else if (name == "softplus") r = softplus_at(x);
     else if (name == "log1p") r = log1p_of(I(x));
+    else if (name == "logit") r = logit_at(x);
+    else if (name == "arctan") r = arctan_at(x);
     else if (name == "sin") r = sincos_at(x).sine;
     else if (name == "cos") r = sincos_at(x).cosine;
     else if (name == "sqrt") r = root(I(x));

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "taylor.hpp"
+#include "formulas.hpp"
 
 namespace {
 
-// -------------------------------------------------------------------------------- 5 reading
+// -------------------------------------------------------------------------------- 6 reading
 //
 // All numbers of the file are read in the default rounding mode, before upward rounding is set:
 // decimals to the nearest double, as every other reader does, hexadecimal numbers exactly.

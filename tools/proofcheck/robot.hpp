@@ -4,7 +4,7 @@
 
 namespace {
 
-// ------------------------------------------------------------------------------ 6 the model
+// ------------------------------------------------------------------------------ 7 the model
 
 struct Array {
   vector<int> shape;
@@ -210,11 +210,41 @@ struct Policy {
   vector<double> cubic;             // [4, m]
 };
 
-// network.weights[i] and network.biases[i] of an owner, from two inputs to `outputs`.
-vector<Layer> layers_of(const std::map<string, Array>& arrays, int depth, int outputs) {
+// A number that a gait is told at each touchdown.
+struct Command {
+  string name;
+  double low = 0.0, high = 0.0;
+  double change = HUGE_VAL;  // The largest from one step to the next.
+};
+
+// What makes a policy and a tube of each pair of commands, before and after: polynomials of second
+// degree in the commands, a row a monomial.
+struct Family {
+  vector<Command> commands;
+  vector<vector<double>> guard_outputs, guard_slopes;  // [M, m]
+  vector<double> guard_z1;                             // [M]
+  vector<vector<double>> curves;                       // [p, 4]: where in the family a command is.
+  vector<vector<double>> told;                         // [h, 2 p]: weights of the first layer.
+  vector<vector<double>> lower, upper;                 // [M, k]: fences, series in the phase.
+  double unit = 1.0;
+};
+
+// Monomials up to degree 2 in so many numbers: 1, c_i, then c_i c_j for i <= j row by row.
+size_t monomials(size_t count) { return 1 + count + count * (count + 1) / 2; }
+
+vector<vector<double>> rows_of(const Array& array) {
+  vector<vector<double>> rows;
+  const auto columns = static_cast<size_t>(array.shape[1]);
+  for (size_t i = 0; i < array.values.size(); i += columns)
+    rows.emplace_back(array.values.begin() + i, array.values.begin() + i + columns);
+  return rows;
+}
+
+// network.weights[i] and network.biases[i] of an owner, from some inputs to `outputs`.
+vector<Layer> layers_of(const std::map<string, Array>& arrays, int depth, int outputs,
+                        int columns = 2) {
   vector<Layer> layers;
   if (depth < 1 || depth > 50) refuse("a network of " + std::to_string(depth) + " layers");
-  int columns = 2;
   for (int i = 0; i < depth; ++i) {
     const string place = "[" + std::to_string(i) + "]";
     const auto found = arrays.find("network.weights" + place);
@@ -231,13 +261,61 @@ vector<Layer> layers_of(const std::map<string, Array>& arrays, int depth, int ou
   return layers;
 }
 
-Policy policy_of(const Json& table, int joints, const Constants& constants) {
-  only(table, "the policy", {"kind", "activation", "layers", "z2_dependence", "arrays"});
+vector<Command> commands_of(const Json& list) {
+  vector<Command> found;
+  for (const Json& row : list_of(list, "the commands")) {
+    only(row, "a command", {"name", "low", "high", "largest_change"});
+    Command c;
+    c.name = text_of(*row.find("name"), "a command's name");
+    only_a_name(c.name, "a command");
+    c.low = hexadecimal(*row.find("low"), c.name);
+    c.high = hexadecimal(*row.find("high"), c.name);
+    const Json& change = *row.find("largest_change");
+    if (change.type != Json::null) c.change = hexadecimal(change, c.name);
+    if (!(c.low < c.high && c.high - c.low < HUGE_VAL && c.change > 0.0))
+      refuse("the command " + c.name + " without a range, or with a change that is none");
+    for (const Command& other : found)
+      if (other.name == c.name) refuse("two commands named " + c.name);
+    found.push_back(c);
+  }
+  if (found.empty() || found.size() > 7) refuse("a gait of " + std::to_string(found.size()) + " commands");
+  return found;
+}
+
+// The rest of a family's policy; the first layer's weights of commands are taken out of the network.
+Family family_of(Policy& p, const Json& table, const std::map<string, Array>& arrays, int joints) {
+  Family f;
+  f.commands = commands_of(table);
+  const int count = static_cast<int>(f.commands.size());
+  const int terms = static_cast<int>(monomials(f.commands.size()));
+  f.guard_outputs = rows_of(array(arrays, "guard_outputs", {terms, joints}));
+  f.guard_slopes = rows_of(array(arrays, "guard_slopes", {terms, joints}));
+  f.guard_z1 = array(arrays, "guard_z1", {terms}).values;
+  f.curves = rows_of(array(arrays, "curves", {count, 4}));
+  Layer& first = p.layers[0];
+  const vector<vector<double>> weights = rows_of({{first.rows, first.columns}, first.weights});
+  first.columns = 2;
+  first.weights.clear();
+  for (const vector<double>& row : weights) {
+    first.weights.insert(first.weights.end(), row.begin(), row.begin() + 2);
+    f.told.emplace_back(row.begin() + 2, row.end());
+  }
+  return f;
+}
+
+Policy policy_of(const Json& table, int joints, const Constants& constants,
+                 std::optional<Family>& family) {
+  vector<string> fields = {"kind", "activation", "layers", "z2_dependence", "arrays"};
+  const Json* told = table.find("commands");
+  if (told) fields.push_back("commands");
+  only(table, "the policy", fields);
   const auto text = [&](const char* name) {
     return text_of(field(table, "the policy", name), string("the policy's ") + name);
   };
   Policy p;
-  if (text("kind") == "HybridInvariantPolicy") p.hybrid_invariant = true;
+  const bool commanded = text("kind") == "CommandedPolicy";
+  if (commanded != (told != nullptr)) refuse("commands of a policy that takes none, or none of one");
+  if (commanded || text("kind") == "HybridInvariantPolicy") p.hybrid_invariant = true;
   else if (text("kind") != "MLPPolicy") throw Unknown{"a policy of the kind " + text("kind")};
   if (text("activation") == "softplus") p.softplus = true;
   else if (text("activation") != "tanh") throw Unknown{"the activation " + text("activation")};
@@ -245,24 +323,26 @@ Policy policy_of(const Json& table, int joints, const Constants& constants) {
   if (dependence.type != Json::boolean) refuse("z2_dependence that is neither true nor false");
   p.z2_dependence = dependence.number_value != 0.0;
   const auto arrays = arrays_of(field(table, "the policy", "arrays"), "policy", constants);
-  size_t used = 6;
+  size_t used = 8;
   p.lower = array(arrays, "lower", {joints}).values;
   p.upper = array(arrays, "upper", {joints}).values;
   p.scale = array(arrays, "input_scale", {2}).values;
   p.shift = array(arrays, "input_shift", {2}).values;
-  if (p.hybrid_invariant) {
+  if (p.hybrid_invariant && !commanded) {
     p.guard = array(arrays, "z_guard", {}).values[0];
     p.start = array(arrays, "z_start", {}).values[0];
     p.cubic = array(arrays, "cubic", {4, joints}).values;
     used = 7;
-  } else {
+  } else if (!commanded) {
     const vector<double>& ends = array(arrays, "start_and_guard", {2}).values;
     p.start = ends[0];
     p.guard = ends[1];
     used = 5;
   }
   const int depth = integer_of(field(table, "the policy", "layers"), "the number of layers");
-  p.layers = layers_of(arrays, depth, joints);
+  p.layers = layers_of(arrays, depth, joints,
+                       commanded ? 2 + 2 * static_cast<int>(list_of(*told, "the commands").size()) : 2);
+  if (commanded) family = family_of(p, *told, arrays, joints);
   used += 2 * p.layers.size();
   if (used != arrays.size()) refuse("arrays of the policy that its kind does not have");
   return p;
@@ -291,6 +371,21 @@ Tube tube_of(const Json& table, const Policy& policy, const Constants& constants
     t.guard = array(arrays, "span", {2}).values[1];
   }
   return t;
+}
+
+// The fences of a family.
+void read_fences(const Json& table, const Constants& constants, Family& f) {
+  only(table, "the tube", {"lower", "upper", "unit", "span"});
+  const auto arrays = arrays_of(table, "tube", constants);
+  if (arrays.count("span")) refuse("a span of a tube that follows commands");
+  for (const char* side : {"lower", "upper"}) {
+    const auto found = arrays.find(side);
+    if (found == arrays.end() || found->second.shape.size() != 2 ||
+        found->second.shape[0] != static_cast<int>(f.guard_z1.size()))
+      refuse(string("no series '") + side + "' in the tube");
+    (string(side) == "lower" ? f.lower : f.upper) = rows_of(found->second);
+  }
+  f.unit = array(arrays, "unit", {}).values[0];
 }
 
 // What was learned of the robot beyond its links; see the policy's section.
@@ -326,13 +421,5 @@ ResetResidual reset_residual_of(const Json& table, int joints, const Constants& 
           array(arrays, "shift", {2}).values,
           array(arrays, "bound", {rows}).values};
 }
-
-struct Model {
-  Robot robot;
-  Policy policy;
-  Tube tube;
-  std::optional<FlowResidual> flow;
-  std::optional<ResetResidual> reset;
-};
 
 }  // namespace

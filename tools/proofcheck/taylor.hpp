@@ -306,6 +306,21 @@ Expansion root_near(double m, double reach) {
   return {v, slope, I(-0.25) * slope / I(m), magnitude(I(0.375) / (square(least) * w))};
 }
 
+// log(x / (1 - x)), whose derivatives are those of log x less those of log(1 - x).
+Expansion logit_near(double m, double reach) {
+  const I x(m), rest = I(1.0) - x, v = inverse(x), w = inverse(rest);
+  const I near = x + symmetric(reach), far = rest + symmetric(reach);
+  if (!(near.low() > 0.0 && far.low() > 0.0)) throw NoBound();
+  const I v2 = inverse(near), w2 = inverse(far);  // Third derivatives: 2 / x^3 and -2 / (1 - x)^3.
+  return {logit_at(m), v + w, I(0.5) * (square(w) - square(v)),
+          magnitude(I(2.0) * (square(v2) * v2 + square(w2) * w2))};
+}
+
+Expansion arctan_near(double m, double) {
+  const I slope = inverse(I(1.0) + square(I(m)));
+  return {arctan_at(m), slope, -I(m) * square(slope), 2.0};  // |6 x^2 - 2| <= 2 (1 + x^2)^3
+}
+
 // f(a), around the middle of c0.
 template <class T>
 T expanded(const T& a, Expansion (*near)(double, double)) {

@@ -194,7 +194,7 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     The values that training started from are left out: computing them takes a second. A user's own
     function may do with them what it likes, so it gets them.
     """
-    if asked_of(folder).spec not in specs.DESCRIPTIONS:
+    if not specs.is_built_in(asked_of(folder).spec):
         return untrained(folder, spec)
     kept = {}
 
@@ -213,7 +213,7 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     asked = asked_of(folder)
     robot = robot_from_text(folder.copy(ROBOT), asked.robot)
     name = asked.spec
-    if name not in specs.DESCRIPTIONS:
+    if not specs.is_built_in(name):
         if ".py:" not in name:
             raise RunError(
                 f"expected a built-in spec or FILE.py:NAME, found {name!r}: the run was trained "
@@ -225,7 +225,8 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     told = tuple(
         Command(name, c.low, c.high, c.largest_change) for name, c in asked.commands.items()
     )
-    spec = specs.load(name, robot, told, asked.speed, asked.parameters)
+    degree = None if asked.given is None else asked.given.degree
+    spec = specs.load(name, robot, told, asked.speed, asked.parameters, degree)
     found = plain(spec.describe())
     if found != asked.described:
         differ = (key for key, value in found.items() if value != asked.described.get(key))

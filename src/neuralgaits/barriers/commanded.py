@@ -73,12 +73,13 @@ def commands_of(**ranges: Interval | None) -> Commands:
     return tuple(found)
 
 
-def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
+def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool = True) -> GaitSpec:
     """The default specification of a gait that is told `commands`.
 
     Args:
         robot: with knees.
         commands: at least one.
+        z2_dependence: of `CommandedPolicy`.
     """
     lowest = {command.name: command.low for command in commands}
     plain = walking(
@@ -106,7 +107,7 @@ def commanded(robot: "PlanarBiped", commands: Commands) -> GaitSpec:
     return replace(
         plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
-        new_gait=partial(_new_gait, robot, commands),
+        new_gait=partial(_new_gait, robot, commands, z2_dependence=z2_dependence),
         recipe=recipe,
         commands=commands,
         aims=aims,
@@ -166,8 +167,12 @@ def _new_gait(
     key: PRNGKeyArray,
     init: Init,
     hidden: tuple[int, ...] | None,
+    *,
+    z2_dependence: bool,
 ) -> CommandedGait:
-    policy = CommandedPolicy.init(robot, commands, key=key, hidden=hidden or (32, 32))
+    policy = CommandedPolicy.init(
+        robot, commands, key=key, hidden=hidden or (32, 32), z2_dependence=z2_dependence
+    )
     if init == "random":
         full = 10.0 * policy.network.weights[-1]
         policy = eqx.tree_at(

@@ -9,13 +9,13 @@ and bands of tilted energy are tubes whose fences are fixed parabolas, so one ch
 from typing import Literal, NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, poly2cheb
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.gait.commands import Commands, Pair, factors, pair_at
+from neuralgaits.gait.network import movable
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import AbstractResetResidual
@@ -281,9 +281,8 @@ class Gait(eqx.Module):
 
     def trainable(self) -> "Gait":
         """A tree of booleans: True where training may move a leaf."""
-        frozen = jax.tree.map(lambda _: False, self.tube)
-        fences = eqx.tree_at(lambda t: (t.lower, t.upper), frozen, (True, True))
-        return Gait(self.policy.trainable(), fences if self.tube.trained else frozen)
+        fences = movable(self.tube, lambda t: (t.lower, t.upper) if t.trained else ())
+        return Gait(self.policy.trainable(), fences)
 
 
 class CommandedGait(eqx.Module):
@@ -339,8 +338,7 @@ class CommandedGait(eqx.Module):
 
     def trainable(self) -> "CommandedGait":
         """A tree of booleans: True where training may move a leaf."""
-        frozen = jax.tree.map(lambda _: False, self.tube)
-        fences = eqx.tree_at(lambda t: (t.lower, t.upper), frozen, (True, True))
+        fences = movable(self.tube, lambda t: (t.lower, t.upper))
         return CommandedGait(self.policy.trainable(), fences)
 
 

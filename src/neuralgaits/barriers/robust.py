@@ -1,35 +1,99 @@
 """The default spec for every robot of a box around a file's: the walk of `walking` on all of them.
 
 The policy is one of z1 alone, and what it is made of is the file's robot: neither needs to know
-which robot of the box it is on. Conditions are those of the plain gait, numbers included.
+which robot of the box it is on. Conditions are those of the plain gait, numbers included; but no
+friction cone is wider than the floor's.
 """
 
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from neuralgaits.barriers.commanded import commanded
+from neuralgaits.barriers.conditions import AbstractCondition, Pointwise
+from neuralgaits.barriers.functions import at_most, foot_vertical_velocity
+from neuralgaits.barriers.quantities import (
+    FrictionBackward,
+    FrictionForward,
+    ImpulseConeBackward,
+    ImpulseConeForward,
+)
 from neuralgaits.barriers.spec import GaitSpec
-from neuralgaits.barriers.walking import new_hybrid_invariant, walking
-from neuralgaits.robots.parameters import Box, axes_of
+from neuralgaits.barriers.walking import new_hybrid_invariant, units, walking
+from neuralgaits.errors import SpecError
+from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.posture import REFERENCE_LEG_M
+from neuralgaits.robots.parameters import GROUND, Box, axes_of, checked_box
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 STEPS = 3000
 """Gradient steps: each sample is of another robot."""
+STRIP, MOST_STRIP = 7.5, 0.09
+"""Phases around the guard in which the foot goes through a metre of heights, and the most there can
+be: AMBER-3M's foot falls at 0.5 m/s, and takes 6.5."""
+FALLS, RESETS = "guard-transversal", ("reset-above-lower-fence", "reset-below-upper-fence")
+FALL = 0.45
+"""Least speed of a foot that comes to a floor of unknown height, for the reference robot [m/s]: so
+the strip in which it may meet the floor is short."""
+MORE_GUARD, WEIGHT = 3, 2.0
+"""Factor of the samples of that strip, and weight of the conditions that resets from it land in."""
+CONES = FrictionForward, FrictionBackward, ImpulseConeForward, ImpulseConeBackward
+"""Quantities that no foot slips of which are not negative."""
 
 
-def robust(robot: "PlanarBiped", box: Box) -> GaitSpec:
+def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
     """The default specification of a gait for every robot of a box.
 
     Args:
         robot: in the middle of the box; with knees.
         box: half widths by kind of parameter, see `robots.parameters`.
+        commands: that the gait is told at each touchdown, on a floor as meant.
+
+    Raises: SpecError if it is told commands on a floor of unknown height.
     """
-    plain = walking(robot)
+    box = checked_box(box)
+    if commands:
+        if "floor" in box:
+            raise SpecError(
+                "expected a gait without commands with a floor of unknown height, found one that "
+                f"is told {', '.join(c.name for c in commands)}: leave floor or these out"
+            )
+        plain = commanded(robot, commands, z2_dependence=False)
+        recipe, new_gait = plain.recipe, plain.new_gait
+    else:
+        plain = walking(robot)
+        recipe = replace(plain.recipe, steps=STEPS)
+        new_gait = partial(new_hybrid_invariant, robot, z2_dependence=False)
+    if "floor" in box:
+        strip = min(STRIP * box["floor"] * REFERENCE_LEG_M / robot.leg_length, MOST_STRIP)
+        samples = dict(recipe.samples) | {"guard": MORE_GUARD * recipe.samples["guard"]}
+        overshoot = strip, recipe.overshoot[1]
+        recipe = replace(recipe, strip=strip, overshoot=overshoot, samples=samples)
+        fall = at_most(foot_vertical_velocity, -FALL * units(robot).speed)
+        plain = replace(
+            plain,
+            conditions=tuple(
+                replace(one, function=fall) if one.name == FALLS else one
+                for one in plain.conditions
+            ),
+            weights=dict(plain.weights) | dict.fromkeys(RESETS, WEIGHT),
+        )
     return replace(
         plain,
-        new_gait=partial(new_hybrid_invariant, robot, z2_dependence=False),
-        recipe=replace(plain.recipe, steps=STEPS),
+        conditions=tuple(_on_friction(one, box.get("friction")) for one in plain.conditions),
+        new_gait=new_gait,
+        recipe=recipe,
         parameters=axes_of(robot, box),
+        ground={kind: box[kind] for kind in GROUND if kind in box},
     )
+
+
+def _on_friction(condition: AbstractCondition, least: float | None) -> AbstractCondition:
+    """The condition, with a friction cone that is no wider than that of the least friction."""
+    if least is None or not isinstance(condition, Pointwise):
+        return condition
+    if not isinstance(condition.function, CONES) or condition.function.coefficient <= least:
+        return condition
+    return replace(condition, function=replace(condition.function, coefficient=least))

@@ -18,8 +18,8 @@ from neuralgaits.gait.commands import Commands
 from neuralgaits.robots.parameters import Axis
 
 Init = Literal["posture", "random"]
-_FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient")
-"""Fields of a recipe that a spec without commands does not tell."""
+_FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient", "strip")
+"""Fields of a recipe that a spec without commands, on one floor, does not tell."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,7 @@ class Recipe:
         faster_changes: share by which changes of a command are trained on that are larger than
             its largest: calibration stretches them.
         corners: share of the samples of a command's axis that lie on its ends.
+        strip: how far, in phases, samples of the guard lie before and behind phase 1.
         largest_gradient: norm that gradients are clipped to; None for any.
     """
 
@@ -68,6 +69,7 @@ class Recipe:
     widened: float = 0.0
     faster_changes: float = 0.0
     corners: float = 0.0
+    strip: float = 0.0
     largest_gradient: float | None = None
 
 
@@ -97,6 +99,7 @@ class GaitSpec:
         aims: what the gait is trained towards beside its conditions; no certificate speaks of them.
         parameters: of the robot, by which it may differ from its file, of `parameters.axes_of`: the
             conditions are meant for every robot of that box.
+        ground: what of `parameters.GROUND` the conditions are meant for beside.
     """
 
     name: str
@@ -108,6 +111,7 @@ class GaitSpec:
     commands: Commands = ()
     aims: tuple[AbstractAim, ...] = ()
     parameters: tuple[Axis, ...] = ()
+    ground: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self):
         """Refuse names that are none or not unique, unknown regions, regions without samples."""
@@ -204,6 +208,8 @@ class GaitSpec:
             described["commands"] = [asdict(command) for command in self.commands]
         if self.parameters:
             described["parameters"] = [axis._asdict() for axis in self.parameters]
+        if self.ground:
+            described["ground"] = dict(self.ground)
         return described
 
     def margins(

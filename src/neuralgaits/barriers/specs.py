@@ -1,5 +1,6 @@
 """The built-in gait specifications by name, and a user's own from FILE.py:NAME."""
 
+import ast
 import importlib.util
 import sys
 from collections.abc import Callable
@@ -8,10 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from neuralgaits._names import meant
+from neuralgaits.barriers import hzd as _hzd
 from neuralgaits.barriers import paper as _paper
 from neuralgaits.barriers import user_code
 from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.commanded import at_speed, commanded
+from neuralgaits.barriers.hzd import hzd
 from neuralgaits.barriers.paper import authors, paper, paper_walks
 from neuralgaits.barriers.robust import robust
 from neuralgaits.barriers.spec import GaitSpec
@@ -29,6 +32,8 @@ __all__ = [
     "at_speed",
     "authors",
     "commanded",
+    "hzd",
+    "is_built_in",
     "load",
     "paper",
     "paper_walks",
@@ -51,6 +56,13 @@ DESCRIPTIONS = {
     "paper-walks": "Table 1, and the least that makes it walk (ReLU, not provable)",
     "authors": "conditions and schedule of the authors' code (ReLU, not provable)",
 }
+GIVEN = _hzd.NAME
+"""The spec of gaits that are given, which no training is asked for."""
+
+
+def is_built_in(name: str) -> bool:
+    """Whether a spec comes with the package."""
+    return name in DESCRIPTIONS or name == GIVEN
 
 
 def load(
@@ -59,6 +71,7 @@ def load(
     commands: Commands = (),
     speed: float | None = None,
     parameters: Box | None = None,
+    degree: int | None = None,
 ) -> GaitSpec:
     """The spec of that name for a robot.
 
@@ -68,16 +81,24 @@ def load(
         robot: the robot the spec is for.
         commands: that the gait is told at each touchdown; of "walking" only.
         speed: mean speed to aim at (m/s); likewise, and without commands.
-        parameters: box of robots that it is meant for; likewise, without commands or speed.
+        parameters: box of robots that it is meant for; likewise, without one speed.
+        degree: of the polynomials of a gait that was given; of "hzd" only, and needed there.
     """
-    if parameters:
-        if name != "walking" or commands or speed is not None:
+    if name == GIVEN:
+        if degree is None or parameters or commands or speed is not None:
             raise SpecError(
-                "expected spec walking, without a speed or commands, for a gait with --parameters, "
-                f"found {name!r}{', with one' if commands or speed is not None else ''}: a "
-                "proof for a box of robots is of the plain walk; leave the others out"
+                f"expected a spec to train for, found {name!r}, which is of gaits that are given: "
+                "`neuralgaits optimise` and `neuralgaits import-gait` make runs of them"
             )
-        return robust(robot, parameters)
+        return hzd(robot, degree)
+    if parameters:
+        if name != "walking" or speed is not None:
+            raise SpecError(
+                "expected spec walking, without one speed, for a gait with --parameters, found "
+                f"{name!r}{'' if speed is None else ', with one'}: leave the others out, or give "
+                "a range of speeds"
+            )
+        return robust(robot, parameters, commands)
     if commands or speed is not None:
         if name != "walking":
             raise SpecError(
@@ -91,7 +112,7 @@ def load(
     if not separator and name.endswith(".py"):
         raise SpecError(
             f"unknown spec {name!r}: expected FILE.py:NAME, found no name; add that of its "
-            f"function or spec, as in {name}:{Path(name).stem}"
+            f"function or spec, as in {name}:{(_defined(name) or [Path(name).stem])[0]}"
         )
     if not separator or not path.endswith(".py"):
         hint = meant(name, _BUILT_IN)
@@ -101,11 +122,24 @@ def load(
         )
     value = getattr(_module(path), attribute, None)
     if value is None:
-        raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}")
+        known = _defined(path)
+        hint = meant(attribute, known)
+        there = f": {hint}{' ' if hint else ''}there is {', '.join(known)}" if known else ""
+        raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}{there}")
     spec = _applied(name, value, robot) if callable(value) else value
     if not isinstance(spec, GaitSpec):
         raise SpecError(f"spec {name!r}: expected a GaitSpec, found {type(spec).__name__}")
     return spec
+
+
+def _defined(path: str) -> list[str]:
+    """Public functions of a file, from its text: it is not run."""
+    try:
+        body = ast.parse(Path(path).read_bytes()).body
+    except (OSError, SyntaxError, ValueError):
+        return []
+    found = (one.name for one in body if isinstance(one, ast.FunctionDef))
+    return [name for name in found if not name.startswith("_")]
 
 
 def _applied(name: str, function: Callable, robot: "PlanarBiped"):
@@ -121,6 +155,8 @@ def _applied(name: str, function: Callable, robot: "PlanarBiped"):
 
 def source_path(name: str) -> Path:
     """The Python file that defines a spec, to be copied into a run."""
+    if name == GIVEN:
+        return Path(str(_hzd.__file__))
     if name in _BUILT_IN:
         module = _walking if name.startswith("walking") else _paper
         return Path(str(module.__file__))

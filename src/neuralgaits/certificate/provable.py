@@ -88,8 +88,6 @@ def why_not_provable(gait: AnyGait) -> str | None:
 
 def why_not_robust(run: "Run") -> str | None:
     """None if a run can be proved for a box of robots, else what stands against it."""
-    if run.spec.commands:
-        return "one that is told commands: a box of robots is treated for one gait"
     if run.learned is not None:
         return "one whose dynamics carry a learned residual, which is of one robot"
     if getattr(run.trained.policy, "z2_dependence", True):

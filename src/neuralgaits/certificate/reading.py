@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
@@ -28,7 +29,7 @@ from neuralgaits.records.certified import (
     Verdict,
 )
 from neuralgaits.records.record import build, shape_of
-from neuralgaits.runs import RunFolder, from_json
+from neuralgaits.runs import RunFolder, from_json, packed
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import MAP, RESIDUAL
 from neuralgaits.runs.shape import complaint
@@ -117,8 +118,12 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     proof = _claims(run, asked, chart)
     if set(summary.conditions) != set(asked.conditions):
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
-    if proof is not None and _box(run, proof, chart) != dict(summary.parameters):
+    stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
+    if proof is not None and _box(run, proof, chart) != stated:
         raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
+    least = summary.parameters.get("friction")
+    if least is not None and not friction_needed(config.described) <= least:
+        raise _Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
     summary = replace(
         summary,
         conditions=dict(_conditions(summary, asked, proof)),
@@ -138,7 +143,7 @@ def _part(
 
     Raises: _Unfit if the summary calls anything proved of all of them.
     """
-    if proof.chart == chart:
+    if proof.chart.of_commands(len(names)) == chart:
         return None
     called = [name for name, row in summary.conditions.items() if row.verdict == "proved"]
     called += [f"level {entry.level}" for entry in summary.levels if entry.proved]
@@ -168,20 +173,23 @@ def _box(run: Path, proof: Claims, chart: Chart) -> dict[str, float]:
     Raises: _Unfit where they are no box of robots like the run's.
     """
     errors = proof.chart.parameters[len(chart.parameters) :]
+    walking = proof.theorems.walking
+    floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
     if not errors:
-        return {}
+        return floor
     from neuralgaits.robots import load_robot  # Brings JAX.
     from neuralgaits.robots.parameters import Axis, box_of
 
     try:
-        return box_of(load_robot(run / ROBOT), tuple(Axis(one.name, one.high) for one in errors))
+        axes = tuple(Axis(one.name, one.high) for one in errors)
+        return box_of(load_robot(run / ROBOT), axes) | floor
     except (ValueError, NeuralGaitsError) as error:
         raise _Unfit(f"{PROOF} is about no box of robots like the run's: {error}") from None
 
 
 def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
     """A proof file about the run's own files, whose statements are those of its spec."""
-    if not (run / PROOF).is_file():
+    if not packed.is_there(run / PROOF):
         return None
     try:
         claims = read_claims(run / PROOF)
@@ -197,7 +205,7 @@ def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
     wrong += contradictions(claims.statements, claims.theorems, asked)
     told = len(chart.parameters)
     errors = claims.chart.parameters[told:]
-    if not chart.holds(Chart(claims.chart.parameters[:told])) or (told and errors):
+    if not chart.holds(Chart(claims.chart.parameters[:told])):
         wrong.append("it is about other commands")
     if any(axis.low != -axis.high or axis.change is not None for axis in errors):
         wrong.append("it is about robots of a box that the run's own is not the middle of")

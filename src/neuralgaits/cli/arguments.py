@@ -73,7 +73,8 @@ class Train:
     """Range of slopes of the ground to be told [degrees], as in --slope=-5:5."""
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
     """A box of robots that one policy is to walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:
-    errors of every link's mass, centre of mass and inertia, and of every rotor."""
+    errors of every link's mass, centre of mass and inertia, and of every rotor; and of the floor:
+    floor=5mm, footholds higher or lower than meant, and friction=0.5, the least coefficient."""
     certify: Flag = False
     """Prove the conditions (level 1) after training; where that fails, train on with samples of
     the boxes that are left, until the proof stands."""
@@ -88,15 +89,46 @@ class Train:
 
 
 @dataclass(frozen=True)
+class Optimise:
+    """Find a gait of least cost of transport by trajectory optimisation; needs the hzd extra."""
+
+    robot: Robot
+    """Name of a built-in robot, or path of an MJCF file."""
+    speed: Annotated[float, arg(metavar="V")]
+    """Mean speed to walk at [m/s]."""
+    degree: Annotated[int, arg(metavar="N")] = 5
+    """Of the Bezier polynomials of the joints."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Run folder to make, instead of runs/ROBOT/<time>-0."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
+class ImportGait:
+    """Make a run of a published gait: Bezier polynomials of the joints, from a file."""
+
+    file: Annotated[Positional[Path], arg(metavar="FILE.json")]
+    """Joints, control points [rad] and phase, as docs/optimise.md says."""
+    robot: Annotated[str, arg(metavar="ROBOT")]
+    """Name of a built-in robot, or path of an MJCF file: what the gait walks on."""
+    name: Annotated[str | None, arg(metavar="NAME")] = None
+    """Which gait, where the file has several."""
+    out: Annotated[Path | None, arg(metavar="DIR")] = None
+    """Run folder to make, instead of runs/ROBOT/<time>-0."""
+    output: Annotated[Output, arg(name="")] = Output()
+
+
+@dataclass(frozen=True)
 class Simulate:
-    """Walk a trained gait in MuJoCo at full order."""
+    """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
     run: Run
     """Run folder, or latest."""
     plant: Annotated[str | None, arg(metavar="ROBOT")] = None
     """Robot to simulate; the one the gait was trained for if not given."""
-    controller: Literal["pd", "fblin", "paper", "c"] = "pd"
-    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), or the exported
+    controller: Literal["pd", "fblin", "paper", "clf-qp", "c"] = "pd"
+    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
+    with a control Lyapunov function within limits of torque and friction, or the exported
     controller as a process of its own."""
     link: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """How to reach controller c, as in law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
@@ -105,12 +137,22 @@ class Simulate:
     engine: Annotated[Literal["native", "jax"] | None, arg(metavar="{native,jax}")] = None
     """Compiled code or JAX, which is the reference and many times slower; native if it is not
     given and there is a C compiler."""
+    simulator: Literal["mujoco", "drake"] = "mujoco"
+    """What steps the plant: MuJoCo, or Drake with its own dynamics and contact, to see whether the
+    two agree; needs the drake extra."""
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
     push: Annotated[float | None, arg(metavar="NS")] = None
     """Impulse of a forward push [N s], over 0.1 s."""
     disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
+    sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
+    """What the controller is told: the plant's own rates and hip velocity, or angles, pitch and
+    contact alone, as in encoders,bits=14,pitch_noise=0.001,delay_ms=2, those numbers if not given;
+    perfect if not given."""
+    parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
+    """Walk another robot each time, drawn from this box around the run's own, as in
+    mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
     command: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """What a gait that takes commands is told at every touchdown, as in speed=0.7 or slope=3
     [degrees]; the middle of its ranges if not given."""
@@ -143,13 +185,13 @@ class Certify:
     """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
     3: and that one orbit attracts all of it, 4: and that the robot walks on at full order, with
     outputs off zero and across impacts, 5: and does so under torques that are not exact, up to a
-    bound that is found. 3 if not given; 2, which is the most, with parameters."""
+    bound that is found. 3 if not given, which is the most with parameters."""
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
     """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
     the run's residual may still be off by."""
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...|none")] = None
-    """Box of robots to prove levels 1 and 2 for, as in mass=2%,com=5mm,inertia=5%; that of the
-    run if not given; none: the robot of the file alone."""
+    """Box of robots to prove levels 1 to 3 for, as in mass=2%,com=5mm,inertia=5%,floor=5mm; that
+    of the run if not given; none: the robot of the file alone, on its floor."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""
     within: Annotated[str | None, arg(metavar="NAME=LOW:HIGH,...")] = None
@@ -180,9 +222,9 @@ class Fit:
     run: Run
     """Run folder, or latest."""
     logs: Annotated[Positional[tuple[Path, ...]], arg(metavar="LOG.csv...")]
-    """Logs of walks, falls included; see docs/logs.md."""
+    """Logs of walks, falls included; see the page 'Your own logs'."""
     columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
-    """What the columns of a robot's own logs are: names, units, signs; see docs/logs.md."""
+    """Names, units and signs of a robot's own columns; see the page 'Your own logs'."""
     optimizer: Literal["adam", "adamw", "nero"] = "adam"
     """Optimiser of the fit; nero is the paper's."""
     seed: Annotated[int, arg(metavar="N")] = 0
@@ -230,7 +272,7 @@ class Episodes:
     logs: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of a robot's own logs in place of a plant: DIR/round-0/*.csv and so on."""
     columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
-    """With --logs: what the columns of these logs are; see docs/logs.md."""
+    """With --logs: what the columns of these logs are; see the page 'Your own logs'."""
     rounds: Annotated[int | None, arg(metavar="N")] = None
     """Rounds of learning and refining; 2 if not given."""
     seed: Annotated[int | None, arg(metavar="N")] = None
@@ -261,10 +303,10 @@ class Sweep:
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """With --certify: time for each proof. What is proved then depends on the machine."""
     controllers: Annotated[str | None, arg(metavar="C,...")] = None
-    """Laws to walk under: pd (if not given), fblin, paper."""
+    """Laws to walk under: pd (if not given), fblin, paper, clf-qp."""
     disturbances: Annotated[str | None, arg(metavar="FILE|standard|none")] = None
     """What to walk under beside nothing: the standard eighteen (if not given), or those of a TOML
-    file; see docs/scale.md."""
+    file; see the page 'From a laptop to a cluster'."""
     walks: Annotated[int | None, arg(metavar="N")] = None
     """Walks of 25 steps under each disturbance; 4 if not given."""
     at_work: Annotated[Workers, arg(name="")] = Workers()

@@ -7,6 +7,7 @@ from typing import Literal
 from neuralgaits.cli import episodes_screen, learning_screen, screen
 from neuralgaits.cli.arguments import Episodes, Fit, Refine
 from neuralgaits.cli.outcome import Outcome
+from neuralgaits.cli.words import options
 from neuralgaits.errors import InputError
 
 LEARNED: Literal["learned"] = "learned"
@@ -19,14 +20,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
     from neuralgaits.workflows.fit import fit
 
     with TrainingProgress(quiet=verb.output.json) as progress:
-        done = fit(
-            verb.run,
-            verb.logs,
-            columns=verb.columns,
-            optimizer=verb.optimizer,
-            seed=verb.seed,
-            progress=progress,
-        ).summary
+        done = fit(**options(verb), progress=progress).summary
     return Outcome(done, done.better, learning_screen.show_fit)
 
 

@@ -13,10 +13,18 @@ import sys
 import threading
 import traceback
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NoReturn
 
 from neuralgaits._environment import prepare
-from neuralgaits.errors import Interrupted, MismatchError, NeuralGaitsError, NonFiniteError
+from neuralgaits.errors import (
+    ConvergenceError,
+    Interrupted,
+    MismatchError,
+    NeuralGaitsError,
+    NonFiniteError,
+    reason,
+)
 
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 _LONG = ("train", "refine", "episodes", "certify", "sweep")
@@ -60,10 +68,12 @@ def main(arguments: list[str]) -> int:
         # The reader of our output has gone; Python would complain again while it exits.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return GOOD
-    except (NonFiniteError, MismatchError) as error:
+    except (NonFiniteError, MismatchError, ConvergenceError) as error:
         return _fail(str(error), error, NO, verbose)
-    except (NeuralGaitsError, OSError) as error:
+    except NeuralGaitsError as error:
         return _fail(str(error), error, BAD_INPUT, verbose)
+    except OSError as error:
+        return _fail(_of_system(error), error, BAD_INPUT, verbose)
     except Exception as error:
         if (mistake := _of_user(error)) is not None:
             return _fail(str(mistake), error, BAD_INPUT, verbose)
@@ -97,6 +107,17 @@ def _answer(arguments: list[str]) -> int:
     if outcome.undecided:
         return UNDECIDED
     return GOOD if outcome.good else NO
+
+
+def _of_system(error: OSError) -> str:
+    """What the system would not do, in a line that says where a path goes wrong."""
+    if not isinstance(error.filename, str):
+        return str(error)
+    path = Path(error.filename)
+    if isinstance(error, NotADirectoryError | FileExistsError):
+        file = next((place for place in (*reversed(path.parents), path) if place.is_file()), path)
+        return f"expected a folder at {file}, found a file: name another place"
+    return f"expected a file or folder that can be used at {path}: {reason(error)}; name another"
 
 
 def _of_user(error: Exception) -> Exception | None:

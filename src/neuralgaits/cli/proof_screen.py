@@ -48,6 +48,8 @@ def show_proof(result: Certified) -> None:
     facts: list[tuple[str, Any]] = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
     if result.robots is not None:
         facts.append(("robots", f"all within {result.robots} of the file's"))
+    if result.ground is not None:
+        facts.append(("floor", result.ground))
     facts += [("proof", result.proof), ("map", result.map)]
     show_facts(facts)
 

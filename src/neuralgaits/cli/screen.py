@@ -17,21 +17,6 @@ from neuralgaits.records.trained import Trained, TrainingProof
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
 
-_FIGURES = (
-    ("speed_m_s", "speed", "m/s"),
-    ("step_time_s", "time of a step", "s"),
-    ("step_length_m", "length of a step, model", "m"),
-    ("multiplier", "Poincaré multiplier, model", ""),
-    ("cost_of_transport", "mechanical cost of transport", ""),
-    ("peak_torque_nm", "largest torque", "N m"),
-    ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
-    ("max_output_error_rad", "largest output error", "rad"),
-    ("min_normal_force_n", "smallest normal force", "N"),
-    ("saturated_fraction", "share of ticks at the torque limit", ""),
-    ("real_time_factor", "simulated seconds a second", ""),
-)
-"""Figures of a walk and of the model's orbit a person sees, with label and unit."""
-
 
 def show_training(result: Trained) -> None:
     """Whether the conditions hold on fresh samples, those that do not, and what to do next."""
@@ -79,7 +64,8 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
         ]
     except RunError:
         pass
-    loosen = f'without("{worst}") in a spec of your own, see docs/did_not_train.md'
+    page = "the page 'It did not train: what now'"
+    loosen = f'without("{worst}") in a spec of your own, see {page}'
     return [(name, line) for name, line in commands if line] + [("or loosen", loosen)]
 
 
@@ -109,18 +95,26 @@ def show_walks(result: Simulated) -> None:
     show_sentence(answer, f": {result.stayed} of {count} episodes stayed up, {span} steps")
     reasons = Counter(reason for reason in result.fall_reasons if reason is not None)
     show_table(("fell because", "episodes"), [(why, str(n)) for why, n in reasons.items()])
-    known = vars(result) | ({} if result.poincare is None else vars(result.poincare))
-    rows = [
-        (label, f"{number(known[name])} {unit}".rstrip())
-        for name, label, unit in _FIGURES
-        if known.get(name) is not None
-    ]
+    figures = result.shown
+    if (orbit := result.poincare) is not None:
+        figures += [
+            ("length of a step, model", orbit.step_length_m, "m"),
+            ("Poincaré multiplier, model", orbit.multiplier, ""),
+        ]
+    figures.append(("simulated seconds a second", result.real_time_factor, ""))
+    rows = [(said, f"{number(v)} {unit}".rstrip()) for said, v, unit in figures if v is not None]
     show_table(("figure", "value"), rows)
     share = result.saturated_fraction
     if share is not None and share > _MANY_SATURATED:
         show_sentence(
             f"{share:.0%} of ticks are at the torque limit: what walks here has no torque in "
             "reserve; a slower gait (`train --speed`), stronger motors or lower gains have"
+        )
+    if (given_up := result.relaxed) is not None:
+        show_sentence(
+            f"within limits of torque and friction, outputs could come back slower than asked at "
+            f"{given_up.decrease:.2%} of ticks, and forces were asked that the floor does not give "
+            f"at {given_up.contact:.2%}"
         )
     missed = [
         (name, number(error.mean), number(error.worst))
@@ -136,8 +130,8 @@ def show_walks(result: Simulated) -> None:
         )
     if result.link is not None:
         _link(result.link)
-    asked = ("plant", "controller", "engine", "terrain", "start", "push", "run")
-    facts = [(name, known[name]) for name in asked if known[name] is not None]
+    asked = ("plant", "simulator", "controller", "engine", "terrain", "start", "push", "run")
+    facts = [(name, value) for name in asked if (value := getattr(result, name)) is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]
     told = [f"{name}={number(value)}" for name, value in (result.command or {}).items()]
     if told or result.commands is not None:

@@ -14,7 +14,9 @@ from neuralgaits.cli.arguments import (
     Episodes,
     Export,
     Fit,
+    ImportGait,
     Inspect,
+    Optimise,
     Refine,
     Report,
     Robots,
@@ -23,6 +25,7 @@ from neuralgaits.cli.arguments import (
     Train,
     View,
 )
+from neuralgaits.cli.given_verbs import carry_out_import, carry_out_optimise
 from neuralgaits.cli.learning_verbs import (
     carry_out_episodes,
     carry_out_fit,
@@ -33,7 +36,7 @@ from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.report_verb import carry_out_report
 from neuralgaits.cli.sweep_verb import carry_out_sweep
 from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
-from neuralgaits.cli.words import Verb
+from neuralgaits.cli.words import Verb, options
 from neuralgaits.errors import InputError, Interrupted
 
 _COMMANDS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
@@ -60,6 +63,10 @@ def carry_out(verb: Verb) -> Outcome:
     match verb:
         case Train():
             return _train(verb)
+        case Optimise():
+            return carry_out_optimise(verb)
+        case ImportGait():
+            return carry_out_import(verb)
         case Simulate():
             return _simulate(verb)
         case Certify():
@@ -189,24 +196,10 @@ def _simulate(verb: Simulate) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
-    with waiting("walking in MuJoCo", quiet=verb.output.json):
+    with waiting("walking", quiet=verb.output.json):
         done = simulate(
-            verb.run,
-            plant=verb.plant,
-            controller=verb.controller,
-            steps=verb.steps,
-            start=verb.start,
-            push=verb.push,
-            disturb=verb.disturb,
-            seed=verb.seed,
-            episodes=verb.episodes,
-            log=verb.log,
-            video=verb.video,
-            link=verb.link,
-            engine=verb.engine,
-            command=verb.command,
-            commands=verb.commands,
-            terrain=verb.terrain,
+            **options(verb, "parameters"),
+            parameters=_box(verb.parameters),
             workers=verb.at_work.workers,
             ray=verb.at_work.ray,
         )
@@ -305,12 +298,11 @@ def _inspect(verb: Inspect) -> Outcome:
 def _robots(verb: Robots) -> Outcome:
     from neuralgaits.workflows.robots import robots, write_built_in
 
-    if (verb.robot is None) != (verb.out is None):
+    if verb.robot is None and verb.out is not None:
         raise InputError(
-            "expected a robot and a file to write, found one of them: write "
-            "`neuralgaits robots ROBOT --out FILE.xml`"
+            "expected a robot to write, found none: write `neuralgaits robots ROBOT --out FILE.xml`"
         )
-    if verb.robot is not None and verb.out is not None:
+    if verb.robot is not None:
         return Outcome(write_built_in(verb.robot, verb.out), True, screen.show_written)
     return Outcome(robots(), True, screen.show_names)
 

@@ -2,6 +2,8 @@
 
 import re
 import typing
+from dataclasses import fields
+from typing import Any
 
 import tyro
 
@@ -14,7 +16,9 @@ from neuralgaits.cli.arguments import (
     Episodes,
     Export,
     Fit,
+    ImportGait,
     Inspect,
+    Optimise,
     Refine,
     Report,
     Robots,
@@ -34,6 +38,8 @@ Verb = (
     | Refine
     | Episodes
     | Sweep
+    | Optimise
+    | ImportGait
     | Export
     | Report
     | View
@@ -68,3 +74,15 @@ def read(arguments: list[str]) -> Verb:
         args=words,
         config=(tyro.conf.FlagCreatePairsOff,),
     )
+
+
+def options(verb: Any, *left_out: str) -> dict[str, Any]:
+    """Settings of a verb by their names, which are those of its workflow's arguments.
+
+    Args:
+        verb: of `read`.
+        left_out: what is given otherwise. How the answer is printed, and where the work is done,
+            are left out anyway.
+    """
+    others = {"output", "at_work", *left_out}
+    return {one.name: getattr(verb, one.name) for one in fields(verb) if one.name not in others}

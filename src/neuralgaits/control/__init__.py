@@ -1,5 +1,6 @@
 """Controllers as pure step functions: simulated and exported from here."""
 
+from neuralgaits.control.clf_qp import ClfQp
 from neuralgaits.control.controller import (
     Command,
     Controller,
@@ -17,6 +18,7 @@ from neuralgaits.control.stance import StanceConfig
 __all__ = [
     "PAPER",
     "AbstractLaw",
+    "ClfQp",
     "Command",
     "Controller",
     "ControllerState",

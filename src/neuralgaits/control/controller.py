@@ -21,7 +21,7 @@ from neuralgaits.control.measurement import (
     stance_foot_velocity,
 )
 from neuralgaits.control.momentum import zero_state
-from neuralgaits.control.saturation import ZeroStateBounds, saturate, zero_state_bounds
+from neuralgaits.control.saturation import ZeroStateBounds, zero_state_bounds
 from neuralgaits.control.stance import StanceConfig, StanceState
 from neuralgaits.control.told import Told
 from neuralgaits.gait import AbstractPolicy
@@ -71,7 +71,7 @@ class Controller(eqx.Module):
         Args:
             robot: the model the controller believes in.
             policy: desired outputs, or a family of them.
-            law: `Pd()`, `PAPER` or `Fblin()`; it is fitted to the robot.
+            law: `Pd()`, `PAPER`, `Fblin()` or `ClfQp()`; it is fitted to the robot.
             z2_range: momenta the policy was trained on (kg m^2/s), wide bounds if None.
             torque_limit: [m] (N m), the robot's own if None.
             stance: thresholds, the defaults if None.
@@ -140,7 +140,9 @@ class Command(NamedTuple):
     touchdown: Bool[Array, ""]
     """Whether the stance leg has just changed."""
     saturated: Bool[Array, ""]
-    """Whether any torque was clipped."""
+    """Whether any torque was clipped, or is at its limit."""
+    relaxed: Bool[Array, "2"]
+    """What a law gave up to stay within limits, see `Limited`."""
     told: Float[Array, "2 p"]
     """What the gait is told: of the step before, and of this one."""
 
@@ -198,7 +200,9 @@ def step(
         lambda new, old: jnp.where(ask, new, old), _ask(controller, now, reading), state.held
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
-    torque, saturated = saturate(law.torque(robot, reading, held), controller.torque_limit)
+    wanted = law.torque(robot, reading, held)
+    limited = law.within(robot, reading, held, wanted, controller.torque_limit)
+    torque = limited.torque
     command = Command(
         torque=leg_joints(robot, torque, standing.leg),
         actuated=torque,
@@ -210,7 +214,8 @@ def step(
         leg=standing.leg,
         since_touchdown=standing.since_touchdown,
         touchdown=touchdown,
-        saturated=saturated,
+        saturated=limited.saturated,
+        relaxed=limited.relaxed,
         told=jnp.stack(now.pair),
     )
     return ControllerState(standing, remaining, held, now), command

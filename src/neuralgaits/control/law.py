@@ -5,8 +5,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
+import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Coordinates, ZeroState
+from neuralgaits._types import Actuated, Array, Bool, Coordinates, ZeroState
+from neuralgaits.control.saturation import saturate
 from neuralgaits.robots import PlanarBiped
 
 
@@ -40,6 +42,18 @@ class Desired(NamedTuple):
     """Desired accelerations that ddz1 = 0 would leave [rad/s^2]; zero likewise. [m]"""
 
 
+class Limited(NamedTuple):
+    """Torques within limits."""
+
+    torque: Actuated
+    """[N m]. [m]"""
+    saturated: Bool[Array, ""]
+    """Whether any was clipped, or is at its limit."""
+    relaxed: Bool[Array, "2"]
+    """Whether outputs come back slower than the law asks, and whether it asks forces of the
+    floor that this does not give; of laws that look at neither, never."""
+
+
 class AbstractLaw(eqx.Module):
     """A law without memory of its own: everything it holds is a `Desired`."""
 
@@ -61,6 +75,18 @@ class AbstractLaw(eqx.Module):
     @abstractmethod
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
+
+    def within(
+        self,
+        robot: PlanarBiped,
+        reading: Reading,
+        desired: Desired,
+        torque: Actuated,
+        limit: Actuated,
+    ) -> Limited:
+        """What is done of the law's torques: they are clipped. Returns: `Limited`."""
+        clipped, saturated = saturate(torque, limit)
+        return Limited(clipped, saturated, jnp.zeros(2, bool))
 
 
 def errors(reading: Reading, desired: Desired) -> tuple[Actuated, Actuated]:

@@ -65,11 +65,7 @@ def coordinates(
 
     Returns: q, dq: [n] (rad), [n] (rad/s).
     """
-    n = robot.n
-    # The root is the torso, or the top link of leg 0: then leg 1 in stance counts the same
-    # links from the other end.
-    root = n // 2 - 1 if robot.torso is None else robot.torso
-    row = jnp.where(stance == 0, robot.link_angles[root], robot.link_angles[n - 1 - root])
+    row = _pitch_row(robot, stance)
     actuated = stance_joints(robot, measurement.angles, stance)
     rates = stance_joints(robot, measurement.rates, stance)
     first = measurement.pitch - row[1:] @ actuated
@@ -78,6 +74,20 @@ def coordinates(
         jnp.concatenate([first[None], actuated]),
         jnp.concatenate([dfirst[None], rates]),
     )
+
+
+def pitch_rate(robot: PlanarBiped, dq: Coordinates, stance: Int[Array, ""]) -> Scalar:
+    """Rate of the root link of a robot standing on leg `stance`. Returns: scalar (rad/s)."""
+    return _pitch_row(robot, stance) @ dq
+
+
+def _pitch_row(robot: PlanarBiped, stance: Int[Array, ""]) -> Float[Array, " n"]:
+    """Pitch = row . q."""
+    n = robot.n
+    # The root is the torso, or the top link of leg 0: then leg 1 in stance counts the same
+    # links from the other end.
+    root = n // 2 - 1 if robot.torso is None else robot.torso
+    return jnp.where(stance == 0, robot.link_angles[root], robot.link_angles[n - 1 - root])
 
 
 def stance_foot_velocity(

@@ -50,7 +50,8 @@ class OnRay(Engine):
                 "out for processes of this machine"
             ) from None
         self._ray: Any = ray
-        where = {"num_cpus": workers, "include_dashboard": False}
+        # Without an address, Ray would join one that runs here already.
+        where = {"address": LOCAL, "num_cpus": workers, "include_dashboard": False}
         if address != LOCAL:
             _reach(address)
             where = {"address": address}

@@ -14,7 +14,7 @@ PLAIN = ("-O2",)
 NATIVE = ("-O3", "-march=native", "-ffp-contract=fast")
 """With products and sums fused where the machine can: gcc leaves that out of standard C."""
 PRECISIONS = {"double": (), "float": ("-DNG_FLOAT",)}
-CORE = ("gait.c", "controller.c")
+CORE = ("gait.c", "controller.c", "estimator.c")
 """What runs on the robot, the self-test left out."""
 CHECKED = (*CORE, "selftest.c", "check.c")
 _TIMEOUT_S = 300.0

@@ -14,16 +14,12 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from neuralgaits._quick_jit import quick_filter_jit, quick_jit
+from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, Int
-from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.control.measurement import Measurement
+from neuralgaits.control.measurement import Measurement, coordinates
 from neuralgaits.control.safeguard import Fault, joint_ranges
+from neuralgaits.export.drawn_states import drawn_commands, lifted, single
 from neuralgaits.export.facts import Design
-from neuralgaits.gait import AbstractPolicy, ZeroDynamics
-from neuralgaits.gait.commands import Command, Limits, Pair, coordinates_of
-from neuralgaits.gait.reset_residual import AbstractResetResidual
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 
@@ -33,8 +29,6 @@ NEVER = 1e30
 """Time since the last touchdown before there was one [s], as `NG_NEVER`."""
 _OUTPUT_ERROR, _RATE_ERROR = 0.05, 0.5
 """Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`."""
-_AT_ONCE = 2048
-"""Cases that are computed together: another number would be compiled again."""
 _CLEAR_OF_THRESHOLD = 1e-4
 """How far from a threshold a drawn number stays [m], [s]: rounding decides nothing."""
 
@@ -151,8 +145,8 @@ def of_guard(design: Design, seed: int) -> Cases:
     cases = _at(design, np.stack([phase, level], axis=1), rng, leg.astype(int))
     force = np.where(np.arange(2) == leg[:, None], weight, share[:, None] * weight)
     return cases.replaced(
-        force=_single(force),
-        since=_single(since),
+        force=single(force),
+        since=single(since),
         ticks=ticks.astype(int),
         law=law.astype(int),
     )
@@ -174,7 +168,7 @@ def of_faults(design: Design, seed: int) -> Cases:
         found.append(base.replaced(time_us=base.last_us + round(gap)))
     for share in (0.9, 1.1):
         longest = np.full(1, share * safe.airborne_s)
-        found.append(base.replaced(airborne=_single(longest), force=np.zeros((1, 2))))
+        found.append(base.replaced(airborne=single(longest), force=np.zeros((1, 2))))
     found += [base.replaced(fault=np.full(1, int(fault))) for fault in Fault]
     return Cases.joined(found)
 
@@ -214,8 +208,8 @@ def _at(
     limit = np.asarray(design.controller.torque_limit)
     leg = rng.integers(0, 2, count) if leg is None else leg
     eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * np.repeat([_OUTPUT_ERROR, _RATE_ERROR], m)
-    pair, told = _commands(design, count, rng)
-    x, outputs, slopes, step = _lifted(design, chart, eta, pair)
+    pair, told = drawn_commands(design, count, rng)
+    x, outputs, slopes, step = lifted(design, chart, eta, pair)
     q, dq = np.split(x, 2, axis=1)
     foot_velocity = rng.uniform(-0.05, 0.05, (count, 2))
     wires = StateMap.build(mujoco.MjModel.from_xml_string(robot.layout.xml), robot.layout)
@@ -237,138 +231,35 @@ def _at(
         blend_s=blend_s,
         torque_rate=rate_limit,
         leg=leg,
-        since=_single(np.where(rng.uniform(size=count) < 0.3, NEVER, rng.uniform(0, 0.6, count))),
+        since=single(np.where(rng.uniform(size=count) < 0.3, NEVER, rng.uniform(0, 0.6, count))),
         ticks=rng.integers(0, 2, count),
         running=(rng.uniform(size=count) < 0.9).astype(int),
         last_us=time_us - 1000,
-        elapsed=_single(rng.uniform(0.0, 0.24, count) * (blend_s > 0.0)),
+        elapsed=single(rng.uniform(0.0, 0.24, count) * (blend_s > 0.0)),
         airborne=np.zeros(count),
         fault=np.zeros(count, dtype=int),
         time_us=time_us,
-        pitch=_single(qpos[:, wires.root[2]]),
-        dpitch=_single(qvel[:, wires.root[2]]),
-        held_y=_single(outputs + rng.uniform(-0.01, 0.01, outputs.shape)),
-        held_dy=_single(dq[:, 1:] + rng.uniform(-0.1, 0.1, outputs.shape)),
-        held_slope=_single(slopes),
-        held_drift=_single(rng.uniform(-20.0, 20.0, outputs.shape)),
-        posture=_single(signs * joints + offsets + away),
-        torque=_single(rng.uniform(-1.0, 1.0, (count, 2, k)) * np.min(limit)),
-        base_velocity=_single(qvel[:, wires.root[:2]]),
-        force=_single(force),
-        joints=_single(joints),
-        djoints=_single(qvel[:, wires.joints]),
+        pitch=single(qpos[:, wires.root[2]]),
+        dpitch=single(qvel[:, wires.root[2]]),
+        held_y=single(outputs + rng.uniform(-0.01, 0.01, outputs.shape)),
+        held_dy=single(dq[:, 1:] + rng.uniform(-0.1, 0.1, outputs.shape)),
+        held_slope=single(slopes),
+        held_drift=single(rng.uniform(-20.0, 20.0, outputs.shape)),
+        posture=single(signs * joints + offsets + away),
+        torque=single(rng.uniform(-1.0, 1.0, (count, 2, k)) * np.min(limit)),
+        base_velocity=single(qvel[:, wires.root[:2]]),
+        force=single(force),
+        joints=single(joints),
+        djoints=single(qvel[:, wires.joints]),
         before=np.asarray(pair.before),
         after=np.asarray(pair.after),
-        step=_single(step),
+        step=single(step),
         **told,
     )
 
 
-def steps_of(
-    design: Design, count: int, seed: int
-) -> tuple[Float[np.ndarray, "N 2 p"], Float[np.ndarray, "N s"]]:
-    """Commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
-    pair, _ = _commands(design, min(count, _AT_ONCE), np.random.default_rng([seed, 1]))
-    commands, numbers = np.stack(pair, axis=1), _numbers(design, pair)
-    return (
-        np.resize(commands, (count, *commands.shape[1:])),
-        np.resize(numbers, (count, *numbers.shape[1:])),
-    )
-
-
-def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.ndarray, "N s"]:
-    """Numbers of steps whose command has been the same for long. Returns: [N, s]."""
-    return _numbers(design, Pair(command, command))
-
-
-def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
-    policy, residual = design.gait.policy, design.controller.reset_residual
-    count = len(pair.before)
-    rows = max(count, _AT_ONCE)
-    whole = Pair(*(np.resize(side, (rows, *side.shape[1:])) for side in pair))
-    return np.asarray(_of_steps(policy, design.robot, residual, whole))[:count]
-
-
-@quick_filter_jit
-def _of_steps(
-    policy: AbstractPolicy,
-    robot: PlanarBiped,
-    residual: AbstractResetResidual | None,
-    pairs: Pair,
-) -> Float[Array, "N s"]:
-    """Numbers of many steps: of one number of them, so that it is compiled once."""
-    return jax.vmap(lambda told: policy.step_numbers(robot, told, residual))(pairs)
-
-
-def _commands(
-    design: Design, count: int, rng: np.random.Generator
-) -> tuple[Pair, dict[str, np.ndarray]]:
-    """Admissible pairs; wishes, and what is told before the tick: outside and NaN among them."""
-    limits = Limits.of(design.commands)
-    shape, width = (count, len(design.commands)), limits.high - limits.low
-    before = rng.uniform(limits.low, limits.high, shape)
-    after = before + rng.uniform(-1.0, 1.0, shape) * limits.change
-    after = np.clip(after, limits.low, limits.high)
-    given = rng.uniform(limits.low - 0.2 * width, limits.high + 0.2 * width, shape)
-    given = np.where(rng.uniform(size=shape) < 0.2, np.nan, given)
-    wanted = rng.uniform(limits.low, limits.high, shape)
-    return Pair(_single(before), _single(after)), {
-        "given": _single(given),
-        "wanted": _single(wanted),
-    }
-
-
-def _lifted(
-    design: Design,
-    chart: Float[np.ndarray, "N 2"],
-    eta: Float[np.ndarray, "N two_m"],
-    pair: Pair,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Full states, desired outputs, their slopes in z1, and numbers of the step.
-
-    Returns: [N, 2n], [N, m], [N, m], [N, s].
-    """
-    robot, residual = design.robot, design.controller.reset_residual
-    given, parts = (chart, eta, *pair), []
-    for start in range(0, len(chart), _AT_ONCE):
-        some = [np.asarray(side[start : start + _AT_ONCE]) for side in given]
-        chosen = [np.resize(side, (_AT_ONCE, *side.shape[1:])) for side in some]
-        found = _lift(design.gait, design.commands, robot, residual, chosen)
-        parts.append([np.asarray(part)[: len(some[0])] for part in found])
-    return tuple(np.concatenate(part) for part in zip(*parts, strict=True))  # type: ignore[return-value]
-
-
-@quick_filter_jit
-def _lift(
-    gait: AnyGait,
-    commands: tuple[Command, ...],
-    robot: PlanarBiped,
-    residual: AbstractResetResidual | None,
-    cases: list[np.ndarray],
-) -> tuple[Array, Array, Array, Array]:
-    """Of one number of cases, so that it is compiled once.
-
-    Of a family every case has a policy of its own: a few at a time, for the memory they take.
-    """
-
-    def lift(u, error, before, after):
-        told = Pair(before, after)
-        here = gait.at(robot, coordinates_of(commands, told), residual, exact=True)
-        low, high = here.tube.fences(u[0])
-        start, guard = here.span
-        zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
-        z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
-        y, slope = jax.jvp(here.policy, (z,), (jnp.array([1.0, 0.0]),))
-        numbers = gait.policy.step_numbers(robot, told, residual)
-        return ZeroDynamics(robot, here.policy).phi_inv(z, error), y, slope, numbers
-
-    return jax.vmap(lift)(*cases)
-
-
 def _clear(design: Design, cases: Cases) -> np.ndarray:
     """Whether no decision of the stance machine hangs on rounding. [N]."""
-    from neuralgaits.control.measurement import coordinates
-
     robot, stance = design.robot, design.controller.stance
 
     @quick_jit
@@ -385,8 +276,3 @@ def _clear(design: Design, cases: Cases) -> np.ndarray:
     weight = float(robot.mass * robot.gravity)
     swing = cases.force[np.arange(cases.count), 1 - cases.leg]
     return ~near & (np.abs(swing - stance.force_share * weight) > _CLEAR_OF_THRESHOLD)
-
-
-def _single(values: np.ndarray) -> np.ndarray:
-    """The nearest numbers of single precision, as doubles."""
-    return np.asarray(values, dtype=np.float64).astype(np.float32).astype(np.float64)

@@ -9,7 +9,8 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
-from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region, steps_of
+from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region
+from neuralgaits.export.drawn_states import steps_of
 from neuralgaits.export.facts import Design
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import Part

@@ -10,12 +10,13 @@ Numerical Algorithms (2002), sections 2.2 and 3.3.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.programs import Program, evaluate
+from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
 
 UNIT = 2.0**-24
@@ -47,7 +48,7 @@ class Rounded(NamedTuple):
 
 
 @dataclass(frozen=True)
-class RoundingAlgebra:
+class RoundingAlgebra(Algebra[Rounded]):
     """Rules of the running error analysis for boxes of inputs."""
 
     def enter(
@@ -59,13 +60,6 @@ class RoundingAlgebra:
             name: Rounded(low.T, high.T, np.zeros_like(low.T))
             for name, (low, high) in inputs.items()
         }
-
-    def leave(
-        self, program: Program, outputs: dict[str, Rounded], inputs: Mapping[str, Any]
-    ) -> dict[str, Rounded]:
-        """The values as they are."""
-        del program, inputs
-        return outputs
 
     def constant(self, array: np.ndarray) -> Rounded:
         """A constant and what single precision makes of it."""

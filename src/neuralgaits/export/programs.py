@@ -10,7 +10,9 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, ZeroState
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
+from neuralgaits.control.clf_qp import ground_force
+from neuralgaits.control.estimator import pinned
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import AbstractPolicy
@@ -155,6 +157,10 @@ def parts(
     def feet(q: Coordinates) -> dict[str, Array]:
         return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
 
+    def standing(q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar) -> dict[str, Array]:
+        dq, hip = pinned(robot, q, actuated, z2, extra)
+        return {"dq": dq, "hip": hip}
+
     of_state = {"q": (n,), "dq": (n,)}
     once = [policy_step(robot, policy, reset_residual)] if policy.step_size else []
     return [
@@ -180,7 +186,34 @@ def parts(
             "Swing foot and hip from the stance foot, (x, z) [m].",
             trace(feet, {"q": (n,)}, parameters=robot),
         ),
+        Part(
+            "ng_pinned",
+            "All rates dq [rad/s] and the hip's velocity (x, z) [m/s] on a foot that stands still, "
+            "of those of the actuated joints and the momentum z2 [kg m^2/s]; `extra` is added to "
+            "the first [rad/s].",
+            trace(
+                standing,
+                {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()},
+                parameters=robot,
+            ),
+        ),
     ]
+
+
+def ground(robot: PlanarBiped) -> Part:
+    """The Program of the floor's force on the stance foot, see `control.clf_qp`."""
+
+    def force(q: Coordinates, dq: Coordinates) -> dict[str, Array]:
+        still, by_acceleration = ground_force(robot, q, dq)
+        return {"still": still, "by_acceleration": by_acceleration}
+
+    n = robot.n
+    return Part(
+        "ng_ground",
+        "Force of the floor on the stance foot, (x, z): without accelerations, and by each "
+        "[shares of the weight, of it a rad/s^2].",
+        trace(force, {"q": (n,), "dq": (n,)}, parameters=robot),
+    )
 
 
 def _policy(

@@ -1,13 +1,14 @@
 """The files written for one gait: `gait.h` with its facts, `gait.c` with its functions."""
 
 import string
+from collections.abc import Sequence
 
 import numpy as np
 
 from neuralgaits.control import AbstractLaw, Fblin, Pd
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
-from neuralgaits.export.programs import parts
+from neuralgaits.export.programs import Part, parts
 from neuralgaits.programs.c99.function import emit
 from neuralgaits.programs.c99.tables import Tables, braces, literal
 from neuralgaits.programs.c99.writer import Emitted
@@ -16,17 +17,19 @@ _PLAIN = frozenset(string.ascii_letters + string.digits + " _-.,:;+/()[]")
 """What stands for itself in a string of C, whatever comes before and after."""
 
 
-def gait_files(design: Design) -> dict[str, str]:
+def gait_files(design: Design, further: Sequence[Part] = ()) -> dict[str, str]:
     """Text of `gait.h` and `gait.c`.
+
+    Args:
+        design: of the controller.
+        further: functions that a host wants beside those of the controller.
 
     Raises: SpecError naming the primitive of a policy that C cannot express, InputError for a
     law that is not one of this package.
     """
     tables = Tables("ng")
-    functions = [
-        emit(part.program, part.function, part.about, tables)
-        for part in parts(design.robot, design.gait.policy, design.controller.reset_residual)
-    ]
+    own = parts(design.robot, design.gait.policy, design.controller.reset_residual)
+    functions = [emit(part.program, part.function, part.about, tables) for part in (*own, *further)]
     return {"gait.h": _header(design, functions), "gait.c": _code(design, functions, tables)}
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits.control import AbstractLaw, Fblin, Pd
+from neuralgaits.control.estimator import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
@@ -119,6 +120,7 @@ def numbers(design: Design) -> list[Number]:
         ("touchdown_force", stance.force_share * weight, "on the swing foot [N]"),
         ("touchdown_advance", stance.advance_share * robot.leg_length, "of the swing foot [m]"),
         ("lockout", stance.lockout_s, "after a touchdown [s]"),
+        ("quick", Estimator().quick_s, "after a touchdown, joint filters are quicker [s]"),
         ("smallest_denominator", smallest, "that is divided by [kg m]"),
         ("pitch_sign", layout.pitch_sign, "of the file's pitch"),
         ("root_angle", layout.root_angle, "up-angle of the root at pitch 0 [rad]"),
@@ -146,11 +148,21 @@ def arrays(design: Design) -> list[Array]:
     robot, controller, layout = design.robot, design.controller, design.robot.layout
     root = robot.n // 2 - 1 if robot.torso is None else robot.torso
     low, high = joint_ranges(robot)
-    bounds = controller.bounds
+    bounds, estimator = controller.bounds, Estimator()
     pitch_row = np.stack([robot.link_angles[root], robot.link_angles[robot.n - 1 - root]])
     rows = [
         ("hip_gradient", robot.hip_gradient, "z1 = gradient . q [m/rad]"),
         ("pitch_row", pitch_row, "pitch = row . q for each stance leg"),
+        (
+            "joint_gain",
+            estimator.joint_gains(controller.period_s),
+            "of angle [1], rate [1/s], acceleration [1/s^2] on an angle's error: usual, quick",
+        ),
+        (
+            "pitch_gain",
+            estimator.pitch_gains(controller.period_s),
+            "of angle [1] and rate [1/s] on the pitch's error",
+        ),
         ("torque_limit", controller.torque_limit, "actuated joints, stance leg first [N m]"),
         ("joint_lower", low, "by leg [rad]"),
         ("joint_upper", high, "by leg [rad]"),

@@ -3,14 +3,13 @@
 from itertools import pairwise
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.gait.activations import tanh
-from neuralgaits.gait.network import Network, scaled_inputs
+from neuralgaits.gait.network import Network, movable, scaled_inputs
 
 BOUND_QUANTILE, BOUND_FACTOR = 0.99, 2.0
 """A residual is bounded by this quantile of the defects it is learned from, times this factor."""
@@ -18,8 +17,6 @@ LEAST_BOUND = (1e-3, 1e-2)
 """Bounds where the model has no defect (m/s, N m): a bound of zero has no gradient."""
 SPREAD = 1.5
 """Inputs are scaled by this many standard deviations of the states learned from."""
-SMALL = 0.1
-"""Factor on the last layer's initial weights: the residual starts near zero."""
 
 
 class Residual(eqx.Module):
@@ -57,13 +54,7 @@ class Residual(eqx.Module):
         """
         scale = SPREAD * np.maximum(np.std(states, axis=0), 1e-3 * np.abs(states).max(axis=0))
         sizes = np.quantile(np.abs(defects), BOUND_QUANTILE, axis=0)
-        network = Network.init((2, *hidden, 2), activation="tanh", key=key)
-        last = SMALL * network.weights[-1]
-        network = eqx.tree_at(
-            lambda n: (n.weights, n.biases),
-            network,
-            ((*network.weights[:-1], last), (*network.biases[:-1], np.zeros(2))),
-        )
+        network = Network.init((2, *hidden, 2), activation="tanh", key=key, near=np.zeros(2))
         bound = np.maximum(BOUND_FACTOR * sizes, LEAST_BOUND)
         return cls(network, scale, np.mean(states, axis=0) / scale, bound)
 
@@ -82,5 +73,4 @@ class Residual(eqx.Module):
 
     def trainable(self) -> "Residual":
         """A tree of booleans: the network may move; scales and bound are fixed."""
-        frozen = jax.tree.map(lambda _: False, self)
-        return eqx.tree_at(lambda r: r.network, frozen, jax.tree.map(lambda _: True, self.network))
+        return movable(self, lambda residual: residual.network)

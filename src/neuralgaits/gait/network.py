@@ -1,6 +1,8 @@
 """A fully connected network: the only learned function in the package."""
 
+from collections.abc import Callable
 from itertools import pairwise
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax
@@ -12,6 +14,10 @@ from jaxtyping import PRNGKeyArray
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.activations import ACTIVATIONS
+
+SMALL = 0.1
+"""Factor on the last layer's initial weights, for a network that starts near given outputs."""
+T = TypeVar("T")
 
 
 class Network(eqx.Module):
@@ -28,13 +34,21 @@ class Network(eqx.Module):
     activation: str = eqx.field(static=True)
 
     @classmethod
-    def init(cls, sizes: tuple[int, ...], *, activation: str, key: PRNGKeyArray) -> "Network":
+    def init(
+        cls,
+        sizes: tuple[int, ...],
+        *,
+        activation: str,
+        key: PRNGKeyArray,
+        near: Float[Array, " out"] | None = None,
+    ) -> "Network":
         """Draw weights and biases uniformly in +-1/sqrt(fan-in).
 
         Args:
             sizes: widths from input to output.
             activation: one of `activations.ACTIVATIONS`.
             key: random key.
+            near: start near these outputs: they are the last layer's bias, its weights small.
         """
         if activation not in ACTIVATIONS:
             known = ", ".join(ACTIVATIONS)
@@ -52,6 +66,8 @@ class Network(eqx.Module):
             block = fan_in**-0.5 * block.reshape(fan_out, fan_in + 1)
             weights.append(block[:, :-1].copy())
             biases.append(block[:, -1].copy())
+        if near is not None:
+            weights[-1], biases[-1] = SMALL * weights[-1], near
         return cls(tuple(weights), tuple(biases), activation)
 
     def __call__(self, x: Float[Array, " in"]) -> Float[Array, " out"]:
@@ -67,3 +83,14 @@ def scaled_inputs(
 ) -> Float[Array, "2"]:
     """Network inputs of order one, z / scale - shift. Returns: [2]."""
     return jnp.asarray(z) / scale - shift
+
+
+def movable(tree: T, where: Callable[[T], Any]) -> T:
+    """A tree of booleans like a tree: True in the parts that training may move, False elsewhere.
+
+    Args:
+        tree: of arrays.
+        where: gives these parts of it.
+    """
+    frozen = jax.tree.map(lambda _: False, tree)
+    return eqx.tree_at(where, frozen, replace_fn=lambda part: jax.tree.map(lambda _: True, part))

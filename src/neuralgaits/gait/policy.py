@@ -11,7 +11,9 @@ import numpy as np
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
+from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.commands import Commands, Pair, Step
+from neuralgaits.gait.network import Network, movable, scaled_inputs
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
@@ -48,19 +50,21 @@ class AbstractPolicy(eqx.Module):
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """z1 at the start of a step and at the guard (m)."""
 
-    @abstractmethod
     def matched(
         self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
     ) -> "AbstractPolicy":
         """The same policy with everything that follows from robot and parameters recomputed.
 
-        Training calls it before every evaluation, and once more at the end, so that a stored
-        policy evaluates without the robot.
+        Itself, for one of which nothing does: free ones, and families, each of whose policies is
+        matched when it is asked for. Training calls it before every evaluation, and once more at
+        the end, so that a stored policy evaluates without the robot.
 
         Args:
             robot: whose impact it is matched to.
             reset_residual: corrects that impact.
         """
+        del robot, reset_residual
+        return self
 
     def at(
         self,
@@ -112,8 +116,36 @@ class AbstractPolicy(eqx.Module):
         """A tree of booleans like this policy: True where training may move a leaf."""
 
 
+class NetworkPolicy(AbstractPolicy):
+    """A policy that is a network of z between output bounds.
+
+    Attributes:
+        network: N, inputs z / input_scale - input_shift, outputs [m].
+        lower, upper: output bounds [rad]. [m]
+        input_scale, input_shift: network input scaling. [2]
+    """
+
+    network: Network
+    lower: Float[Array, " m"]
+    upper: Float[Array, " m"]
+    input_scale: Float[Array, "2"]
+    input_shift: Float[Array, "2"]
+
+    def inputs(self, z: ZeroState) -> ZeroState:
+        """Of the network. Returns: [2]."""
+        return scaled_inputs(z, self.input_scale, self.input_shift)
+
+    def within_bounds(self, logits: Actuated) -> Actuated:
+        """Outputs between the bounds. Returns: [m] (rad)."""
+        return self.lower + (self.upper - self.lower) * logistic(logits)
+
+    def trainable(self) -> "NetworkPolicy":
+        """The network may move; bounds and scales are fixed."""
+        return movable(self, lambda policy: policy.network)
+
+
 class FreePolicy(AbstractPolicy):
-    """A policy of which nothing follows from a robot.
+    """A policy of which nothing follows from a robot, not even where its steps end.
 
     Attributes:
         start_and_guard: nominal z1 at the start of a step and at the guard [m]. [2]
@@ -126,13 +158,6 @@ class FreePolicy(AbstractPolicy):
         """Nominal z1 at the start of a step and at the guard (m)."""
         # The ellipsis keeps NumPy from returning bare scalars.
         return self.start_and_guard[0, ...], self.start_and_guard[1, ...]
-
-    def matched(
-        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
-    ) -> "AbstractPolicy":
-        """The policy itself."""
-        del robot, reset_residual
-        return self
 
 
 class OutputJet(NamedTuple):

@@ -5,13 +5,14 @@ rough posture none did. Angles are the same for every robot; lengths scale with
 leg length, z2 with m l sqrt(g l).
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypedDict
 
 import numpy as np
 
-from neuralgaits._types import Actuated, Float
+from neuralgaits._types import Actuated, Array, Float
 
 if TYPE_CHECKING:
+    from neuralgaits.gait.policy import NetworkPolicy
     from neuralgaits.robots import PlanarBiped
 
 REFERENCE_LEG_M = 0.8731
@@ -47,6 +48,15 @@ KNEE_RANGE, HIP_RANGE = 1.5, (-1.2, 0.6)
 """Widest bounds of knees (away from straight) and hips [rad]."""
 
 
+class Frame(TypedDict):
+    """What a posture and the policies with networks both have, see `NetworkPolicy`."""
+
+    lower: Actuated
+    upper: Actuated
+    input_scale: Float[Array, "2"]
+    input_shift: Float[Array, "2"]
+
+
 class Posture(NamedTuple):
     """Output bounds and a starting point for a policy."""
 
@@ -68,6 +78,16 @@ class Posture(NamedTuple):
     """Shift of scaled network inputs. [2]"""
     lean: float
     """How much further back than usual the torso leans, for hips that turn one way only [rad]."""
+
+
+def frame_of(owner: "Posture | NetworkPolicy") -> Frame:
+    """Output bounds and input scales by their names, to give them to a policy."""
+    return Frame(
+        lower=owner.lower,
+        upper=owner.upper,
+        input_scale=owner.input_scale,
+        input_shift=owner.input_shift,
+    )
 
 
 def momentum_unit(robot: "PlanarBiped") -> float:

@@ -93,6 +93,11 @@ class BipedEnv(gymnasium.Env):
         if disturb is None or isinstance(disturb, str | Mapping | Disturbance):
             disturb = [disturb]
         disturbances = [parse(one) for one in disturb]
+        if any(one.estimator or one.pitch_noise or one.pitch_offset for one in disturbances):
+            raise InputError(
+                "disturb: expected no estimator, pitch_noise or pitch_offset, found one: what "
+                "acts here is no controller of this package; leave it out"
+            )
         if not disturbances:
             raise InputError("disturb: expected at least one disturbance to draw, found none")
         # A robot's numbers are double precision, whatever a learner has told JAX.

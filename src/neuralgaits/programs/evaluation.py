@@ -31,8 +31,12 @@ class Algebra(Protocol[V]):
     def leave(
         self, program: Program, outputs: dict[str, V], inputs: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """Turn the values of the outputs into what the caller wants."""
-        ...
+        """Turn the values of the outputs into what the caller wants: these values, if nothing else.
+
+        An algebra that is derived from this class inherits that.
+        """
+        del program, inputs
+        return outputs
 
     def constant(self, array: np.ndarray) -> V:
         """Value of exactly these doubles, flat. [size]."""

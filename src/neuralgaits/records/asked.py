@@ -10,10 +10,13 @@ from neuralgaits.runs.names import CONFIG
 from neuralgaits.runs.reading import refuse_misshapen
 from neuralgaits.runs.shape import NUMBER, TEXT, list_of, table_of, whole
 
+HIGHEST_DEGREE = 20
+"""Of polynomials of outputs: Bernstein's would lose digits beyond."""
 WIDEST, DEEPEST = 2**14, 16
 """Hidden layers that a config may ask for: what is more is damage, and would fill the memory."""
 Seed = Annotated[int, whole(0, 2**31 - 1)]
-Steps = Annotated[int, whole(1, 2**31 - 1)]
+Steps = Annotated[int, whole(0, 2**31 - 1)]
+Degree = Annotated[int, whole(1, HIGHEST_DEGREE)]
 Widths = Annotated[tuple[int, ...], list_of(whole(1, WIDEST), *range(1, DEEPEST + 1))]
 Spec = Annotated[
     Mapping[str, Any],
@@ -69,6 +72,21 @@ class Range:
     largest_change: float | None = None
 
 
+@dataclass(frozen=True)
+class Given:
+    """A gait that was not trained.
+
+    Attributes:
+        by: the verb that made the run.
+        degree: of the polynomials of its outputs.
+        speed: mean speed that was asked of an optimisation (m/s); None for an imported gait.
+    """
+
+    by: Literal["import-gait", "optimise"]
+    degree: Degree
+    speed: float | None = None
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Asked(Record):
     """What a training was asked.
@@ -89,6 +107,7 @@ class Asked(Record):
         speed: mean speed that is aimed at (m/s); None for whatever comes.
         parameters: box of robots that the gait is meant for, half widths by kind (shares of the
             file's value; metres for com); none for the robot of the file alone.
+        given: of a gait that was imported or optimised, without a training; None for another.
     """
 
     robot: str
@@ -106,22 +125,25 @@ class Asked(Record):
     commands: Mapping[str, Range] = field(default_factory=dict)
     speed: float | None = None
     parameters: Mapping[str, float] = field(default_factory=dict)
+    given: Given | None = None
 
     def unsaid(self) -> Collection[str]:
         """Settings of `refine` are not those of `train`; no commands are not said."""
         refined = () if self.parent is not None else ("rate", "disturbance", "parent")
-        told = (name for name in ("commands", "speed", "parameters") if not getattr(self, name))
+        told = (
+            name for name in ("commands", "speed", "parameters", "given") if not getattr(self, name)
+        )
         return (*refined, *told)
 
     @property
-    def last_level(self) -> int:
-        """The highest level that a certificate can reach: full order is about one gait.
+    def as_given(self) -> Given | None:
+        """Where the gait is from, if no gradient step has changed it since."""
+        return self.given if self.parent is None else None
 
-        Of a box of robots each has an orbit of its own, which no theorem here encloses.
-        """
-        if self.described.get("parameters"):
-            return 2
-        return 3 if self.commands else 5
+    @property
+    def last_level(self) -> int:
+        """The highest level that a certificate can reach: 4 and 5 are about one gait of one robot."""
+        return 3 if self.commands or self.described.get("parameters") else 5
 
     @property
     def learning_rate(self) -> float | None:

@@ -12,13 +12,15 @@ FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
 PROOF = f"{FOLDER}/proof.json"
 LEVELS = (1, 2, 3, 4)
+GROUND = "floor", "friction"
+"""Of a box, what is not the robot's."""
 
 Verdict = Literal["proved", "refuted", "undecided"]
 
 
 def box_in_words(parameters: Mapping[str, float]) -> str:
     """A box of robots as people write it, `mass=2%,com=5mm`, every digit; empty without one."""
-    units = {"com": (1000, "mm")}
+    units = {"com": (1000, "mm"), "floor": (1000, "mm"), "friction": (1, "")}
     sizes = ((name, half, *units.get(name, (100, "%"))) for name, half in parameters.items())
     return ",".join(
         f"{name}={(scale * Decimal(repr(float(half)))).normalize():f}{unit}"
@@ -123,8 +125,8 @@ class Certified(Record):
         wall_s: time.
         reason: why there is no answer, or no Program.
         within: ranges of commands that it was asked for, by name; None for all that the gait takes.
-        parameters: half widths of the box of robots that it is about, by kind; empty for the robot
-            of the run's file alone.
+        parameters: half widths of the box of robots and floors that it is about, by kind; empty
+            for the robot of the run's file alone, on its floor.
     """
 
     run: str = ""
@@ -157,7 +159,22 @@ class Certified(Record):
     @property
     def robots(self) -> str | None:
         """The box of robots as `--parameters` writes it; None for the robot of the file alone."""
-        return box_in_words(self.parameters) or None
+        of_robots = {k: half for k, half in self.parameters.items() if k not in GROUND}
+        return box_in_words(of_robots) or None
+
+    @property
+    def ground(self) -> str | None:
+        """What floor it is about, in words; None for the level one, and any friction that holds."""
+        said = {
+            "floor": "footholds up to {} higher or lower than meant",
+            "friction": "a coefficient of friction of {} or more",
+        }
+        found = [
+            said[kind].format(box_in_words({kind: self.parameters[kind]}).partition("=")[2])
+            for kind in GROUND
+            if kind in self.parameters
+        ]
+        return ", and ".join(found) or None
 
     @property
     def proved_level(self) -> int:

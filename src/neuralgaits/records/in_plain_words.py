@@ -11,9 +11,7 @@ LEVELS = {
     5: "and does so under any error of the motors, or of what computes them, up to a bound",
 }
 """What each level states, as in docs/guarantees.md."""
-LAST_LEVEL = max(LEVELS)
-FULL_ORDER = 4
-"""The level from which on joints may be off their targets."""
+LAST_LEVEL, ORBIT, FULL_ORDER = max(LEVELS), 3, 4
 PROVED = {
     1: "every condition holds at every state of its region. That is about single states: nothing "
     "follows yet for whole walks.",
@@ -101,7 +99,12 @@ def proved(found: Certified, told: bool) -> str:
     """
     level, count = found.proved_level, len(found.conditions)
     meant = (PROVED | _PROVED_TOLD if told else PROVED)[level]
-    robots = f", of every robot within {found.robots} of the file's" if found.robots else ""
+    robots = ""
+    if found.robots:
+        own = ", each with a motion of its own" if level >= ORBIT else ""
+        robots = f", of every robot within {found.robots} of the file's{own}"
+    if found.ground:
+        robots += f", on every floor with {found.ground}"
     return (
         f"Proved, to level {level} of {LAST_LEVEL}{robots}: {meant} Every one of the "
         f"{count} conditions was shown at every state of its region, rounding errors included, "

@@ -8,8 +8,21 @@ from neuralgaits.records.record import Count, Disturb, Record, Texts
 
 FOLDER = "simulation"
 SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER}/walk.csv"
+MUJOCO = "mujoco"
 LOCKSTEP = "lock-step"
 """How a controller's process is reached where it is waited for."""
+_SHOWN = (
+    ("speed_m_s", "speed", "m/s"),
+    ("step_time_s", "time of a step", "s"),
+    ("cost_of_transport", "mechanical cost of transport", ""),
+    ("peak_torque_nm", "largest torque", "N m"),
+    ("steady_peak_torque_nm", "largest torque, away from touchdowns", "N m"),
+    ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
+    ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
+    ("min_normal_force_n", "smallest force on the standing foot, away from touchdowns", "N"),
+    ("hip_speed_error_m_s", "error of the estimated hip speed, rms", "m/s"),
+    ("saturated_fraction", "share of time at a torque limit", ""),
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,6 +90,19 @@ class LinkFigures(Record):
 
 
 @dataclass(frozen=True)
+class Relaxed:
+    """Shares of ticks at which a law with a quadratic program gave something up.
+
+    Attributes:
+        decrease: of the ticks, those at which its Lyapunov function may fall too slowly.
+        contact: those at which it asks forces of the floor that this does not give.
+    """
+
+    decrease: float
+    contact: float
+
+
+@dataclass(frozen=True)
 class CommandError:
     """How far walks were from what they were told, in the unit of the command; None if unknown.
 
@@ -100,10 +126,13 @@ class WalkFigures(Record):
         max_output_error_rad, peak_torque_nm, steady_peak_torque_nm, max_joint_rate_rad_s,
             min_normal_force_n: extremes.
         saturated_fraction: share of time at a torque limit.
+        relaxed: of a law that has a quadratic program; None of others.
         poincare: None if it was not looked for.
         sim_steps_per_s, real_time_factor: of the simulation itself.
         command_error: of every command that can be measured; empty for a gait that takes none.
         foothold_error_m: how far feet came down from the middle of their stones; None without.
+        hip_speed_error_m_s: rms, between the estimated forward speed of the hip that a torque is
+            for and the one that it meets; None where it is measured.
     """
 
     SAME_LENGTH = ("steps_walked", "fell", "fall_reasons")
@@ -120,16 +149,24 @@ class WalkFigures(Record):
     max_joint_rate_rad_s: float | None = None
     min_normal_force_n: float | None = None
     saturated_fraction: float | None = None
+    relaxed: Relaxed | None = None
     poincare: ModelOrbit | None = None
     sim_steps_per_s: float | None = None
     real_time_factor: float | None = None
     command_error: Mapping[str, CommandError] = field(default_factory=dict)
     foothold_error_m: CommandError | None = None
+    hip_speed_error_m_s: float | None = None
 
     @property
     def stayed(self) -> int:
         """Walks that stayed up to their last step."""
         return len(self.fell) - sum(self.fell)
+
+    @property
+    def shown(self) -> list[tuple[str, float | None, str]]:
+        """What a person sees of the figures that are known: words, number and unit."""
+        found = ((words, getattr(self, name), unit) for name, words, unit in _SHOWN)
+        return [row for row in found if row[1] is not None]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -144,8 +181,10 @@ class WalkSettings(Record):
         start: as in `simulate`.
         push: forward impulse [N s]; None for none.
         disturb: what was changed of the plant; see `simulation.setup.disturbance`.
+        sensing: `perfect` or `encoders`, whose numbers are in `disturb`.
         seed: of starts and disturbances.
         engine, engine_note: what walked, and why it is not what was asked for.
+        simulator: what stepped the plant; MuJoCo if the file is of a version that does not say.
         steps: walking steps asked of each walk.
         logs: files of the walks.
         sha256: of what the walks are about, by file.
@@ -155,6 +194,9 @@ class WalkSettings(Record):
         command: told for ever, by name; None if it changed, or for a gait that takes none.
         commands: file that was told, or `random`; None for neither.
         terrain: that was walked on, as asked; None for a floor.
+        parameters: half widths by kind of the box that each walk's robot was drawn from; empty for
+            one robot.
+        errors: those of the robot of each walk, by what they are of.
     """
 
     run: str = ""
@@ -165,9 +207,11 @@ class WalkSettings(Record):
     start: str
     push: float | None = None
     disturb: Disturb | None = None
+    sensing: str | None = None
     seed: Count
     engine: str | None = None
     engine_note: str | None = None
+    simulator: str = MUJOCO
     steps: Count | None = None
     logs: Texts | None = ()
     sha256: Mapping[str, str | None] = field(default_factory=dict)
@@ -176,17 +220,25 @@ class WalkSettings(Record):
     command: Mapping[str, float] | None = None
     commands: str | None = None
     terrain: str | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    errors: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Simulated(WalkFigures, WalkSettings):
     """A simulation: what was asked, and how it went."""
 
+    @property
+    def stepped_by(self) -> str:
+        """The simulator as a sentence names it."""
+        return {MUJOCO: "MuJoCo", "drake": "Drake"}.get(self.simulator, self.simulator)
+
     def unsaid(self) -> Collection[str]:
-        """No link, commands and terrain where there were none."""
+        """No link, commands, terrain, estimates and quadratic program where there were none."""
         unsaid = ["link"] if self.link is None else []
-        if not self.command_error:
-            unsaid += ["command_error"]
-        for name in ("command", "commands", "terrain", "foothold_error_m"):
+        for name in ("command_error", "parameters", "errors"):
+            unsaid += [] if getattr(self, name) else [name]
+        walked = ("command", "commands", "terrain", "foothold_error_m")
+        for name in (*walked, "hip_speed_error_m_s", "relaxed"):
             unsaid += [name] if getattr(self, name) is None else []
         return unsaid

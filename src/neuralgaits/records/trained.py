@@ -108,6 +108,8 @@ class Trained(Record):
         aims: what fresh samples say of each.
         orbit_speeds_m_s: mean speeds of the orbits at both ends of the range of `speed`, other
             commands in the middle of theirs; None without that command, or without an orbit.
+        speed_m_s, cost_of_transport, multiplier: of the orbit of a gait that was not trained: mean
+            speed, mechanical cost of transport on the zero dynamics [1], slope of the Poincare map.
         step_size: share of the recipe's that the last step had, if it is less than all of it: where
             steps turn to NaN, smaller ones go on from the best weights before that.
         compile_s, train_s, wall_s: times.
@@ -127,14 +129,19 @@ class Trained(Record):
     commands: Mapping[str, Range] = field(default_factory=dict)
     aims: Mapping[str, Violations] = field(default_factory=dict)
     orbit_speeds_m_s: Pair | None = None
+    speed_m_s: float | None = None
+    cost_of_transport: float | None = None
+    multiplier: float | None = None
     step_size: float = 1.0
     compile_s: float = 0.0
     train_s: float = 0.0
     wall_s: float
 
     def unsaid(self) -> Collection[str]:
-        """The size of steps, where it is the recipe's."""
-        return ("step_size",) if self.step_size == 1.0 else ()
+        """The size of steps, where it is the recipe's; figures of an orbit that was not given."""
+        orbit = ("speed_m_s", "cost_of_transport", "multiplier")
+        silent = orbit if self.cost_of_transport is None else ()
+        return (*silent, "step_size") if self.step_size == 1.0 else silent
 
     @property
     def broken(self) -> dict[str, Violations]:

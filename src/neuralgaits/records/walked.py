@@ -43,7 +43,7 @@ class EpisodesAsked(Record):
     robot: str
     plant: str | None
     disturb: Disturb | None
-    controller: Literal["pd", "fblin", "paper"]
+    controller: Literal["pd", "fblin", "paper", "clf-qp"]
     logs: str | None
     rounds: Annotated[int, whole(1, MOST_ROUNDS)]
     seed: Seed

@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.barriers import specs
-from neuralgaits.records.asked import Asked, asked_of
-from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
+from neuralgaits.records.asked import Asked, Given, asked_of
+from neuralgaits.records.simulated import LOCKSTEP, MUJOCO, LinkFigures, Simulated
 from neuralgaits.report.page import words
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
-from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC
+from neuralgaits.runs.names import GAIT, RESIDUAL, ROBOT, SPEC
 
-CONTROLLERS = ("pd", "fblin", "paper", "c")
+CONTROLLERS = ("pd", "fblin", "paper", "clf-qp", "c")
 
 
 def robot_word(folder: RunFolder) -> str:
@@ -34,7 +34,7 @@ def robot_word(folder: RunFolder) -> str:
 def spec_word(folder: RunFolder) -> str | None:
     """The run's spec as the command line takes it; None for one that no file defines."""
     name = asked_of(folder).spec
-    if name in specs.DESCRIPTIONS:
+    if specs.is_built_in(name):
         return name
     file, colon, attribute = name.rpartition(":")
     return f"{named(folder.path / SPEC)}:{attribute}" if colon and file.endswith(".py") else None
@@ -51,7 +51,8 @@ def training(
         steps: gradient steps, the run's own if None.
         seed: the run's own if None.
 
-    Returns: None if the run's spec is in no file, or the run it was refined from is gone.
+    Returns: None if the run's spec is in no file, or the run it was refined from is gone. A gait
+        that was not trained is made as it was, whatever the steps and the seed.
     """
     asked, spec = asked_of(folder), spec_word(folder)
     if asked.parent is not None:
@@ -61,6 +62,10 @@ def training(
         line = ["refine", named(parent), "--residual", named(folder.path / RESIDUAL)]
         if asked.disturbance and any(asked.disturbance):
             line += ["--disturbance", ",".join(repr(bound) for bound in asked.disturbance)]
+    elif asked.as_given is not None:
+        return command(
+            *_given(folder, asked.as_given), *([] if out is None else ["--out", named(out)])
+        )
     elif spec is None:
         return None
     else:
@@ -74,6 +79,14 @@ def training(
         budget = asked.certify.budget_s
         line += ["--certify", *([] if budget is None else ["--budget", str(budget)])]
     return command(*line, *([] if out is None else ["--out", named(out)]))
+
+
+def _given(folder: RunFolder, given: Given) -> list[str]:
+    """Makes a run once more whose gait was not trained."""
+    robot = robot_word(folder)
+    if given.by == "optimise":
+        return ["optimise", robot, f"--speed={given.speed!r}", "--degree", str(given.degree)]
+    return ["import-gait", named(folder.path / GAIT), "--robot", robot]
 
 
 def another_seed(folder: RunFolder) -> str | None:
@@ -112,7 +125,7 @@ def _parent(folder: RunFolder, told: str) -> Path | None:
 
 def box(parameters: Mapping[str, float]) -> str:
     """A box of robots as the command line takes it, every number exactly; `none` for no box."""
-    units = {"com": "m"}
+    units = {"com": "m", "floor": "m"}
     sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
     return ",".join(sizes) or "none"
 
@@ -164,6 +177,8 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     line += ["--controller", done.controller, "--steps", 50 if done.steps is None else done.steps]
     if done.link is not None:
         line += ["--link", _link(done.link)]
+    if done.simulator != MUJOCO:
+        line += ["--simulator", done.simulator]
     line += ["--start", done.start, "--seed", done.seed, "--episodes", done.episodes]
     if done.push:
         line += ["--push", done.push]
@@ -172,9 +187,15 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
         line += ["--command", ",".join(told)]
     if done.commands is not None:
         line += ["--commands", done.commands]
+    if done.parameters:
+        line += ["--parameters", box(done.parameters)]
     if done.terrain is not None:
         line += ["--terrain", done.terrain]
-    if changed := words.disturbances(done.disturb):
+    changed = words.disturbances(done.disturb)
+    for kind, name in (("floor", "floor_height"), ("friction", "friction")):
+        if kind in done.parameters:
+            changed.pop(name, None)
+    if changed:
         line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
     return command(*line)
 

@@ -50,7 +50,7 @@ def part_of(found: CertificateReading) -> ProvedOfSome | None:
     ranges = {}
     if part.told:
         # Before and after have one range; how far they may be apart stands at the second.
-        axes = proof.chart.parameters[1::2]
+        axes = proof.chart.of_commands(len(part.told)).parameters[1::2]
         ranges = {
             axis.name.removesuffix(" after"): Range(axis.low, axis.high, axis.change)
             for axis in axes
@@ -86,5 +86,5 @@ def _full(level: Conclusion | None, shape: FullOrder | None) -> FullOrderSet | N
         {part.name: part.reading**2 / (4.0 * part.sigma) for part in shape.barriers},
         float(level.figures["r_bar"]),
         float(level.figures["gamma"]),
-        shape.floor,
+        shape.least_radius,
     )

@@ -206,5 +206,7 @@ MAKERS: tuple[Maker, ...] = (
     ("rounds", rounds.TITLE, _rounds),
 )
 """Every figure that any run can have, in the order of a report."""
+OF_TRAINING = ("loss",)
+"""Names of those that a gait without a training has not, and does not miss."""
 OF_FAMILIES: tuple[Maker, ...] = ((told.FIGURE, family.TITLE, _family),)
 """Those of gaits that take commands: for others nothing is missing without them."""

@@ -18,7 +18,7 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.shown import FILE, ShownWalk
-from neuralgaits.records.simulated import SUMMARY, Simulated
+from neuralgaits.records.simulated import MUJOCO, SUMMARY, Simulated
 from neuralgaits.report import animation
 from neuralgaits.report.again import plant_word
 from neuralgaits.robots import PlanarBiped, load_robot
@@ -100,6 +100,7 @@ def asked_of(run: Run) -> Asked:
         shown = steps if fallen or push else min(STEPS, steps)
         disturbance, episode = Disturbance(**done.disturb), fallen[0] if fallen else 0
         other = done.link is not None or law not in LAWS or done.commands is not None
+        other = other or done.simulator != MUJOCO
         if done.terrain is not None:
             origin = "walks on level ground, unlike the last simulation of this run"
         elif other:

@@ -22,17 +22,23 @@ from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots import derive
 from neuralgaits.robots.biped import PlanarBiped
-from neuralgaits.robots.mjcf.loader import links_from_text
+from neuralgaits.robots.mjcf.loader import links_from_text, robot_from_text
+from neuralgaits.robots.mjcf.with_errors import LinkErrors, text_with_errors
 
 Box = Mapping[str, float]
-"""Half widths by kind of parameter: shares of the file's value, or metres."""
+"""Half widths by kind of parameter: shares of the file's value, or metres. Of the floor: how many
+metres a foothold may be higher or lower than meant; the least coefficient of friction."""
 UNITS: dict[str, dict[str, float]] = {
     "mass": {"%": 0.01, "": 1.0},
     "com": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
     "inertia": {"%": 0.01, "": 1.0},
     "rotor": {"%": 0.01, "": 1.0},
+    "floor": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
+    "friction": {"": 1.0},
 }
 """Kinds of parameter, in the order of their axes, and the units that they may be given in."""
+GROUND = "floor", "friction"
+"""Those of the floor, which have no axes: no quantity at a state depends on them."""
 _NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
 _SIDES = ("along", "across")
 _RELATIVE = "(relative error)"
@@ -70,13 +76,20 @@ def _size(name: str, value: str) -> float:
     found, units = _NUMBER.fullmatch(value), UNITS[name]
     if found is None or found[2] not in units:
         known = " or ".join(filter(None, units))
+        known = f" in {known}" if known else " without a unit"
         raise InputError(
-            f"--parameters: expected {name} as a number above 0 in {known}, found {value!r}"
+            f"--parameters: expected {name} as a number above 0{known}, found {value!r}"
         )
     try:
-        return float(found[1]) * units[found[2]]
+        half = float(found[1]) * units[found[2]]
     except ValueError:
         raise InputError(f"--parameters: expected a number for {name}, found {value!r}") from None
+    if not found[2] and 1.0 <= half < math.inf:
+        raise InputError(
+            f"--parameters: expected {name} as a share such as 2% or 0.02, found {value}: "
+            "write the per cent sign"
+        )
+    return half
 
 
 def _refuse_unknown(name: object) -> None:
@@ -96,7 +109,7 @@ def checked_box(box: Box) -> dict[str, float]:
         _refuse_unknown(name)
         if not (math.isfinite(half) and half > 0.0):
             raise InputError(f"--parameters: expected {name} above 0, found {half:g}: leave it out")
-        if name != "com" and half >= 1.0:
+        if name not in ("com", *GROUND) and half >= 1.0:
             what = {"rotor": "rotor inertia"}.get(name, name)
             raise InputError(
                 f"--parameters: expected {name} below 100 %, found {100.0 * half:g} %: the box "
@@ -220,7 +233,7 @@ class RobotFamily(eqx.Module):
         types = _types(robot)
         masses = np.append(leg.mass, [] if torso is None else torso.mass)
         counts = np.bincount(types.link, minlength=len(masses)).astype(float)
-        kept = tuple(kind for kind in UNITS if kind in kinds)
+        kept = tuple(kind for kind in UNITS if kind in kinds and kind not in GROUND)
         return cls(
             robot, _tables(centre, types.link), masses, counts, types.link, types.joint, kept
         )
@@ -233,7 +246,7 @@ class RobotFamily(eqx.Module):
 
     def at(self, p: Float[Array, " k"]) -> PlanarBiped:
         """The robot with these errors, in the order of `axes_of`. [size]."""
-        mass, com, inertia, rotor = self._split(p)
+        mass, com, inertia, rotor = self.split(p)
         robot, links = self.nominal, np.array(self.link)
         masses = self.masses * (1.0 + mass) if mass is not None else jnp.asarray(self.masses)
         squared = jnp.sum(com * com, axis=1)
@@ -264,7 +277,7 @@ class RobotFamily(eqx.Module):
             is_leaf=lambda leaf: leaf is None,
         )
 
-    def _split(self, p: Float[Array, " k"]):
+    def split(self, p: Float[Array, " k"]):
         """Errors of masses, centres of mass [T, 2], inertias and rotors; None for those without."""
         count, start = len(self.masses), 0
         found: dict[str, Float[Array, ...]] = {}
@@ -317,6 +330,25 @@ def _tables(
         c[:, :, 3, kind] += np.outer(unit, unit)
     c, b = c.reshape(n, n, -1), b.reshape(n, -1)
     return np.real(c).copy(), np.imag(c).copy(), np.real(b).copy(), np.imag(b).copy()
+
+
+def in_its_file(family: RobotFamily, p: Float[np.ndarray, " k"]) -> PlanarBiped:
+    """A member of the family, loaded from a file of its own: what MuJoCo can simulate.
+
+    Raises: InputError if there is no such robot.
+    """
+    robot, kinds = family.nominal, len(family.masses)
+    joints = len(set(family.joint))
+    mass, com, inertia, rotor = (
+        None if part is None else np.asarray(part) for part in family.split(np.asarray(p))
+    )
+    errors = LinkErrors(
+        mass=np.zeros(kinds) if mass is None else mass,
+        com=np.zeros((kinds, 2)) if com is None else com,
+        inertia=np.zeros(kinds) if inertia is None else inertia,
+        rotor=np.zeros(joints) if rotor is None else rotor,
+    )
+    return robot_from_text(text_with_errors(robot.layout.xml, errors), robot.name)
 
 
 def in_float64(family: RobotFamily, p: Float[np.ndarray, " k"]) -> PlanarBiped:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.errors import InputError, RunError, reason
 from neuralgaits.records.record import Record
 from neuralgaits.records.walked import ASKED, SUMMARY, WALKS, EpisodesAsked, Versioned
 from neuralgaits.robots import PlanarBiped
@@ -164,7 +164,7 @@ def load_robot_of(path: Path, name: str) -> PlanarBiped:
         return robot_from_text(path.read_bytes().decode(), name)
     except (OSError, UnicodeDecodeError) as error:
         raise RunError(
-            f"expected the robot file {path}, found none to read ({error}): restore it"
+            f"expected the robot file {path}, found none to read ({reason(error)}): restore it"
         ) from None
 
 
@@ -174,7 +174,8 @@ def read(path: Path, kind: type[Kind]) -> Kind:
         return kind.of(from_json(path.read_bytes()))
     except (OSError, ValueError) as error:
         raise RunError(
-            f"expected JSON in {path}, found a damaged file ({error}): delete its round and resume"
+            f"expected JSON in {path}, found a damaged file ({reason(error)}): "
+            "delete its round and resume"
         ) from None
 
 

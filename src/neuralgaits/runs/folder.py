@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 
 from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
+from neuralgaits.runs import packed
 from neuralgaits.runs.atomic import write_bytes, write_text
 from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.metrics import Row, from_csv, to_csv
@@ -211,7 +212,7 @@ def file_hashes(path: Path, files: Iterable[str]) -> dict[str, str | None]:
     """The sha256 of files of a folder, by name; None where there is no such file."""
     found = {file: path / file for file in files}
     return {
-        file: _sha256(place.read_bytes()) if place.is_file() else None
+        file: _sha256(packed.content(place)) if packed.is_there(place) else None
         for file, place in found.items()
     }
 

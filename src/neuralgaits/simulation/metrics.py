@@ -3,9 +3,10 @@
 import numpy as np
 
 from neuralgaits._types import Array, Float
+from neuralgaits.control import ClfQp
 from neuralgaits.gait import Orbit
 from neuralgaits.gait.commands import UNITS, Commands
-from neuralgaits.records.simulated import CommandError, ModelOrbit, WalkFigures
+from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.ticks.gauge import START_UP_STEPS
@@ -24,6 +25,8 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
     divided by weight times distance. Output error, normal force, joint rate and
     `steady_peak_torque_nm` leave out the first SETTLING_S after touchdown; `peak_torque_nm` is
     over everything.
+
+    `hip_speed_error_m_s` is over every tick of every walk, falls and touchdowns included.
 
     Args:
         walk: what was simulated.
@@ -53,12 +56,23 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
         max_joint_rate_rad_s=_largest(steady.joint_rate, counted),
         min_normal_force_n=_smallest(steady.normal_force, counted),
         saturated_fraction=float(np.sum(gauge.saturated) / max(1, np.sum(gauge.ticks))),
+        relaxed=_relaxed(walk),
         poincare=None if orbit is None else _orbit(orbit),
         sim_steps_per_s=episodes.plant_steps / episodes.wall_s,
         real_time_factor=simulated / episodes.wall_s,
         command_error=command_errors(walk.commands, episodes.strides),
         foothold_error_m=foothold_error(walk.courses, episodes.strides),
+        hip_speed_error_m_s=hip_speed_error(walk),
     )
+
+
+def _relaxed(walk: Walk) -> Relaxed | None:
+    """What a law with a quadratic program gave up."""
+    if not isinstance(walk.law, ClfQp):
+        return None
+    gauge = walk.episodes.gauge
+    decrease, contact = np.sum(gauge.relaxed, axis=0) / max(1, np.sum(gauge.ticks))
+    return Relaxed(float(decrease), float(contact))
 
 
 def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, CommandError]:
@@ -90,6 +104,16 @@ def foothold_error(courses: Courses | None, strides: list[Strides]) -> CommandEr
     if not every.size:
         return CommandError(None, None)
     return CommandError(float(np.mean(every)), float(np.max(every)))
+
+
+def hip_speed_error(walk: Walk) -> float | None:
+    """Of the estimates of all walks, rms (m/s); None where the hip's speed is measured."""
+    if not walk.plant.disturbance.estimator:
+        return None
+    gauge = walk.episodes.gauge
+    # The first torques arrive as late as all others.
+    ticks = np.sum(np.maximum(0, gauge.ticks - walk.plant.delay_ticks))
+    return float(np.sqrt(np.sum(gauge.speed_error) / ticks)) if ticks else None
 
 
 def _misses(name: str, i: int, walked: Strides) -> Float[np.ndarray, " K"]:

@@ -25,18 +25,20 @@ from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import writing
 from neuralgaits.export.facts import Design, Origin
+from neuralgaits.export.programs import ground
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native.library import Library, NativeError
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.walk import LAWS
+from neuralgaits.simulation.walk import EXPORTED
 
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")
 """Products and sums are not fused: a walk is the same on every machine."""
-SOURCES = ("walk.c", "controller.c", "gait.c")
-_HEADERS = ("controller.h", "ng_math.h")
+SOURCES = ("walk.c", "clf_qp.c", "controller.c", "estimator.c", "gait.c")
+_LOOP = ("walk.c", "walk.h", "clf_qp.c", "clf_qp.h")
+_SHIPPED = ("controller.h", "ng_math.h", "estimator.h", "controller.c", "estimator.c")
 _COMPILERS = ("cc", "gcc", "clang")
 _COMPILE_S = 300.0
 _UNKNOWN = "0" * 64
@@ -122,19 +124,19 @@ def _design(
 ) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
-    return Design.of(robot, gait, LAWS, z2_range, origin, reset_residual=reset_residual)
+    return Design.of(robot, gait, EXPORTED, z2_range, origin, reset_residual=reset_residual)
 
 
 def sources(design: Design) -> dict[str, str]:
     """Every file that is compiled. Raises: NativeError for a policy that C cannot express."""
     try:
-        own = gait_files(design)
+        own = gait_files(design, (ground(design.robot),))
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = writing.shipped()
     folder = resources.files("neuralgaits.simulation.native") / "c"
-    loop = {name: (folder / name).read_text() for name in ("walk.c", "walk.h")}
-    return own | loop | {name: shipped[name] for name in (*_HEADERS, "controller.c")}
+    loop = {name: (folder / name).read_text() for name in _LOOP}
+    return own | loop | {name: shipped[name] for name in _SHIPPED}
 
 
 def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
@@ -179,7 +181,18 @@ def _compile(command: Sequence[str], place: Path, texts: Mapping[str, str]) -> P
     made = place / "walk.so"
     headers = Path(mujoco.__file__).parent / "include"
     files = [str(place / name) for name in SOURCES]
-    line = [*command, *FLAGS, *files, "-I", str(place), "-isystem", str(headers), "-o", str(made)]
+    line = [
+        *command,
+        *FLAGS,
+        *files,
+        "-I",
+        str(place),
+        "-isystem",
+        str(headers),
+        "-o",
+        str(made),
+        "-lm",
+    ]
     try:
         done = subprocess.run(line, capture_output=True, text=True, timeout=_COMPILE_S, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:

@@ -17,8 +17,10 @@ from neuralgaits.simulation.native.scene import knows
 from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.simulators import MUJOCO, Simulator
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import Episodes
@@ -34,11 +36,13 @@ class TrainedWalks:
         run: opened, a family at its first command.
         library: compiled for it; None for the loop in JAX.
         plant: robot to simulate; the run's own if None.
+        drawn: in its place, robots of a box, one for each walk.
         controller: law, by name or itself.
         steps, start, push, disturbance, seed: as in `simulate`.
         orders: what a family is told.
         courses: of blocks, one for each walk, in place of floors; they give the orders.
         threads: that walk; all cores if None.
+        simulator: that steps the plants.
     """
 
     run: Run
@@ -52,7 +56,9 @@ class TrainedWalks:
     seed: int
     orders: Orders
     courses: Courses | None = None
+    drawn: DrawnRobots | None = None
     threads: int | None = None
+    simulator: Simulator = MUJOCO
 
     def walk(self, first: int, count: int, *, record: bool = False, longest: int = 0) -> Walk:
         """Walks number `first` to `first + count - 1`. Raises: InputError, NonFiniteError.
@@ -71,6 +77,7 @@ class TrainedWalks:
                 run.zero_dynamics, gait, self.start, seed=self.seed, episodes=count, first=first
             ),
             plant=self.plant,
+            robots=None if self.drawn is None else self.drawn.of(first, count),
             controller=self.controller,
             steps=self.steps,
             z2_range=momentum_range(run.trained),
@@ -85,17 +92,30 @@ class TrainedWalks:
             courses=self.courses,
             threads=self.threads,
             first=first,
+            simulator=self.simulator,
         )
 
 
-def engine_for(run: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
+def engine_for(
+    run: Run,
+    controller: str | AbstractLaw,
+    choice: Choice | None,
+    simulator: Simulator = MUJOCO,
+) -> Engine:
     """What walks a run under a law. Raises: InputError if native was asked for and cannot be."""
     law = law_named(controller)
+    if simulator != MUJOCO:
+        if choice == "native":
+            raise InputError(
+                f"--engine native: expected --simulator {MUJOCO}, found {simulator}, which the "
+                "loop in JAX walks: leave --engine out"
+            )
+        return Engine(None, None)
     if knows(law):
         return engine_of_trained(run, choice)
     if choice == "native":
         raise InputError(
-            "--engine native: expected pd, fblin or paper, found a law of type "
+            "--engine native: expected pd, fblin, paper or clf-qp, found a law of type "
             f"{type(law).__name__}"
         )
     return Engine(None, None)

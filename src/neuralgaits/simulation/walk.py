@@ -1,4 +1,4 @@
-"""Walk in MuJoCo at full order: robot, policies and starts in, what became of each episode out."""
+"""Walk at full order: robot, policies and starts in, what became of each episode out."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
-from neuralgaits.control import PAPER, AbstractLaw, Controller, Fblin, Pd
+from neuralgaits.control import PAPER, AbstractLaw, ClfQp, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
@@ -26,14 +26,17 @@ from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator, world_of
 from neuralgaits.simulation.ticks import lockstep
 from neuralgaits.simulation.ticks.batch import compile_batch
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import Episodes, Noise, Watch
 from neuralgaits.simulation.ticks.tick import Scene
 
-LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
-"""Control laws by name: `paper` is the PD of the paper's deployment."""
+EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
+"""Control laws that exported controllers have: `paper` is the PD of the paper's deployment."""
+LAWS = {**EXPORTED, "clf-qp": ClfQp()}
+"""Control laws by name."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,7 @@ class Walk:
         plant: what it walked on.
         law: of control.
         engine: what ran the loop: `native` or `jax`.
+        simulator: what stepped the plant: `mujoco` or `drake`.
         episodes: outcome of every episode.
         commands: that it takes.
         courses: that it was on; None for floors.
@@ -54,6 +58,7 @@ class Walk:
     plant: Plant
     law: AbstractLaw
     engine: str
+    simulator: Simulator
     episodes: Episodes
     commands: Commands = ()
     courses: Courses | None = None
@@ -74,6 +79,7 @@ def walk(
     starts: Float[np.ndarray, "B two_n"],
     *,
     plant: PlanarBiped | None = None,
+    robots: Sequence[PlanarBiped] | None = None,
     controller: str | AbstractLaw = "pd",
     steps: int = 50,
     z2_range: tuple[float, float] | None = None,
@@ -91,6 +97,7 @@ def walk(
     reset_residual: AbstractResetResidual | None = None,
     courses: Courses | None = None,
     first: int = 0,
+    simulator: Simulator = MUJOCO,
 ) -> Walk:
     """Walk from each start.
 
@@ -99,7 +106,8 @@ def walk(
         policies: one for all episodes, or one of the same structure for each.
         starts: full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]
         plant: robot to simulate, `robot` if None; it must have the same joints.
-        controller: `pd`, `fblin`, `paper`, or a law.
+        robots: in its place, one for each episode, of the same joints and feet; without courses.
+        controller: `pd`, `fblin`, `paper`, `clf-qp`, or a law.
         steps: walking steps of an episode.
         z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
         disturbance: of the plant.
@@ -112,24 +120,30 @@ def walk(
         threads: threads that step MuJoCo, all cores if None.
         remote: asked for the torques instead of the law; all episodes then share a policy.
         library: compiled for this robot and one policy: walks natively; else the loop is in JAX,
-            as it is with `remote`, `watch`, or a law that is not of this package.
+            as it is with `remote`, `watch`, Drake, or a law that is not of this package.
         orders: what policies that take commands are told; the middle of the ranges if None.
         reset_residual: corrects the impact that their steps begin with.
         courses: of blocks, one for each episode, in place of floors; they give the orders.
         first: number of the first episode, on which what is random depends.
+        simulator: `drake` in MuJoCo's place; needs the extra of that name.
 
-    Raises: InputError if something does not fit.
+    Raises: InputError if something does not fit, or Drake is not there.
     """
     starts = _checked_starts(robot, starts)
     count = len(starts)
-    _check_same_joints(robot, plant)
+    for one in (plant, *(robots or ())):
+        _check_same_joints(robot, one)
     _positive_whole("steps", steps)
     shared = isinstance(policies, AbstractPolicy)
     each = [policies] if shared else _as_many(policies, count)
     if not np.isfinite(push):
         raise InputError(f"push: expected a finite impulse in N s, found {push}")
     law = law_named(controller)
-    plants = _plants(robot if plant is None else plant, disturbance, courses)
+    check_simulator(simulator)
+    if robots is None:
+        plants = _plants(robot if plant is None else plant, disturbance, courses)
+    else:
+        plants = [build(one, disturbance) for one in robots]
     field = plants[0]
     controllers = [
         _controller(robot, policy, law, field, z2_range, reset_residual) for policy in each
@@ -144,12 +158,14 @@ def walk(
     told = None if height is None or courses is not None else float(orders.first[height])
     terrain = Terrain(field.disturbance.floor_height, seed, count, told, first)
     threads = cores() if threads is None else threads
-    if library is not None and shared and remote is None and watch is None and knows(law):
+    states = plant_states(field, starts)
+    compiled = shared and remote is None and watch is None and simulator == MUJOCO and knows(law)
+    if library is not None and compiled:
         episodes = native.run(
             library,
             field,
             one,
-            plant_states(field, starts),
+            states,
             steps=steps,
             falls=falls,
             terrain=terrain,
@@ -164,7 +180,7 @@ def walk(
             plants=plants,
             first=first,
         )
-        return Walk(robot, field, one.law, "native", episodes, orders.commands, courses)
+        return Walk(robot, field, one.law, "native", MUJOCO, episodes, orders.commands, courses)
     gap_depth = np.inf if courses is None else courses.gap_depth
     scene = Scene.of(field, one, steps, falls, orders.first, gap_depth)
     batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
@@ -174,20 +190,18 @@ def walk(
     episodes = lockstep.run(
         field,
         batch,
-        plant_states(field, starts),
+        world_of(simulator, plants, states, threads),
         terrain=terrain,
         push=pushes,
         noise=Noise(noise_shape, seed, count, silent=_silent(field), first=first),
         orders=orders,
-        threads=threads,
         record=record,
         longest=longest,
         watch=watch,
         courses=courses,
-        models=None if courses is None else [own.model for own in plants],
         first=first,
     )
-    return Walk(robot, field, one.law, "jax", episodes, orders.commands, courses)
+    return Walk(robot, field, one.law, "jax", simulator, episodes, orders.commands, courses)
 
 
 def _controller(
@@ -223,7 +237,8 @@ def _plants(
 
 
 def _silent(plant: Plant) -> bool:
-    return not (plant.disturbance.encoder_noise or plant.disturbance.rate_noise)
+    disturbance = plant.disturbance
+    return not (disturbance.noise_of_pitch or disturbance.rate_noise)
 
 
 def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, reason
 from neuralgaits.records.swept import UNDISTURBED
 from neuralgaits.runs import plain
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
@@ -57,7 +57,7 @@ def _read(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise InputError(
             f"expected --disturbances {STANDARD}, {UNDISTURBED} or a TOML file, found {path}: "
-            f"{error.strerror}"
+            f"{reason(error)}"
         ) from None
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(

@@ -8,18 +8,20 @@ table.csv, sweep.html, summary.json     what came out
 
 import contextlib
 import hashlib
+import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from neuralgaits.engine import Files
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.swept import ASKED, FORMAT, ROW, SweepAsked, SweepRow
 from neuralgaits.records.walked import Versioned
-from neuralgaits.runs import to_json, write_bytes, write_text
+from neuralgaits.runs import plain, to_json, write_bytes, write_text
 from neuralgaits.runs.claim import claim, filled
 
 HOME = "sweeps"
@@ -28,6 +30,8 @@ INPUTS, ROWS, FAILED = "inputs", "rows", "failed"
 _LOCK = ".lock"
 _UNFINISHED = "."
 """What names of rows that are being written begin with."""
+_SHOWN = 80
+"""Characters of a setting in a message."""
 
 
 @dataclass(frozen=True)
@@ -80,11 +84,17 @@ class SweepFolder:
         return content
 
     @contextlib.contextmanager
-    def alone(self) -> Iterator[None]:
-        """One command at a time works in a folder; one that is killed lets go of it.
+    def alone(self) -> Iterator["SweepFolder"]:
+        """The folder for one command at a time, without what was half written or failed.
 
-        Raises: InputError if another has it.
+        One that is killed lets go of it. Raises: InputError if another has it.
         """
+        with self._locked():
+            self._clear()
+            yield self
+
+    @contextlib.contextmanager
+    def _locked(self) -> Iterator[None]:
         try:
             import fcntl
         except ImportError:
@@ -100,11 +110,22 @@ class SweepFolder:
                 ) from None
             yield
 
-    def clear(self) -> None:
+    def _clear(self) -> None:
         """Forget rows that were half written, and those that are to be tried again."""
         for path in (self.path / ROWS).glob(f"{_UNFINISHED}*"):
             shutil.rmtree(path, ignore_errors=True)
         shutil.rmtree(self.path / FAILED, ignore_errors=True)
+
+    def refuse_other(self, given: Mapping[str, Any]) -> None:
+        """Raises: InputError if what is given is not what the sweep was asked."""
+        for name, value in given.items():
+            asked = getattr(self.asked, name)
+            if plain(asked) != plain(value):
+                raise InputError(
+                    f"expected the {name} that the sweep in {self.path} was asked, "
+                    f"{_short(asked)}, found {_short(value)}: leave them out, or sweep into "
+                    "another --out"
+                )
 
     def place(self, name: str) -> Path:
         """The run folder of a row."""
@@ -121,6 +142,17 @@ class SweepFolder:
             if path.is_file():
                 return SweepRow.read(path)
         return None
+
+    def rows(self, names: Iterable[str]) -> list[SweepRow]:
+        """All rows, in the order of their names. Raises: RunError if one has vanished."""
+        found = [(name, self.row(name)) for name in names]
+        for name, row in found:
+            if row is None:
+                raise RunError(
+                    f"expected the row {name} in {self.path}, found none: it was taken away; "
+                    "--resume makes it again"
+                )
+        return [row for _, row in found if row is not None]
 
     def keep(self, row: SweepRow, files: Mapping[str, bytes]) -> None:
         """Put a row into the folder with all its files, or not at all."""
@@ -145,3 +177,7 @@ class SweepFolder:
 def sha256(content: bytes) -> str:
     """Hash of a file's content."""
     return hashlib.sha256(content).hexdigest()
+
+
+def _short(value: Any) -> str:
+    return json.dumps(plain(value), ensure_ascii=False)[:_SHOWN]

@@ -50,3 +50,10 @@ def refuse_same(what: str, names: Sequence[str]) -> None:
         raise InputError(
             f"expected {what} of different names, found {twice[0]} twice: name each once"
         )
+
+
+def speed_of(speed: Speed | list[float]) -> float | tuple[float, float] | None:
+    """A row's speed as `train` takes it."""
+    if speed is None:
+        return None
+    return speed[0] if len(speed) == 1 else (speed[0], speed[1])

@@ -145,7 +145,9 @@ def margin_matrix(
         return margins, torque
 
     def aims(sample):
-        step, zd, _ = at(sample, None)
+        # How the gait is meant to walk is said of the robot of the file.
+        end = spec.chart_size - len(spec.parameters)
+        step, zd, _ = at(jnp.concatenate([sample[:end], jnp.zeros_like(sample[end:])]), None)
         middle = middle_of(step, zd)
         return jnp.concatenate([c.of(middle) for c in spec.aims])
 

@@ -45,6 +45,7 @@ class Sampler(NamedTuple):
         corners: float = 0.0,
         widened: float = 0.0,
         faster_changes: float = 0.0,
+        strip: float = 0.0,
         parameters: Sequence[float] = (),
     ) -> "Sampler":
         """Lay out the strata.
@@ -57,12 +58,13 @@ class Sampler(NamedTuple):
             corners: of `Recipe`.
             widened: likewise.
             faster_changes: likewise.
+            strip: likewise.
             parameters: half widths of the robot's, one axis each.
         """
         lows, highs, rows, position = [], [], {}, 0
         for name, count in counts.items():
             for box, share in zip(regions[name], _shares(regions[name], count), strict=True):
-                low, high = _stretched(box, overshoot)
+                low, high = _stretched(box, overshoot, strip)
                 edges = np.linspace(low[0], high[0], share + 1)
                 lows.append(np.stack([edges[:-1], np.full(share, low[1])], axis=1))
                 highs.append(np.stack([edges[1:], np.full(share, high[1])], axis=1))
@@ -131,8 +133,12 @@ def _shares(boxes: Sequence[Box], count: int) -> list[int]:
     return list(np.diff(np.concatenate([[0], ends])))
 
 
-def _stretched(box: Box, overshoot: tuple[float, float]) -> tuple[list[float], list[float]]:
+def _stretched(
+    box: Box, overshoot: tuple[float, float], strip: float
+) -> tuple[list[float], list[float]]:
     low, high = list(box.low), list(box.high)
+    if low[0] == high[0] == 1.0:
+        low[0], high[0] = 1.0 - strip, 1.0 + strip
     for axis, reach in enumerate(overshoot):
         if box.low[axis] < box.high[axis]:
             low[axis] -= reach if box.low[axis] == 0.0 else 0.0

@@ -144,6 +144,7 @@ class Trainer:
             corners=recipe.corners,
             widened=recipe.widened,
             faster_changes=recipe.faster_changes,
+            strip=recipe.strip,
         )
         more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
         validation = plan(more)

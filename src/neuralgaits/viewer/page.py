@@ -60,9 +60,14 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
 _REMEDY = "leave --port away to have a free one chosen, or name another"
 
 
-def _free_port(host: str, port: int | None) -> int:
+def refuse_no_port(port: int | None) -> None:
+    """Refuse a port that there cannot be, before anything is opened. Raises: InputError."""
     if port is not None and not 1 <= port <= _LARGEST_PORT:
         raise InputError(f"expected --port from 1 to {_LARGEST_PORT}, found {port}: {_REMEDY}")
+
+
+def _free_port(host: str, port: int | None) -> int:
+    refuse_no_port(port)
     for number in range(PORT, PORT + _TRIES) if port is None else (port,):
         if _is_free(host, number):
             return number

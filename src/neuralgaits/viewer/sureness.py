@@ -6,6 +6,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.reading import ProvedPart, read_certificate
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import PROOF, Certified
+from neuralgaits.runs import packed
 from neuralgaits.runs.commands import command, named
 from neuralgaits.viewer import markdown
 
@@ -82,7 +83,9 @@ def _lines(run: Run, answer: Certified, part: ProvedPart | None) -> list[str]:
     else:
         lines.append(seen)
     if answer.proof:
-        check = command("check-proof", named(run.path / PROOF), "--run", named(run.path))
+        check = command(
+            "check-proof", named(packed.place(run.path / PROOF)), "--run", named(run.path)
+        )
         lines.append(f"{markdown.code(check)} checks the proof file again.")
     return lines
 

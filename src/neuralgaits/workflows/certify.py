@@ -16,6 +16,7 @@ from neuralgaits._digits import at_least
 from neuralgaits._settings import check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.barriers import GaitSpec
+from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.chart import PLANE, Chart
 from neuralgaits.certificate.levels.conditions.judge import judge
 from neuralgaits.certificate.levels.ladder import conclude
@@ -51,10 +52,12 @@ from neuralgaits.programs import Program
 from neuralgaits.records import certified
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Verdict
 from neuralgaits.robots.parameters import Axis, axes_of, box_of, checked_box
+from neuralgaits.runs import packed
 from neuralgaits.runs.names import MAP
 
-LEVEL, HIGHEST, OF_A_BOX = 3, 5, 2
-"""What is proved if no level is asked for, and the most that can be: of one robot, of a box."""
+LEVEL, HIGHEST = 3, 5
+"""What is proved if no level is asked for; the most that can be of one robot. Of a box of robots,
+or with commands, the first is the most."""
 _TIGHTEST = 5
 """Conditions that a notebook shows."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
@@ -124,9 +127,10 @@ class _Task:
     @property
     def part(self) -> str | None:
         """What part of the run's commands it is about; None for all of them."""
-        if self.box or self.chart == Chart.of(self.run.spec.commands):
+        commands = self.run.spec.commands
+        if self.chart.of_commands(len(commands)) == Chart.of(commands):
             return None
-        return "; ".join(self.chart.sequences([c.name for c in self.run.spec.commands]) or ())
+        return "; ".join(self.chart.sequences([c.name for c in commands]) or ())
 
 
 def certify(
@@ -149,8 +153,8 @@ def certify(
         level: 1: every condition holds on its region, or a state that breaks it is found; 2: and
             the walking set is invariant; 3: and one orbit attracts all of it; 4: and the
             robot walks on at full order, with outputs off zero, in continuous time; 5: and under
-            torques that are not exact, up to a bound that is found. None for 3, for 2 with
-            parameters.
+            torques that are not exact, up to a bound that is found. None for 3, which is the most
+            with parameters or commands.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         budget: seconds after which what is proved so far is kept and reported.
         resume: go on with the boxes of the run's last certificate.
@@ -160,7 +164,7 @@ def certify(
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that does.
         within: narrower ranges of commands, by name: what is proved is about those, and the run
             counts as undecided.
-        parameters: levels 1 and 2 are proved for every robot of this box, half widths by kind (see
+        parameters: levels 1 to 3 are proved for every robot of this box, half widths by kind (see
             `robots.parameters`); None for the run's own, empty for the robot of the file alone.
 
     Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
@@ -174,20 +178,21 @@ def certify(
     trained = open_run(run)
     box = _box(trained, parameters)
     errors = axes_of(trained.robot, box) if box else ()
-    if level is None:
-        level = OF_A_BOX if errors else LEVEL
-    _refuse_level(trained, level, errors)
+    level = LEVEL if level is None else level
+    _refuse_level(trained, level, box)
     chart, spec = _chart(trained, within or {})
     chart, spec = _with_errors(chart, errors), _with(spec, errors)
     try:
-        sets = find_sets(spec, trained.trained, trained.zero_dynamics, level, disturbance)
+        sets = find_sets(
+            spec, trained.trained, trained.zero_dynamics, level, disturbance, box.get("floor", 0.0)
+        )
         whole = _with(trained.spec, errors)
         parts = whole, trained.robot, trained.trained, sets, trained.residuals
         program = trace_certificate(*parts)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         for stale in (certified.PROOF, MAP):
-            (trained.path / stale).unlink(missing_ok=True)
+            packed.remove(trained.path / stale)
         return _finish(trained, level, _no_program(trained), [], began, box=box, reason=str(error))
     task = _Task(trained, level, sets, program, chart, within or None, box)
     problems = [
@@ -236,17 +241,32 @@ def _refuse(level: int, disturbance: tuple[float, float]) -> None:
 
 
 def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float]:
-    """The box of robots that is proved for. Raises: InputError where that cannot be."""
-    own = run.spec.parameters
-    box = box_of(run.robot, own) if parameters is None else checked_box(parameters)
-    if not box:
-        return {}
+    """The box of robots and floors that is proved for. Raises: InputError where that cannot be."""
+    spec = run.spec
+    own = {**box_of(run.robot, spec.parameters), **spec.ground}
+    box = own if parameters is None else checked_box(parameters)
+    if "friction" in box and not (need := friction_needed(spec.describe())) <= box["friction"]:
+        has = (
+            f"one that needs {need:g}" if need < np.inf else "one that does not say when feet slip"
+        )
+        raise InputError(
+            f"expected a run that walks on a coefficient of friction of {box['friction']:g}, found "
+            f"{has}; train one with --parameters friction={box['friction']:g}"
+        )
+    if "floor" in box and spec.commands:
+        raise InputError(
+            "expected a gait without commands with a floor of unknown height, found one that is "
+            f"told {', '.join(c.name for c in spec.commands)}: leave floor out"
+        )
+    axes = axes_of(run.robot, box)
+    if not axes:
+        return box
     if why := why_not_robust(run):
         raise InputError(
             f"expected a run that can be proved for a box of robots, found {why}; train one with "
             "--parameters"
         )
-    refuse_many_axes(_with(run.spec, axes_of(run.robot, box)))
+    refuse_many_axes(_with(spec, axes))
     return box
 
 
@@ -258,12 +278,17 @@ def _with(spec: GaitSpec, errors: tuple[Axis, ...]) -> GaitSpec:
     return replace(spec, parameters=errors)
 
 
-def _refuse_level(run: Run, level: int, errors: tuple[Axis, ...]) -> None:
+def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
     """Raises: InputError on a level that no theorem is about."""
-    if errors and level > OF_A_BOX:
+    if box and level > LEVEL:
         raise InputError(
-            f"expected level 1 or 2 for a box of robots, found {level}: each of them has an orbit "
-            "of its own; leave --level out, or give --parameters none"
+            f"expected level 1, 2 or 3 for a box of robots, found {level}: the theorem of full "
+            "order is about one robot; leave --level out, or give --parameters none"
+        )
+    if "floor" in box and level < 2:
+        raise InputError(
+            "expected level 2 or 3 with a floor of unknown height, found 1, which is about single "
+            "states: raise --level, or leave floor out"
         )
     if run.spec.commands and level > run.asked.last_level:
         raise InputError(
@@ -330,8 +355,9 @@ def _written(
         theorems = Theorems(task.sets.parameters, claimed)
         model = model_data(run.robot, run.trained, run.spec, task.program, run.residuals)
         proof_of(run, task.program, statements, theorems, model, task.chart).write(proof)
+        packed.packed(proof).unlink(missing_ok=True)
     else:
-        proof.unlink(missing_ok=True)
+        packed.remove(proof)
     verdicts, own = {}, []
     for condition in run.spec.conditions:
         # A premise's label may be the name of a region.

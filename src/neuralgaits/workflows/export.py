@@ -1,6 +1,5 @@
 """Write a trained gait for a robot, in C or ONNX, and compare it with Python."""
 
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -8,7 +7,6 @@ from pathlib import Path
 
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
@@ -20,9 +18,10 @@ from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.exported import Exported, UncheckedExport
+from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.walk import LAWS
+from neuralgaits.simulation.walk import EXPORTED
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -86,19 +85,11 @@ def export_controller(
 
 def design_of(trained: Run) -> Design:
     """Everything the exported controller of a run is made of."""
-    return _design(trained, trained.trained)
-
-
-def steady_design_of(trained: Run) -> Design:
-    """The same of the one gait at the run's command, which stays: it is told nothing."""
-    return _design(trained, trained.gait)
-
-
-def _design(trained: Run, gait: AnyGait) -> Design:
+    gait = trained.trained
     return Design.of(
         trained.robot,
         gait,
-        LAWS,
+        EXPORTED,
         momentum_range(gait),
         _origin(trained),
         reset_residual=trained.residuals.reset,
@@ -115,10 +106,11 @@ def _origin(trained: Run) -> Origin:
     about, verdict = found.summary, None
     if about is not None and found.proof is not None:
         verdict = f"{about.verdict} at level {about.level}"
+    hashes = file_hashes(trained.path, (ROBOT, WEIGHTS, PROOF))
     return Origin(
-        robot_sha256=_sha256(trained.path / ROBOT),
-        policy_sha256=_sha256(trained.path / WEIGHTS),
-        proof_sha256=None if verdict is None else _sha256(trained.path / PROOF),
+        robot_sha256=str(hashes[ROBOT]),
+        policy_sha256=str(hashes[WEIGHTS]),
+        proof_sha256=None if verdict is None else hashes[PROOF],
         proof_verdict=verdict,
         spec=trained.asked.spec,
         version=__version__,
@@ -144,10 +136,6 @@ def _warnings(trained: Run) -> list[str]:
         if not level.proved:
             warnings.append(f"level {level.level} is not proved of this gait: {level.reason}")
     return warnings
-
-
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _c(design: Design, states: int) -> tuple[dict[str, str], Told]:

@@ -7,7 +7,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.two_pens import Sheet, second_pen, write_all
-from neuralgaits.report.makers import MAKERS, OF_FAMILIES, Absent, Source
+from neuralgaits.report.makers import MAKERS, OF_FAMILIES, OF_TRAINING, Absent, Source
 
 FOLDER = "figures"
 
@@ -29,6 +29,8 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
             f"expected a folder for the figures, found a file at {folder}: name another"
         )
     makers = (*OF_FAMILIES, *MAKERS) if run.asked.commands else MAKERS
+    if run.asked.as_given is not None:
+        makers = [one for one in makers if one[0] not in OF_TRAINING]
     source = Source(run, certificate_of(run))
     found: list[tuple[str, str] | Missing] = []
     sheets = []

@@ -8,6 +8,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.records.installed import BuiltIn, Named
 from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.runs.commands import command
 from neuralgaits.workflows.robot_file import write_robot_file
 
 
@@ -19,15 +20,19 @@ def robots() -> BuiltIn:
     )
 
 
-def write_built_in(name: str, out: Path) -> BuiltIn:
+def write_built_in(name: str, out: Path | None) -> BuiltIn:
     """Write the file of a built-in robot, to start from.
 
     Returns: that robot alone, with `written`.
-    Raises: RobotError if there is no such robot, InputError if there is a file at `out`.
+    Raises: RobotError if there is no such robot, InputError if there is a file at `out`, or none
+        is named.
     """
     if name not in registry.built_in() and Path(name).exists():
         raise InputError(f"expected the name of a built-in robot, found the file {name}: copy it")
     text, _ = robot_text(name)
+    if out is None:
+        line = command("robots", name, "--out", f"{name}.xml")
+        raise InputError(f"expected a file to write {name} to, found none: write `{line}`")
     write_robot_file(out, text)
     one = Named(name, registry.describe(name))
     return replace(robots(), robots=(one,), specs=(), written=str(out))

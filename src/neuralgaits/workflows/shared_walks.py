@@ -21,6 +21,7 @@ from neuralgaits.runs.arrays import packed
 from neuralgaits.runs.names import CONFIG, SUMMARY
 from neuralgaits.simulation.native_walk import Choice
 from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import RANDOM, orders_of
 from neuralgaits.simulation.trained_walks import (
     TrainedWalks,
@@ -86,8 +87,10 @@ class SharedWalks:
             "disturb": plain(vars(walks.disturbance)),
             "seed": walks.seed,
             "engine": self.choice,
+            "simulator": walks.simulator,
             "command": None if self.command is None else dict(self.command),
             "random": self.commands == RANDOM,
+            "parameters": None if walks.drawn is None else dict(walks.drawn.box),
         }
         for first in range(0, episodes, count):
             here = min(count, episodes - first)
@@ -138,12 +141,12 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         run = at_first(run, orders.first)
         # What is read when it is first asked for is asked for now.
         _ = run.residuals
-    plant = None
+    plant, box = None, told["parameters"]
     if _PLANT in contents:
         plant = robot_from_text(contents[_PLANT].decode(), told["plant"])
     return TrainedWalks(
         run=run,
-        library=engine_for(run, told["controller"], told["engine"]).library,
+        library=engine_for(run, told["controller"], told["engine"], told["simulator"]).library,
         plant=plant,
         controller=told["controller"],
         steps=told["steps"],
@@ -152,7 +155,9 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         disturbance=Disturbance(**told["disturb"]),
         seed=told["seed"],
         orders=orders,
+        drawn=None if box is None else DrawnRobots(run.robot, box, told["seed"]),
         threads=1,
+        simulator=told["simulator"],
     )
 
 

@@ -1,4 +1,4 @@
-"""Walk a trained gait in MuJoCo at full order."""
+"""Walk a trained gait at full order, in MuJoCo or in Drake."""
 
 import os
 import tempfile
@@ -17,6 +17,7 @@ from neuralgaits.engine import engine_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.robots import load_robot, registry
+from neuralgaits.robots.parameters import checked_box
 from neuralgaits.runs import write_text
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
@@ -27,12 +28,15 @@ from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import Choice, Engine
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import on_slope, orders_of, parsed
+from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.setup.terrains import courses_of, told_by
+from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
 from neuralgaits.simulation.walk import Walk, walk
-from neuralgaits.workflows.export import steady_design_of
+from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.shared_walks import SharedWalks, at_first
 
 _ALL = 2**31 - 1
@@ -74,6 +78,7 @@ def simulate(
     start: str = "centre",
     push: float | None = None,
     disturb: str | dict[str, float] | Disturbance | None = None,
+    sensing: str | None = None,
     seed: int = 0,
     episodes: int = 1,
     log: str | Path | None = None,
@@ -83,21 +88,26 @@ def simulate(
     command: str | Mapping[str, float] | None = None,
     commands: str | Path | None = None,
     terrain: str | Path | None = None,
+    parameters: Mapping[str, float] | None = None,
     workers: int | None = None,
     ray: str | None = None,
+    simulator: Simulator = MUJOCO,
 ) -> Simulation:
-    """Walk a trained gait in MuJoCo.
+    """Walk a trained gait at full order.
 
     Args:
         run: a run, its folder, or `latest`.
         plant: robot to simulate, by name or path; the run's own if None.
-        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), a law, or `c`: the
-            exported controller, compiled, as a process of its own.
+        controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), `clf-qp` (see
+            docs/control.md), a law, or `c`: the exported controller, compiled, as a process of its
+            own.
         steps: walking steps of an episode.
         start: `centre` of the gait's region, `region` (anywhere in it), or `fixed-point`.
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
             built-in robot (N s), at a random moment after the fifth step.
         disturb: `NAME=VALUE,...` or a mapping; see `simulation.setup.disturbance`.
+        sensing: `perfect`, what it is if None: the controller is told the plant's own rates and
+            velocity; or `encoders,NAME=VALUE,...`; see `simulation.setup.sensing`.
         seed: of starts and disturbances.
         episodes: number of walks.
         log: CSV file for the first walk; of further walks, FILE-1.csv, FILE-2.csv, ... beside it.
@@ -112,16 +122,24 @@ def simulate(
         terrain: blocks in place of the floor, that the robot sees one step ahead and is told by:
             `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV file of
             stones; see `simulation.setup.terrains`.
+        parameters: each walk is of another robot, drawn from this box around the run's own, half
+            widths by kind (see `robots.parameters`), and on its floor.
         workers: processes of this machine that walk, in place of threads of this one; in a
             script, call this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.
+        simulator: `mujoco`, or `drake` in its place, with its own dynamics and contact; needs the
+            `drake` extra.
 
     Returns: `Simulation`; its summary is also in the run folder.
     Raises: InputError, RobotError or RunError with one line.
     """
+    check_simulator(simulator)
     trained = open_run(run)
     told = trained.trained.commands
-    disturbance = parse(disturb)
+    disturbance = sensed(parse(disturb), sensing)
+    drawn = _drawn(trained, parameters, seed, plant, terrain, controller)
+    if drawn is not None:
+        disturbance = drawn.on_its_floor(disturbance)
     if not isinstance(episodes, int) or episodes < 1:
         raise InputError(f"expected at least 1 episode, found {episodes!r}")
     if not isinstance(seed, int) or seed < 0:
@@ -130,11 +148,11 @@ def simulate(
     if terrain is None:
         disturbance = on_slope(disturbance, orders)
     else:
-        _check_terrain(str(terrain), command, commands, disturbance, controller)
+        _check_terrain(str(terrain), command, commands, disturbance)
     _check_outputs(log, video)
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
-    wire = _wire(link, controller, commands)
+    wire = _wire(link, controller, disturbance)
     shared = workers is not None or ray is not None
     if shared:
         _refuse_shared(controller, log, video, terrain)
@@ -148,7 +166,7 @@ def simulate(
         trained = at_first(trained, courses.orders.first)
         gait = trained.gait
     files = [] if log is None else log_files(Path(log), episodes)
-    walks = _engine(trained, controller, engine)
+    walks = _engine(trained, controller, engine, simulator)
     remote = None
     if wire is None:
         course = TrainedWalks(
@@ -163,6 +181,8 @@ def simulate(
             seed=seed,
             orders=orders,
             courses=courses,
+            simulator=simulator,
+            drawn=drawn,
         )
         if shared:
             command_told = trained.command if told and commands is None else None
@@ -173,22 +193,25 @@ def simulate(
             longest = _ALL if files else 0
             walked = course.walk(0, episodes, record=video is not None, longest=longest)
     else:
-        with connected(steady_design_of(trained), wire, episodes, seed) as remote:
+        with connected(design_of(trained), wire, episodes, seed) as remote:
             walked = walk(
                 robot,
-                gait.policy,
+                trained.trained.policy,
                 full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
                 plant=None if plant is None else load_robot(plant),
                 controller=wire.law,
                 steps=steps,
-                z2_range=momentum_range(gait),
+                z2_range=momentum_range(trained.trained),
                 disturbance=disturbance,
                 push=0.0 if push is None else push,
                 seed=seed,
                 record=video is not None,
                 longest=_ALL if files else 0,
                 remote=remote,
+                orders=orders,
                 reset_residual=trained.residuals.reset,
+                courses=courses,
+                simulator=simulator,
             )
     settings = WalkSettings(
         run=str(trained.path),
@@ -199,9 +222,11 @@ def simulate(
         start=start,
         push=push,
         disturb=vars(walked.plant.disturbance),
+        sensing=name_of(walked.plant.disturbance),
         seed=seed,
         engine=walked.engine,
         engine_note=walks.note,
+        simulator=walked.simulator,
         steps=steps,
         logs=tuple(str(file) for file in files),
         sha256=file_hashes(trained.path, (ROBOT, WEIGHTS)),
@@ -210,6 +235,8 @@ def simulate(
         command=kept or None,
         commands=_text(commands),
         terrain=None if terrain is None else str(terrain),
+        parameters={} if drawn is None else drawn.box,
+        errors={} if drawn is None else _errors(drawn, episodes),
     )
     figures = summary(walked, periodic_orbit(trained.zero_dynamics, gait))
     result = Simulated(**vars(settings), **vars(figures))
@@ -222,12 +249,44 @@ def simulate(
     return Simulation(walked, result)
 
 
-def _engine(trained: Run, controller: str | AbstractLaw, choice: Choice | None) -> Engine:
+def _drawn(
+    trained: Run,
+    parameters: Mapping[str, float] | None,
+    seed: int,
+    plant: str | Path | None,
+    terrain: str | Path | None,
+    controller: str | AbstractLaw,
+) -> DrawnRobots | None:
+    """Robots of a box; None without one. Raises: InputError where something else says who walks."""
+    box = checked_box(parameters or {})
+    if not box:
+        return None
+    others = {"--plant": plant, "--terrain": terrain}
+    given = [name for name, value in others.items() if value is not None]
+    if controller == REMOTE:
+        given.append(f"--controller {REMOTE}")
+    if given:
+        raise InputError(
+            f"expected --parameters without {given[0]}, found both: robots are drawn around the "
+            "run's own, and walk on its floor; leave one out"
+        )
+    return DrawnRobots(trained.robot, box, seed)
+
+
+def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
+    """Errors of every walk's robot, by name."""
+    columns = drawn.errors(0, episodes).T.tolist()
+    return {name: tuple(column) for name, column in zip(drawn.names, columns, strict=True)}
+
+
+def _engine(
+    trained: Run, controller: str | AbstractLaw, choice: Choice | None, simulator: Simulator
+) -> Engine:
     """What walks. Raises: InputError if native was insisted on where it cannot be."""
     if controller != REMOTE:
-        return engine_for(trained, controller, choice)
+        return engine_for(trained, controller, choice, simulator)
     if choice == "native":
-        raise InputError(f"--engine native: expected pd, fblin or paper, found {REMOTE}")
+        raise InputError(f"--engine native: expected pd, fblin, paper or clf-qp, found {REMOTE}")
     return Engine(None, None)
 
 
@@ -240,8 +299,8 @@ def _refuse_shared(
     """Refuse what only this process can do."""
     if not isinstance(controller, str) or controller == REMOTE:
         raise InputError(
-            "expected controller pd, fblin or paper with --workers or --ray, found another: leave "
-            "them out"
+            "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
+            "another: leave them out"
         )
     if log is not None or film is not None:
         raise InputError(
@@ -257,15 +316,15 @@ def _refuse_shared(
 def _wire(
     link: str | Mapping[str, Any] | LinkConfig | None,
     controller: str | AbstractLaw,
-    commands: str | Path | None,
+    disturbance: Disturbance,
 ) -> LinkConfig | None:
     """How a controller's process is reached; None without one."""
     if controller != REMOTE:
         return _no_link(link)
-    if commands is not None:
+    if disturbance.estimator:
         raise InputError(
-            f"expected --command with --controller {REMOTE}, found --commands: its process is made "
-            "for one command"
+            f"expected perfect sensing with --controller {REMOTE}, found encoders: its readings "
+            "carry rates and velocity; take pd, fblin or paper, which estimate them in the same C"
         )
     return parse_link(link)
 
@@ -275,7 +334,6 @@ def _check_terrain(
     command: str | Mapping[str, float] | None,
     commands: str | Path | None,
     disturbance: Disturbance,
-    controller: str | AbstractLaw,
 ) -> None:
     """Refuse what a terrain leaves no room for. Raises: InputError."""
     if commands is not None:
@@ -293,11 +351,6 @@ def _check_terrain(
         raise InputError(
             "expected a terrain or a floor that is disturbed, found both: leave out slope_deg and "
             "floor_height"
-        )
-    if controller == REMOTE:
-        raise InputError(
-            f"expected --terrain with pd, fblin or paper, found --controller {REMOTE}: its process "
-            "is made for one command"
         )
 
 

@@ -4,19 +4,17 @@ Each row is a task of its own, on processes of this machine or on a Ray cluster.
 a run folder, whole; what was stopped goes on with the rows that are missing.
 """
 
-import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
-from dataclasses import dataclass, fields
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from neuralgaits._settings import check_budget, check_seed, check_steps
-from neuralgaits.barriers import specs as known_specs
-from neuralgaits.barriers.commanded import Interval, commands_of
+from neuralgaits.barriers.commanded import Interval
 from neuralgaits.engine import Done, Engine, Job, engine_for
-from neuralgaits.errors import InputError, Interrupted, RunError
+from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.records.swept import (
     FORMAT,
     PAGE,
@@ -29,8 +27,6 @@ from neuralgaits.records.swept import (
     Swept,
 )
 from neuralgaits.report.sweep.page import page
-from neuralgaits.robots import load_robot
-from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import ROBOT, SPEC
@@ -38,16 +34,15 @@ from neuralgaits.simulation.walk import law_named
 from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
 from neuralgaits.sweeps.folder import SweepFolder, sha256
 from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
+from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
 from neuralgaits.sweeps.table import to_csv
 from neuralgaits.workflows.certify import HIGHEST
-from neuralgaits.workflows.sweep_row import carry_out, row_of, speed_of
+from neuralgaits.workflows.sweep_row import carry_out, row_of
 
 WALKS, WALK_STEPS = 4, 25
 """Walks under each disturbance, from anywhere in the region, and the steps asked of each."""
 MOST_ROWS = 1_000_000
 """What is more is a slip of the finger."""
-_SHOWN = 80
-"""Characters of a setting in a message."""
 Tell = Callable[[SweepRow, int, int], None]
 """(a row that is done, rows that are, all rows)."""
 
@@ -118,7 +113,7 @@ def sweep(
     given = _given(specs, speeds, seeds, steps, certify, budget, controllers, disturbances, walks)
     make = _folder(robots, given, out, resume, root)
     # Before a folder is made, so that an engine that cannot be had leaves none.
-    with engine or engine_for(workers, ray) as at_work, _alone(make()) as folder:
+    with engine or engine_for(workers, ray) as at_work, make().alone() as folder:
         every = list(combinations(folder.asked))
         before = sum(folder.has(one.name) for one in every)
         jobs = (_job(folder, one) for one in every if not folder.has(one.name))
@@ -129,7 +124,7 @@ def sweep(
                         tell(row, number, len(every))
         except KeyboardInterrupt as stop:
             raise Interrupted(_again(folder, workers, ray)) from stop
-        rows = _rows(folder, every)
+        rows = folder.rows(one.name for one in every)
         write_text(folder.path / TABLE, to_csv(folder.asked, rows))
         summary = Swept(
             sweep=str(folder.path),
@@ -209,7 +204,7 @@ def _folder(
     names = tuple(map(str, robots))
     if resume and out is not None and (SweepFolder.there(Path(out)) or not names):
         folder = SweepFolder.open(Path(out))
-        _refuse_other(folder, {"robots": names} | dict(given) if names else given)
+        folder.refuse_other({"robots": names} | dict(given) if names else given)
         return lambda: folder
     if not names:
         raise InputError(
@@ -232,7 +227,7 @@ def _folder(
         settings["disturbances"] = disturbances_of(STANDARD)
     if settings["budget"] is not None and settings["certify"] is None:
         raise InputError("expected a budget with --certify, found it alone: add --certify LEVEL")
-    inputs = _inputs(names, settings)
+    inputs = inputs_of(names, settings)
     asked = SweepAsked(
         format=FORMAT,
         robots=names,
@@ -246,72 +241,14 @@ def _folder(
     return lambda: SweepFolder.create(asked, inputs, out=place, root=root)
 
 
-@contextmanager
-def _alone(folder: SweepFolder) -> Iterator[SweepFolder]:
-    """A folder that nobody else works in, without what was half written."""
-    with folder.alone():
-        folder.clear()
-        yield folder
-
-
-def _inputs(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, bytes]:
-    """Copies of robots, and of specs that stand in files, all of which can be read.
-
-    Raises: InputError, RobotError or SpecError.
-    """
-    refuse_same("robots", names)
-    refuse_same("specs", settings["specs"])
-    inputs = {}
-    for spec in settings["specs"]:
-        if spec not in known_specs.DESCRIPTIONS and not known_specs.source_path(spec).is_file():
-            # Says what is wrong with the name.
-            known_specs.load(spec, load_robot(names[0]))
-    for number, name in enumerate(names):
-        inputs[_robot_file(number)] = robot_text(name)[0].encode()
-        robot = load_robot(name)
-        for spec in settings["specs"]:
-            for speed in settings["speeds"]:
-                told = speed_of(speed)
-                spread = told if isinstance(told, tuple) else None
-                one = None if isinstance(told, tuple) else told
-                known_specs.load(spec, robot, commands_of(speed=spread), one)
-    for number, spec in enumerate(settings["specs"]):
-        if spec not in known_specs.DESCRIPTIONS:
-            inputs[_spec_file(number)] = known_specs.source_path(spec).read_bytes()
-    return inputs
-
-
-def _robot_file(number: int) -> str:
-    return f"robot-{number}.xml"
-
-
-def _spec_file(number: int) -> str:
-    return f"spec-{number}.py"
-
-
-def _refuse_other(folder: SweepFolder, given: Mapping[str, Any]) -> None:
-    """Raises: InputError if what is given is not what the sweep was asked."""
-    for name, value in given.items():
-        asked = getattr(folder.asked, name)
-        if plain(asked) != plain(value):
-            raise InputError(
-                f"expected the {name} that the sweep in {folder.path} was asked, {_short(asked)}, "
-                f"found {_short(value)}: leave them out, or sweep into another --out"
-            )
-
-
-def _short(value: Any) -> str:
-    return json.dumps(plain(value), ensure_ascii=False)[:_SHOWN]
-
-
 def _job(folder: SweepFolder, one: Combination) -> Job:
     """The task of a row: all it needs, and nothing of this machine's disk."""
     asked = folder.asked
     spec = asked.specs[one.spec]
-    own = _spec_file(one.spec) in asked.sha256
-    files = {ROBOT: folder.input(_robot_file(one.robot))}
+    own = spec_file(one.spec) in asked.sha256
+    files = {ROBOT: folder.input(robot_file(one.robot))}
     if own:
-        files[SPEC] = folder.input(_spec_file(one.spec))
+        files[SPEC] = folder.input(spec_file(one.spec))
     settings = {
         "name": one.name,
         "robot": Path(asked.robots[one.robot]).stem,
@@ -339,7 +276,7 @@ def _kept(
     for one in done:
         files = dict(one.files)
         if one.failure is None:
-            row = _with(row_of(files.pop(ROW)), tries=one.tries)
+            row = replace(row_of(files.pop(ROW)), tries=one.tries)
         else:
             job = by_name[one.name]
             row = SweepRow(
@@ -354,26 +291,6 @@ def _kept(
             )
         folder.keep(row, files)
         yield row
-
-
-def _with(row: SweepRow, **other: Any) -> SweepRow:
-    """A row with other values."""
-    own = {field.name: getattr(row, field.name) for field in fields(row)}
-    return SweepRow(**(own | other))
-
-
-def _rows(folder: SweepFolder, every: Sequence[Combination]) -> list[SweepRow]:
-    """All rows, in the order of the table. Raises: RunError if one has vanished."""
-    rows = []
-    for one in every:
-        row = folder.row(one.name)
-        if row is None:
-            raise RunError(
-                f"expected the row {one.name} in {folder.path}, found none: it was taken away; "
-                "--resume makes it again"
-            )
-        rows.append(row)
-    return rows
 
 
 def _again(folder: SweepFolder, workers: int | None, ray: str | None) -> str:

@@ -12,7 +12,7 @@ from neuralgaits.engine import Files, Settings
 from neuralgaits.errors import NeuralGaitsError
 from neuralgaits.records.record import build
 from neuralgaits.records.simulated import WalkFigures
-from neuralgaits.records.swept import ROW, UNDISTURBED, RowTimes, RowWalks, Speed, SweepRow
+from neuralgaits.records.swept import ROW, UNDISTURBED, RowTimes, RowWalks, SweepRow
 from neuralgaits.records.trained import Trained
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import to_json
@@ -22,6 +22,7 @@ from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.orders import on_slope, orders_of
 from neuralgaits.simulation.trained_walks import TrainedWalks
+from neuralgaits.sweeps.grid import speed_of
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.shared_walks import at_first
 from neuralgaits.workflows.simulate import simulate
@@ -173,13 +174,6 @@ def _walks(controller: str, disturbance: str, found: WalkFigures) -> RowWalks:
         peak_torque_nm=found.peak_torque_nm,
         min_normal_force_n=found.min_normal_force_n,
     )
-
-
-def speed_of(speed: Speed | list[float]) -> float | tuple[float, float] | None:
-    """A row's speed as `train` takes it."""
-    if speed is None:
-        return None
-    return speed[0] if len(speed) == 1 else (speed[0], speed[1])
 
 
 def row_of(content: bytes) -> SweepRow:

@@ -143,4 +143,5 @@ def view(run: Run | str | Path, *, host: str = page.LOOPBACK, port: int | None =
     Returns: `LiveView`, serving; `wait` until it ends, then `close` it, or use it as a context.
     Raises: InputError, RobotError or RunError with one line.
     """
+    page.refuse_no_port(port)
     return LiveView(open_run(run), host, port)

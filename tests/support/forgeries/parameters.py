@@ -65,6 +65,9 @@ _changed(
     2,
     {"risen": lambda p: p["falling"], "falling": lambda _: _hex(0.1375)},
 )
+_changed("a floor that the foot does not clear", 2, {"floor": _hex(0.005)})
+_changed("a floor of negative height", 2, {"floor": _hex(-0.005)})
+_changed("a floor without end", 2, {"floor": "inf"}, cpp=UNREADABLE, alone=UNREADABLE)
 _changed("risen at the start", 2, {"risen": _hex(0.0)})
 _changed("falling behind the guard", 2, {"falling": _hex(1.01)})
 _changed(

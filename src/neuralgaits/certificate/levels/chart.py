@@ -68,8 +68,10 @@ class Near(NamedTuple):
     change: float
 
 
-PHASE, LEVEL = Axis("phase", -0.05, 1.05), Axis("level", 0.0, 1.0)
+PHASE, LEVEL = Axis("phase", -0.1, 1.1), Axis("level", 0.0, 1.0)
 """Strips before the start of a step and behind its guard belong to the chart."""
+NARROWER = Axis("phase", -0.05, 1.05)
+"""The same in files of earlier versions; a statement is about its own box, whatever the axis."""
 
 
 @dataclass(frozen=True)
@@ -118,16 +120,17 @@ class Chart:
         )
 
     def sequences(self, told: Sequence[str]) -> tuple[str, ...] | None:
-        """What may follow what, a phrase a command; None if the axes are not those of `told`.
+        """What may follow what, a phrase a command; None if the first axes are not those of `told`.
 
-        A command has two axes, (before, after).
+        A command has two axes, (before, after). Behind them are none but errors, which are
+        constant: of a command that is not told, what comes before and after may differ.
         """
-        if len(self.parameters) != 2 * len(told):
+        count = 2 * len(told)
+        if len(self.parameters) < count or not all(map(_is_error, self.parameters[count:])):
             return None
         found = []
-        for name, first, second in zip(
-            told, self.parameters[::2], self.parameters[1::2], strict=True
-        ):
+        for place, name in enumerate(told):
+            first, second = self.parameters[2 * place : 2 * place + 2]
             if first != Axis(f"{name} before", first.low, first.high):
                 return None
             if second != Axis(f"{name} after", first.low, first.high, second.change):
@@ -137,6 +140,14 @@ class Chart:
                 what = f"by at most {second.change!r} more or less than in the step before"
             found.append(f"{name} from {first.low!r} to {first.high!r}, {what}")
         return tuple(found)
+
+    def of_commands(self, count: int) -> "Chart":
+        """The chart without what lies behind the axes of so many commands."""
+        return Chart(self.parameters[: 2 * count])
+
+    def behind(self, count: int) -> "Chart":
+        """The chart of what lies behind the axes of so many commands."""
+        return Chart(self.parameters[2 * count :])
 
     def holds(self, other: "Chart") -> bool:
         """Whether another chart is this one, or a part of it with the same axes."""
@@ -179,7 +190,7 @@ class Chart:
         if not isinstance(rows, list) or not PLANE <= len(rows) <= MOST_AXES:
             raise ValueError(f"a chart that is no list of {PLANE} to {MOST_AXES} axes")
         axes = [_axis(row) for row in rows]
-        if tuple(axes[:PLANE]) != (PHASE, LEVEL):
+        if axes[0] not in (PHASE, NARROWER) or axes[1] != LEVEL:
             raise ValueError("a chart that does not begin with phase and level as they are")
         if axes[PLANE:] and axes[PLANE].change is not None:
             raise ValueError(f"the axis {axes[PLANE].name} with a change from {LEVEL.name}")
@@ -215,6 +226,15 @@ def asked_for(near: Iterable[Near], low: np.ndarray, high: np.ndarray) -> np.nda
         found &= ~(low[:, first] - high[:, second] > change)
         found &= ~(low[:, second] - high[:, first] > change)
     return found
+
+
+def _is_error(axis: Axis) -> bool:
+    """Whether an axis can be an error of a parameter, and is none of a command."""
+    return (
+        axis.low == -axis.high
+        and axis.change is None
+        and not axis.name.endswith((" before", " after"))
+    )
 
 
 def _no_farther(one: Axis, own: Axis) -> bool:

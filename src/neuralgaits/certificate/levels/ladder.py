@@ -101,16 +101,16 @@ def conclude(
             found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
         else:
             answer = level.conclude(known, boxes, bounds)
-            more = _of_parameters(chart, pairs if told else None)
+            more = _of_parameters(chart.behind(len(told)), pairs if told else None)
             words = (*answer.words, *more) if answer.proved else answer.words
             found[level.number] = replace(answer, words=words)
     return list(found.values())
 
 
 def _of_parameters(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:
-    """What a theorem says of the chart's axes beside phase and level, if there are any."""
+    """What a theorem says of pairs of commands, and of a chart's axes behind them, if any."""
     if pairs is not None:
         yield f"admissible are commands of {' and '.join(pairs)}"
-    elif chart.parameters:
+    if chart.parameters:
         fixed = " and ".join(chart.intervals())
         yield f"this holds for each fixed {fixed}; of one that changes it says nothing"

@@ -28,7 +28,7 @@ from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.certificate.levels.walking_set.find import (
     find_set,
     least_of_inlet,
-    over_pairs,
+    over_all,
 )
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.provable import step_at
@@ -65,6 +65,7 @@ class Subject:
     Attributes:
         spec, gait, zd: of a run.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
+        floor: bound on how much higher or lower than meant a foothold may lie [m].
         pushed: whether the set at full order is to stand a disturbance as well (level 5).
     """
 
@@ -72,6 +73,7 @@ class Subject:
     gait: AnyGait
     zd: ZeroDynamics
     disturbance: tuple[float, float] = (0.0, 0.0)
+    floor: float = 0.0
     pushed: bool = False
 
     @cached_property
@@ -95,15 +97,16 @@ class Sought(NamedTuple):
 
 def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     del known
-    found = find_set(of.spec, of.look, of.disturbance)
+    found = find_set(of.spec, of.look, of.disturbance, of.floor)
     if isinstance(found, str):
         return found
     return found, least_of_inlet(of.spec, of.look, found)
 
 
 def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
-    if not isinstance(of.gait, Gait):
-        return find_contraction(over_pairs(of.spec, of.look), known[2])
+    if of.spec.commands or of.spec.parameters or of.floor:
+        return find_contraction(over_all(of.spec, of.look), known[2])
+    assert isinstance(of.gait, Gait)
     return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
 
 
@@ -181,6 +184,7 @@ def find_sets(
     zd: ZeroDynamics,
     level: int,
     disturbance: tuple[float, float],
+    floor: float = 0.0,
 ) -> Sets:
     """Look for the sets that a level speaks of.
 
@@ -190,10 +194,11 @@ def find_sets(
         zd: whose robot and residuals count; its policy only where there are no commands.
         level: up to which.
         disturbance: of `Subject`.
+        floor: likewise.
 
     Raises: SpecError if nothing can be traced.
     """
-    of = Subject(spec, gait, zd, disturbance, pushed=level > FULL_ORDER_LEVEL)
+    of = Subject(spec, gait, zd, disturbance, floor, pushed=level > FULL_ORDER_LEVEL)
     parameters, reasons, least = {}, {}, {}
     for entry in LEVELS:
         if entry.number > level or not set(entry.rests_on) <= set(parameters):

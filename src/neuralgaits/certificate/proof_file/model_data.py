@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.barriers import GaitSpec
+from neuralgaits.barriers.regions import AnyGait, CommandedTube
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Residuals
+from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
+from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import Program
@@ -26,6 +28,7 @@ _NETWORK_POLICY = ("lower", "upper", "input_scale", "input_shift")
 _ARRAYS = {
     HybridInvariantPolicy: (*_NETWORK_POLICY, "z_guard", "z_start", "cubic"),
     MLPPolicy: (*_NETWORK_POLICY, "start_and_guard"),
+    CommandedPolicy: (*_NETWORK_POLICY, "guard_outputs", "guard_slopes", "guard_z1", "curves"),
 }
 """Fields that desired outputs depend on, beside the network."""
 _LEARNED = {"flow": Residual, "reset": ResetResidual}
@@ -49,22 +52,21 @@ def model_data(
     "robot": a leg from the lowest link up, each link with the joint at its upper end; "torso"
     or null; gravity, friction, foot radius. A centre of mass is "along" the line from the lower
     to the upper joint (a torso's: from the hip upwards) and "across" it, counter-clockwise; SI.
-    "policy", "tube": arrays, each {"shape", "values"} or {"constant": name in the Program}.
+    "policy", "tube": arrays, each {"shape", "values"} or {"constant": name in the Program};
+    "commands" of a policy that is told some, with their ranges and largest changes or null.
     "regions": boxes of the chart. "conditions": by name, as in `GaitSpec.describe`.
     "residuals": of flow and reset, arrays or null; only if something was learned.
 
-    Returns: plain data; None for a policy or a residual that is not one of this package's, and for
-        a family of policies that is told commands.
+    Returns: plain data; None for a policy or a residual that is not one of this package's.
     """
-    if not isinstance(gait, Gait):
-        return None
     policy, learned = _policy(gait.policy, program), _residuals(residuals)
     if policy is None or learned is None:
         return None
     described = plain(spec.describe())
     leg, torso = links_from_text(robot.layout.xml, robot.name)
     tube = gait.tube
-    arrays = {"lower": tube.lower, "upper": tube.upper, "unit": tube.unit, "span": tube.span}
+    span = None if isinstance(tube, CommandedTube) else tube.span
+    arrays = {"lower": tube.lower, "upper": tube.upper, "unit": tube.unit, "span": span}
     return {
         "robot": _robot(robot, leg, torso),
         "policy": policy,
@@ -104,7 +106,9 @@ def _centre(com: complex) -> dict[str, str]:
 
 def _policy(policy: AbstractPolicy, program: Program) -> dict[str, Any] | None:
     kind = type(policy)
-    if kind not in _ARRAYS or not isinstance(policy, HybridInvariantPolicy | MLPPolicy):
+    if kind not in _ARRAYS or not isinstance(
+        policy, HybridInvariantPolicy | MLPPolicy | CommandedPolicy
+    ):
         return None
     arrays = {name: getattr(policy, name) for name in _ARRAYS[kind]}
     arrays |= _layers(policy.network)
@@ -114,6 +118,17 @@ def _policy(policy: AbstractPolicy, program: Program) -> dict[str, Any] | None:
         "layers": len(policy.network.weights),
         "z2_dependence": bool(getattr(policy, "z2_dependence", True)),
         "arrays": _arrays("policy", arrays, program.parameters),
+        **({"commands": [_command(one) for one in policy.commands]} if policy.commands else {}),
+    }
+
+
+def _command(command: Command) -> dict[str, Any]:
+    change = command.largest_change
+    return {
+        "name": command.name,
+        "low": float(command.low).hex(),
+        "high": float(command.high).hex(),
+        "largest_change": None if change is None else float(change).hex(),
     }
 
 

@@ -23,9 +23,10 @@ from neuralgaits.certificate.proof_file.json_fields import (
     text_of,
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, reason
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import reading
+from neuralgaits.runs import packed
 
 FIBRE = "xi"
 """Second input of a Program at full order: statements are about all of its unit ball."""
@@ -151,9 +152,11 @@ def halves(low: Corner, high: Corner, axis: int) -> tuple[tuple[Corner, Corner],
 def read_claims(path: Path) -> Claims:
     """Read a proof file. Raises: InputError in one line if it is not one of this format."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = packed.content(path).decode("utf-8")
     except (OSError, ValueError) as error:
-        raise InputError(f"expected a proof file at {path}, found none to read: {error}") from None
+        raise InputError(
+            f"expected a proof file at {path}, found none to read: {reason(error)}"
+        ) from None
     try:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:

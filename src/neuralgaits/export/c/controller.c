@@ -35,9 +35,8 @@ static void by_legs(const ng_real actuated[NG_ACTUATED], int leg,
 #endif
 }
 
-/* Coordinates (or rates) of the robot standing on `leg`. */
-static void coordinates(ng_real pitch, const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
-                        ng_real q[NG_COORDINATES])
+void ng_coordinates(ng_real pitch, const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
+                    ng_real q[NG_COORDINATES])
 {
     stance_first(by_leg, leg, q + 1);
     q[0] = pitch;
@@ -53,7 +52,7 @@ static int advance_stance(ng_state *state, const ng_measurement *reading)
     if (reading->normal_force[1 - state->leg] > NG_TOUCHDOWN_FORCE &&
         state->since_touchdown >= NG_LOCKOUT) {
         ng_real q[NG_COORDINATES], foot[2], hip[2];
-        coordinates(reading->pitch, reading->angles, state->leg, q);
+        ng_coordinates(reading->pitch, reading->angles, state->leg, q);
         ng_feet(q, foot, hip);
         if (foot[0] > NG_TOUCHDOWN_ADVANCE) {
             state->leg = 1 - state->leg;
@@ -330,8 +329,8 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
         latch(state);
     }
 #endif
-    coordinates(reading->pitch, reading->angles, state->leg, command->q);
-    coordinates(reading->dpitch, reading->rates, state->leg, command->dq);
+    ng_coordinates(reading->pitch, reading->angles, state->leg, command->q);
+    ng_coordinates(reading->dpitch, reading->rates, state->leg, command->dq);
     ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, command->z);
     /* After a touchdown the held outputs belong to the wrong legs. */
     if (command->touchdown || state->ticks_to_policy <= 0) {
@@ -340,7 +339,9 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     }
     state->ticks_to_policy -= 1;
     torques(law, command->q, command->dq, &state->held, command->actuated);
-    command->saturated = saturate(config, command->actuated);
+    command->relaxed[0] = command->relaxed[1] = 0;
+    command->saturated = law->within ? law->within(config, &state->held, command)
+                                     : saturate(config, command->actuated);
     for (int i = 0; i < NG_ACTUATED; ++i) {
         command->y_d[i] = state->held.y[i];
         command->dy_d[i] = state->held.dy[i];

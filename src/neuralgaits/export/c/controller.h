@@ -14,12 +14,22 @@
 #define NG_COMMANDS 0 /* a gait that is told nothing */
 #endif
 
+typedef struct ng_config ng_config;
+typedef struct ng_desired ng_desired;
+typedef struct ng_command ng_command;
+
+/*
+ * What a host may do in place of clipping: from the state and the law's torques in the command to
+ * torques within limits. Returns whether any is at its limit.
+ */
+typedef int ng_within(const ng_config *config, const ng_desired *wanted, ng_command *command);
+
 /*
  * How torques follow from what the policy wants:
  *   -stiffness (q_a - y_d) - damping (dq_a - dy_d)
  * and, with a model, its torques of ddq_a = ddy_d - w^2 (q_a - y_d) - 2 w (dq_a - dy_d).
  */
-typedef struct {
+typedef struct ng_law {
     const char *name;
     ng_real stiffness[NG_ACTUATED]; /* stance leg first [N m/rad] */
     ng_real damping[NG_ACTUATED];   /* likewise [N m s/rad] */
@@ -27,6 +37,8 @@ typedef struct {
     ng_real bandwidth;  /* w: 0 leaves errors to stiffness and damping [rad/s] */
     int hold_ticks;     /* ticks between two questions to the policy */
     int measure_z2;     /* 0: the policy is told z2 = 0 */
+    ng_within *within;  /* in place of clipping, or 0 */
+    const void *own;    /* what that knows */
 } ng_law;
 
 extern const ng_law ng_laws[NG_LAW_COUNT]; /* see NG_LAW_... in gait.h */
@@ -68,15 +80,15 @@ typedef struct {
 } ng_measurement;
 
 /* What the policy wants, held between two questions to it; actuated joints, stance leg first. */
-typedef struct {
+struct ng_desired {
     ng_real y[NG_ACTUATED];     /* desired angles [rad] */
     ng_real dy[NG_ACTUATED];    /* their rates [rad/s] */
     ng_real slope[NG_ACTUATED]; /* d y / d z1; of laws with a model [rad/m] */
     ng_real drift[NG_ACTUATED]; /* desired accelerations at ddz1 = 0; likewise [rad/s^2] */
-} ng_desired;
+};
 
 /* What may differ from one use of the same gait to the next. */
-typedef struct {
+struct ng_config {
     const ng_law *law;
     ng_real torque_limit[NG_ACTUATED]; /* stance leg first [N m] */
     ng_real torque_rate;               /* largest change of a joint's torque [N m/s] */
@@ -91,7 +103,7 @@ typedef struct {
     ng_real contact_force;             /* a foot that feels less is off the ground [N] */
     ng_real airborne_s;                /* both feet off the ground [s] */
     uint32_t gap_us;                   /* between two readings [us] */
-} ng_config;
+};
 
 /* What is remembered from tick to tick. */
 typedef struct {
@@ -115,7 +127,7 @@ typedef struct {
 } ng_state;
 
 /* What a tick decided, and what it saw. After a fault only torque, leg and fault are set. */
-typedef struct {
+struct ng_command {
     ng_real torque[NG_LEGS][NG_LEG_JOINTS]; /* for the joints [N m] */
     ng_real actuated[NG_ACTUATED];          /* what the law wants, within limits [N m] */
     ng_real q[NG_COORDINATES];              /* [rad] */
@@ -127,8 +139,9 @@ typedef struct {
     ng_real since_touchdown;                /* [s] */
     int touchdown;                          /* whether the stance leg has just changed */
     int saturated;                          /* whether any torque of the law was clipped */
+    int relaxed[2];                         /* of a law that has `within`: what it gave up */
     ng_fault fault;
-} ng_command;
+};
 
 #define NG_NEVER NG(1.0e30)
 
@@ -160,6 +173,10 @@ void ng_step(const ng_config *config, ng_state *state, const ng_measurement *rea
 
 /* From the robot file's joints to the signs and zeros of the theory. */
 void ng_measure(const ng_encoders *encoders, ng_measurement *reading);
+
+/* Coordinates of the robot standing on `leg`; of rates, their rates. */
+void ng_coordinates(ng_real pitch, const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
+                    ng_real q[NG_COORDINATES]);
 
 /* Motor commands in the order of the joints: torque over gear. */
 void ng_drive(const ng_command *command, ng_real motors[NG_LEGS][NG_LEG_JOINTS]);

@@ -21,9 +21,9 @@
 
 #define JOINTS (NG_LEGS * NG_LEG_JOINTS)
 #define HEAD 16
-#define READING_BYTES (HEAD + 8 * (6 + 2 * JOINTS))
-#define START_BYTES (HEAD + 16)
-#define COMMAND_BYTES (HEAD + 8 * (4 + 3 * NG_ACTUATED + 2 * JOINTS))
+#define READING_BYTES (HEAD + 8 * (6 + 2 * JOINTS + NG_COMMANDS))
+#define START_BYTES (HEAD + 8 * (2 + NG_COMMANDS))
+#define COMMAND_BYTES (HEAD + 8 * (4 + 3 * NG_ACTUATED + 2 * JOINTS + 2 * NG_COMMANDS))
 #define LARGEST 1024
 
 enum { LEG = 1, TOUCHDOWN = 2, SATURATED = 4, STALE = 8 };
@@ -73,7 +73,7 @@ static double now_us(void)
     return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
 }
 
-/* `NGS1`: which law, which leg, how long to blend. */
+/* `NGS1`: which law, which leg, how long to blend, and at which commands if there are some. */
 static int begin(session *s, const unsigned char *packet)
 {
     const uint32_t law = get32(packet + 8), leg = get32(packet + 12);
@@ -82,7 +82,7 @@ static int begin(session *s, const unsigned char *packet)
     }
     s->config = ng_config_of(&ng_laws[law]);
     ng_real options[2];
-    get(packet + HEAD, options, 2);
+    const unsigned char *rest = get(packet + HEAD, options, 2);
     if (options[0] > NG(0.0) && ng_finite(options[0])) {
         s->config.blend_s = options[0];
     }
@@ -91,7 +91,14 @@ static int begin(session *s, const unsigned char *packet)
             s->config.torque_limit[i] = ng_clamp(options[1], NG(0.0), ng_torque_limit[i]);
         }
     }
+#if NG_COMMANDS
+    ng_real first[NG_COMMANDS];
+    get(rest, first, NG_COMMANDS);
+    ng_start_at(&s->state, (int)leg, first);
+#else
+    (void)rest;
     ng_start(&s->state, (int)leg);
+#endif
     const ng_command nothing = {0};
     s->command = nothing;
     s->sequence = get32(packet + 4);
@@ -114,7 +121,14 @@ static int tick(session *s, const unsigned char *packet)
     at = get(at, encoders.base_velocity, 2);
     at = get(at, encoders.normal_force, NG_LEGS);
     at = get(at, &encoders.joints[0][0], JOINTS);
-    get(at, &encoders.djoints[0][0], JOINTS);
+    at = get(at, &encoders.djoints[0][0], JOINTS);
+#if NG_COMMANDS
+    ng_real wanted[NG_COMMANDS];
+    get(at, wanted, NG_COMMANDS);
+    ng_tell(&s->state, wanted);
+#else
+    (void)at;
+#endif
     const double began = now_us();
     ng_measure(&encoders, &s->reading);
     ng_step(&s->config, &s->state, &s->reading, &s->command);
@@ -143,6 +157,10 @@ static size_t answer(const session *s, uint32_t sequence, int used, unsigned cha
     at = put(at, command->y_d, NG_ACTUATED);
     at = put(at, command->dy_d, NG_ACTUATED);
     at = put(at, command->z, 2);
+#if NG_COMMANDS
+    at = put(at, s->state.before, NG_COMMANDS);
+    at = put(at, s->state.after, NG_COMMANDS);
+#endif
     put(at, times, 2);
     return COMMAND_BYTES;
 }

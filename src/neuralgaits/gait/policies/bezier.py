@@ -39,12 +39,19 @@ class BezierPolicy(FreePolicy):
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
         start, guard = self.start_and_guard
-        phase = (z[0] - start) / (guard - start)
-        monomials = self.coefficients @ _bernstein_in_monomials(self.coefficients.shape[1] - 1)
-        value = monomials[:, -1]
-        for k in range(monomials.shape[1] - 2, -1, -1):
-            value = monomials[:, k] + phase * value
+        # About the middle of the step powers cancel less, which single precision feels.
+        place = (2.0 * z[0] - (start + guard)) / (guard - start)
+        table = _bernstein_in_powers(self.coefficients.shape[1] - 1)
+        powers = self.coefficients @ table.astype(self.coefficients.dtype)
+        value = powers[:, -1]
+        for k in range(powers.shape[1] - 2, -1, -1):
+            value = powers[:, k] + place * value
         return value
+
+    @property
+    def z2_dependence(self) -> bool:
+        """No: outputs are functions of z1 alone."""
+        return False
 
     def trainable(self) -> "BezierPolicy":
         """The control points may move; the z1 interval is fixed."""
@@ -60,10 +67,8 @@ def _finite(name: str, values, ndim: int) -> Float[Array, "..."]:
     return array
 
 
-def _bernstein_in_monomials(degree: int) -> Float[np.ndarray, "k k"]:
-    """Row i: coefficients of the i-th Bernstein polynomial in powers of the phase."""
-    table = np.zeros((degree + 1, degree + 1))
-    for i in range(degree + 1):
-        for k in range(i, degree + 1):
-            table[i, k] = (-1) ** (k - i) * comb(degree, k) * comb(k, i)
-    return table
+def _bernstein_in_powers(degree: int) -> Float[np.ndarray, "k k"]:
+    """Row i: coefficients of the i-th Bernstein polynomial in powers of 2 phase - 1."""
+    ahead, behind = np.polynomial.Polynomial([0.5, 0.5]), np.polynomial.Polynomial([0.5, -0.5])
+    rows = [comb(degree, i) * ahead**i * behind ** (degree - i) for i in range(degree + 1)]
+    return np.stack([row.coef for row in rows])

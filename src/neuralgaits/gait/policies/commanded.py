@@ -27,7 +27,7 @@ from neuralgaits.gait.commands import (
     scaled,
 )
 from neuralgaits.gait.coordinates import lift
-from neuralgaits.gait.network import Network
+from neuralgaits.gait.network import Network, movable
 from neuralgaits.gait.policies.hybrid_invariant import HybridInvariantPolicy
 from neuralgaits.gait.policies.step_ends import (
     Foothold,
@@ -39,8 +39,8 @@ from neuralgaits.gait.policies.step_ends import (
     start_after,
 )
 from neuralgaits.gait.policies.step_policy import NumberedStep
-from neuralgaits.gait.policy import AbstractPolicy
-from neuralgaits.gait.posture import Posture, walking_posture
+from neuralgaits.gait.policy import NetworkPolicy
+from neuralgaits.gait.posture import Posture, frame_of, walking_posture
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 from neuralgaits.robots.dynamics import swing_foot
 
@@ -54,7 +54,7 @@ START_NEWTON_STEPS = 20
 """The same from the nominal posture, which may be far off."""
 
 
-class CommandedPolicy(AbstractPolicy):
+class CommandedPolicy(NetworkPolicy):
     """Policies `at(robot, pair)`, each an ordinary policy of one step.
 
     Attributes:
@@ -63,23 +63,18 @@ class CommandedPolicy(AbstractPolicy):
             output range around its middle before a smooth bound. [M, m]
         guard_slopes: of their slopes d y_d / d z1 [rad/m]. [M, m]
         guard_z1: of z1 at the guard [m]. [M]
-        lower, upper: output bounds [rad]. [m]
-        input_scale, input_shift: network input scaling of z. [2]
         curves: cubics of the scaled commands, powers upwards: a speed that is asked for to the
             place in the family that walks at it, see `training.calibration`. [p, 4]
         told: what the gait is told, as `commands`.
+        z2_dependence: of its policies, see `HybridInvariantPolicy`.
     """
 
-    network: Network
     guard_outputs: Float[Array, "M m"]
     guard_slopes: Float[Array, "M m"]
     guard_z1: Float[Array, " M"]
-    lower: Float[Array, " m"]
-    upper: Float[Array, " m"]
-    input_scale: Float[Array, "2"]
-    input_shift: Float[Array, "2"]
     curves: Float[Array, "p 4"]
     told: Commands = eqx.field(static=True)
+    z2_dependence: bool = eqx.field(static=True, default=True)
 
     @classmethod
     def init(
@@ -91,6 +86,7 @@ class CommandedPolicy(AbstractPolicy):
         hidden: tuple[int, ...] = (32, 32),
         activation: str = "tanh",
         posture: Posture | None = None,
+        z2_dependence: bool = True,
     ) -> "CommandedPolicy":
         """Start near a nominal walking posture, the same for all commands but for their lengths.
 
@@ -101,15 +97,12 @@ class CommandedPolicy(AbstractPolicy):
             hidden: widths of the hidden layers.
             activation: of the network.
             posture: nominal posture, `walking_posture(robot)` by default.
+            z2_dependence: False makes outputs functions of z1 and the commands alone.
         """
         posture = walking_posture(robot) if posture is None else posture
         m, p = robot.n - 1, len(commands)
-        network = Network.init((2 + 2 * p, *hidden, m), activation=activation, key=key)
-        small = 0.1 * network.weights[-1]
-        network = eqx.tree_at(
-            lambda net: (net.weights, net.biases),
-            network,
-            ((*network.weights[:-1], small), (*network.biases[:-1], posture.bend)),
+        network = Network.init(
+            (2 + 2 * p, *hidden, m), activation=activation, key=key, near=posture.bend
         )
         terms = factors(p)
         outputs, slopes = np.zeros((len(terms), m)), np.zeros((len(terms), m))
@@ -133,12 +126,10 @@ class CommandedPolicy(AbstractPolicy):
             guard_outputs=outputs,
             guard_slopes=slopes,
             guard_z1=z1,
-            lower=posture.lower,
-            upper=posture.upper,
-            input_scale=posture.input_scale,
-            input_shift=posture.input_shift,
+            **frame_of(posture),
             curves=plain_curves(commands),
             told=commands,
+            z2_dependence=z2_dependence,
         )
 
     @property
@@ -159,21 +150,9 @@ class CommandedPolicy(AbstractPolicy):
             "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
         )
 
-    def matched(
-        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
-    ) -> "CommandedPolicy":
-        """The family itself: each of its policies is matched when it is asked for."""
-        del robot, reset_residual
-        return self
-
     def trainable(self) -> "CommandedPolicy":
         """Network and guards may move, the rest is fixed."""
-        frozen = jax.tree.map(lambda _: False, self)
-        return eqx.tree_at(
-            lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.guard_z1),
-            frozen,
-            (jax.tree.map(lambda _: True, self.network), True, True, True),
-        )
+        return movable(self, lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.guard_z1))
 
     def scaled(self, command: Float[Array, " p"]) -> Float[Array, " p"]:
         """Where in the family a command is: in [-1, 1] or near it, 0 in the middle. [p]."""
@@ -261,13 +240,11 @@ class CommandedPolicy(AbstractPolicy):
                 (numbers[2 + 4 * m :], *biases[1:]),
                 self.network.activation,
             ),
-            lower=self.lower,
-            upper=self.upper,
-            input_scale=self.input_scale,
-            input_shift=self.input_shift,
+            **frame_of(self),
             z_start=numbers[0],
             z_guard=numbers[1],
             cubic=numbers[2 : 2 + 4 * m].reshape(4, m),
+            z2_dependence=self.z2_dependence,
         )
 
     def _between(
@@ -282,17 +259,14 @@ class CommandedPolicy(AbstractPolicy):
             ),
             guard_outputs=guard.outputs,
             guard_slopes=guard.slopes,
-            lower=self.lower,
-            upper=self.upper,
-            input_scale=self.input_scale,
-            input_shift=self.input_shift,
+            **frame_of(self),
             z_guard=guard.z1,
             z_start=start.z1,
             cubic=jnp.stack([guard.outputs] * 4),
             start_outputs=start.outputs,
             start_slopes=start.slopes,
             momentum_ratio=start.momentum_ratio,
-            z2_dependence=True,
+            z2_dependence=self.z2_dependence,
             told=Step(pair, ground, tuple(command.name for command in self.commands)),
         )
         return policy.between(start, guard, exact=exact)

@@ -11,13 +11,12 @@ in Westervelt, Grizzle and Koditschek (2003).
 from typing import TYPE_CHECKING
 
 import equinox as eqx
-import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Actuated, Array, Float
 from neuralgaits.gait.commands import Number, Step
-from neuralgaits.gait.network import Network
+from neuralgaits.gait.network import Network, movable
 from neuralgaits.gait.policies.step_ends import (
     Foothold,
     Guard,
@@ -29,7 +28,7 @@ from neuralgaits.gait.policies.step_ends import (
     start_after,
 )
 from neuralgaits.gait.policies.step_policy import StepPolicy
-from neuralgaits.gait.posture import Posture, walking_posture
+from neuralgaits.gait.posture import Posture, frame_of, walking_posture
 from neuralgaits.gait.reset_residual import AbstractResetResidual
 
 if TYPE_CHECKING:
@@ -41,16 +40,12 @@ class HybridInvariantPolicy(StepPolicy):
 
     t = (z1 - z_start) / (z_guard - z_start) is the phase of the step, H a cubic, N a network.
 
+    z_start and cubic follow from robot and guard.
+
     Attributes:
-        network: N, inputs z / input_scale - input_shift, outputs [m].
         guard_outputs: desired outputs at the guard [rad]; trainable, except that the swing
             hip follows from the foot touching the ground. [m]
         guard_slopes: their slopes d y_d / d z1 at the guard [rad/m]; trainable. [m]
-        lower, upper: output bounds [rad]. [m]
-        input_scale, input_shift: network input scaling. [2]
-        z_guard: z1 at the guard [m].
-        z_start: z1 after the impact [m]; follows from robot and guard.
-        cubic: coefficients of H in powers of t; follow likewise. [4, m]
         start_outputs, start_slopes: outputs and slopes after the impact; follow likewise. [m]
         momentum_ratio: z2 after impact / z2 before; follows likewise.
         told: what the robot was told of this step; None for a gait without commands.
@@ -61,16 +56,8 @@ class HybridInvariantPolicy(StepPolicy):
             told from there, so that what start and guard depend on cancels. [2]
     """
 
-    network: Network
     guard_outputs: Float[Array, " m"]
     guard_slopes: Float[Array, " m"]
-    lower: Float[Array, " m"]
-    upper: Float[Array, " m"]
-    input_scale: Float[Array, "2"]
-    input_shift: Float[Array, "2"]
-    z_guard: Float[Array, ""]
-    z_start: Float[Array, ""]
-    cubic: Float[Array, "4 m"]
     start_outputs: Float[Array, " m"]
     start_slopes: Float[Array, " m"]
     momentum_ratio: Float[Array, ""]
@@ -103,22 +90,13 @@ class HybridInvariantPolicy(StepPolicy):
         """
         posture = walking_posture(robot) if posture is None else posture
         m = robot.n - 1
-        network = Network.init((2, *hidden, m), activation=activation, key=key)
-        small = 0.1 * network.weights[-1]
-        network = eqx.tree_at(
-            lambda net: (net.weights, net.biases),
-            network,
-            ((*network.weights[:-1], small), (*network.biases[:-1], posture.bend)),
-        )
+        network = Network.init((2, *hidden, m), activation=activation, key=key, near=posture.bend)
         zeros = np.zeros(m)
         policy = cls(
             network=network,
             guard_outputs=posture.guard_outputs,
             guard_slopes=posture.guard_slopes,
-            lower=posture.lower,
-            upper=posture.upper,
-            input_scale=posture.input_scale,
-            input_shift=posture.input_shift,
+            **frame_of(posture),
             z_guard=np.asarray(posture.z_guard),
             z_start=np.zeros(()),
             cubic=np.zeros((4, m)),
@@ -205,12 +183,7 @@ class HybridInvariantPolicy(StepPolicy):
 
     def trainable(self) -> "HybridInvariantPolicy":
         """Network, guard outputs and guard slopes may move; the rest follows or is fixed."""
-        frozen = jax.tree.map(lambda _: False, self)
-        return eqx.tree_at(
-            lambda p: (p.network, p.guard_outputs, p.guard_slopes),
-            frozen,
-            (jax.tree.map(lambda _: True, self.network), True, True),
-        )
+        return movable(self, lambda p: (p.network, p.guard_outputs, p.guard_slopes))
 
 
 @eqx.filter_jit

@@ -2,36 +2,25 @@
 
 from typing import TYPE_CHECKING
 
-import equinox as eqx
-import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Actuated, Array, Float, ZeroState
-from neuralgaits.gait.activations import logistic
-from neuralgaits.gait.network import Network, scaled_inputs
-from neuralgaits.gait.policy import FreePolicy
+from neuralgaits.gait.network import Network
+from neuralgaits.gait.policy import FreePolicy, NetworkPolicy
 from neuralgaits.gait.posture import walking_posture
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 
-class MLPPolicy(FreePolicy):
+class MLPPolicy(NetworkPolicy, FreePolicy):
     """Desired outputs y_d = lower + (upper - lower) logistic(N(z)).
 
     Attributes:
-        network: N, inputs z / input_scale - input_shift, outputs [m].
-        lower, upper: output bounds [rad]. [m]
-        input_scale, input_shift: network input scaling. [2]
         start_and_guard: nominal z1 at the start of a step and at the guard [m]. [2]
     """
 
-    network: Network
-    lower: Float[Array, " m"]
-    upper: Float[Array, " m"]
-    input_scale: Float[Array, "2"]
-    input_shift: Float[Array, "2"]
     start_and_guard: Float[Array, "2"]
 
     @classmethod
@@ -71,10 +60,4 @@ class MLPPolicy(FreePolicy):
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
-        share = logistic(self.network(scaled_inputs(z, self.input_scale, self.input_shift)))
-        return self.lower + (self.upper - self.lower) * share
-
-    def trainable(self) -> "MLPPolicy":
-        """The network may move; bounds and scales are fixed."""
-        frozen = jax.tree.map(lambda _: False, self)
-        return eqx.tree_at(lambda p: p.network, frozen, jax.tree.map(lambda _: True, self.network))
+        return self.within_bounds(self.network(self.inputs(z)))

@@ -10,50 +10,38 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
-from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.commands import Number
-from neuralgaits.gait.network import Network, scaled_inputs
-from neuralgaits.gait.policy import AbstractPolicy
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.policy import NetworkPolicy
 
 if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+    pass
 
 
-class StepPolicy(AbstractPolicy):
+class StepPolicy(NetworkPolicy):
     """Desired outputs y_d = lower + (upper - lower) logistic(H(t) + 4 (4t(1-t))^2 N(z)).
 
     t = (z1 - z_start) / (z_guard - z_start) is the phase of the step, H a cubic, N a network.
 
     Attributes:
-        network: N, inputs z / input_scale - input_shift, outputs [m].
-        lower, upper: output bounds [rad]. [m]
-        input_scale, input_shift: network input scaling. [2]
         z_start: z1 after the impact [m].
         z_guard: z1 at the guard [m].
         cubic: coefficients of H in powers of t. [4, m]
         z2_dependence: False makes y_d a function of z1 alone.
     """
 
-    network: eqx.AbstractVar[Network]
-    lower: eqx.AbstractVar[Float[Array, " m"]]
-    upper: eqx.AbstractVar[Float[Array, " m"]]
-    input_scale: eqx.AbstractVar[Float[Array, "2"]]
-    input_shift: eqx.AbstractVar[Float[Array, "2"]]
-    z_guard: eqx.AbstractVar[Float[Array, ""]]
-    z_start: eqx.AbstractVar[Float[Array, ""]]
-    cubic: eqx.AbstractVar[Float[Array, "4 m"]]
+    z_guard: Float[Array, ""]
+    z_start: Float[Array, ""]
+    cubic: Float[Array, "4 m"]
     z2_dependence: eqx.AbstractVar[bool]
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
         phase = self.phase(z[0])
-        inputs = scaled_inputs(z, self.input_scale, self.input_shift)
+        inputs = self.inputs(z)
         if not self.z2_dependence:
             inputs = jnp.stack([inputs[0], jnp.zeros_like(inputs[0])])
         bump = 4.0 * phase * (1.0 - phase)
-        share = logistic(self.path(phase) + (4.0 * bump * bump) * self.network(inputs))
-        return self.lower + (self.upper - self.lower) * share
+        return self.within_bounds(self.path(phase) + (4.0 * bump * bump) * self.network(inputs))
 
     def phase(self, z1: Number) -> Number:
         """Phase of the step at a hip position."""
@@ -79,27 +67,12 @@ class StepPolicy(AbstractPolicy):
 class NumberedStep(StepPolicy):
     """A policy of one step, put together from its numbers: all that a tick evaluates."""
 
-    network: Network
-    lower: Float[Array, " m"]
-    upper: Float[Array, " m"]
-    input_scale: Float[Array, "2"]
-    input_shift: Float[Array, "2"]
-    z_guard: Float[Array, ""]
-    z_start: Float[Array, ""]
-    cubic: Float[Array, "4 m"]
     z2_dependence: bool = eqx.field(static=True, default=True)
 
     @property
     def step_size(self) -> int:
         """Of its `numbers`."""
         return len(self.numbers)
-
-    def matched(
-        self, robot: "PlanarBiped", reset_residual: AbstractResetResidual | None = None
-    ) -> "NumberedStep":
-        """The policy itself."""
-        del robot, reset_residual
-        return self
 
     def trainable(self) -> "NumberedStep":
         """Nothing may move."""

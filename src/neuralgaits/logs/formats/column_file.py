@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, reason
 from neuralgaits.logs.formats.units import ANGLE, FORCE, RATE, SPEED, TIME, TORQUE, Dimension
 from neuralgaits.robots import PlanarBiped
 
-PAGE = "docs/logs.md"
+PAGE = "the page 'Your own logs'"
 """Where both kinds of file are described."""
 PLAIN = {"time": TIME, "pitch": ANGLE, "pitch_rate": RATE}
 """Quantities that are no table."""
@@ -123,10 +123,9 @@ def _content(path: Path) -> dict[str, Any]:
             f"found a line that is no TOML ({error}): see {PAGE}"
         ) from None
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(
             f"columns {path}: expected a TOML file that names the columns, found none that can be "
-            f"read ({reason}): {PAGE} has one to copy"
+            f"read ({reason(error)}): {PAGE} has one to copy"
         ) from None
 
 

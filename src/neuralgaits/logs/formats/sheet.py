@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits._types import Float, Int
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, reason
 
 REPAIR = "delete the row: a missing row counts as a gap"
 
@@ -56,10 +56,9 @@ def text_of(path: Path) -> Text:
             reader = csv.reader(file, skipinitialspace=True)
             found = [(reader.line_num, _trimmed(row)) for row in reader]
     except (OSError, ValueError, csv.Error) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(
-            f"log {path}: expected a CSV file of a walk, found none that can be read ({reason}): "
-            "name the file that the robot wrote"
+            f"log {path}: expected a CSV file of a walk, found none that can be read "
+            f"({reason(error)}): name the file that the robot wrote"
         ) from None
     found = [(line, row) for line, row in found if row]
     if not found:

@@ -17,12 +17,13 @@ from flint import arb, arb_mat
 
 from neuralgaits.programs.algebras import ball_functions as functions
 from neuralgaits.programs.algebras.ball_model import BallModel, Balls, Key, plus, times
+from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program, box_and_ball
 
 
 @dataclass(frozen=True)
-class BallAlgebra:
+class BallAlgebra(Algebra[BallModel]):
     """Rules for `evaluate`. Boxes of u are given by their corners: (low [B, n], high [B, n]).
 
     Elements of u move with a symbol each. A second input, of any shape, is in the unit ball.
@@ -50,13 +51,6 @@ class BallAlgebra:
             slope: dict[Key, Balls] = {(-1 - k,): unit[:, None] for k, unit in enumerate(units)}
             models[ball.name] = BallModel({(): _balls(np.zeros((len(units), 1))), **slope})
         return models
-
-    def leave(
-        self, program: Program, outputs: dict[str, BallModel], inputs: Mapping[str, object]
-    ) -> dict[str, BallModel]:
-        """The models themselves."""
-        del program, inputs
-        return outputs
 
     def constant(self, array: np.ndarray) -> BallModel:
         """Exactly these doubles on every box."""

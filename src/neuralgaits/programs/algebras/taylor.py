@@ -21,12 +21,13 @@ import numpy as np
 from neuralgaits.programs.algebras import expansions
 from neuralgaits.programs.algebras.expansions import SLACK, Expansion
 from neuralgaits.programs.algebras.taylor_model import Layout, Taylor, products, rounded, together
+from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program, box_and_ball
 
 
 @dataclass(frozen=True)
-class TaylorAlgebra:
+class TaylorAlgebra(Algebra[Taylor]):
     """Rules for `evaluate`. Boxes of u are given: (centre [B, n], half width [B, n]).
 
     Elements of u move with a symbol each. A second input, of any shape, is in the unit ball.
@@ -54,13 +55,6 @@ class TaylorAlgebra:
             slope = np.concatenate([np.zeros((layout.slope.start, size)), np.eye(size)])
             models[ball.name] = Taylor(slope[:, :, None], np.zeros((size, 1)), layout)
         return models
-
-    def leave(
-        self, program: Program, outputs: dict[str, Taylor], inputs: Mapping[str, object]
-    ) -> dict[str, Taylor]:
-        """The models themselves."""
-        del program, inputs
-        return outputs
 
     def constant(self, array: np.ndarray) -> Taylor:
         """Exactly these doubles on every box."""

@@ -18,12 +18,12 @@ from neuralgaits.programs.c99.layout import lay_out
 from neuralgaits.programs.c99.nodes import LOOPED, Node
 from neuralgaits.programs.c99.tables import Tables, identifier
 from neuralgaits.programs.c99.writer import Emitted, Writer
-from neuralgaits.programs.evaluation import evaluate, fold
+from neuralgaits.programs.evaluation import Algebra, evaluate, fold
 from neuralgaits.programs.program import Program
 
 
 @dataclass
-class C99Algebra:
+class C99Algebra(Algebra[Node]):
     """Values are nodes; each rule records one."""
 
     nodes: list[Node] = field(default_factory=list)
@@ -35,13 +35,6 @@ class C99Algebra:
             item.name: self._note("input", (), int(np.prod(item.shape)), name=identifier(item.name))
             for item in program.inputs
         }
-
-    def leave(
-        self, program: Program, outputs: dict[str, Node], inputs: Mapping[str, Any]
-    ) -> dict[str, Node]:
-        """The nodes of the outputs."""
-        del program, inputs
-        return outputs
 
     def constant(self, array: np.ndarray) -> Node:
         """A constant without a name."""

@@ -92,7 +92,7 @@ def advice(primitive: str) -> str:
     for key, text in ADVICE.items():
         if key.endswith("*") and primitive.startswith(key[:-1]):
             return text
-    return "it is none of the operations in docs/conditions.md; write it with those"
+    return "it is none of the operations on the page 'Conditions'; write it with those"
 
 
 def linalg(function: str) -> str:

@@ -53,7 +53,9 @@ def _walked(saved: Saved, shown: ShownWalk | None) -> str:
     """What was seen in simulation, the fuller account first."""
     done, walks = saved.simulation, saved.walks
     if done is not None:
-        return f"In a MuJoCo simulation of the whole robot{_where(done)} {_counted(done)}."
+        return (
+            f"In a {done.stepped_by} simulation of the whole robot{_where(done)} {_counted(done)}."
+        )
     if walks is not None and walks.steps_walked and walks.share_that_walks is not None:
         count = len(walks.steps_walked)
         stayed = round(walks.share_that_walks * count)
@@ -103,23 +105,31 @@ def _why(saved: Saved) -> str:
         f"{numbers}: how far the hip is ahead of the foot on the ground, and with how much "
         "momentum the body turns over that foot"
     )
-    if saved.asked.parameters:
+    given = saved.asked.given is not None
+    if saved.asked.parameters or given:
         known = "one number alone: how far the hip is ahead of the foot on the ground"
+    what = "A polynomial" if given else "A small neural network"
     common = (
-        f"A small neural network says where every joint should be, from {known}. No clock is "
-        "involved: the legs wait for the body. "
+        f"{what} says where every joint should be, from {known}. No clock is involved: the legs "
+        "wait for the body. "
     )
     level = saved.proved_level
     if saved.summary is None:
         return common + "It is trained towards conditions on a whole region of states."
     if level >= 2:
+        region = "Around its orbit" if given else "It was trained so that"
         return common + (
-            "It was trained so that a whole region of states leads back into itself: a step that "
-            "begins inside ends with a touchdown inside, so the next step can be taken, and so on."
+            f"{region} a whole region of states leads back into itself: a step that begins inside "
+            "ends with a touchdown inside, so the next step can be taken, and so on."
         )
     described = saved.asked.conditions
     asked = ", ".join(words.gist([one.data for one in described]))
     listed = f" ({asked})" if asked else ""
+    if saved.asked.as_given is not None:
+        return common + (
+            f"It is one periodic motion, found elsewhere; {len(described)} conditions{listed} are "
+            "looked at on a whole region of states around it."
+        )
     return common + (
         f"It was trained towards {len(described)} conditions{listed} on a whole region of states, "
         "not along one motion only."
@@ -185,7 +195,7 @@ def title(saved: Saved) -> Html:
     about = [
         f"spec {saved.asked.spec}",
         f"seed {saved.asked.seed}",
-        f"trained {saved.folder.created_utc[:10]}",
+        f"{'trained' if saved.asked.as_given is None else 'made'} {saved.folder.created_utc[:10]}",
     ]
     return join(
         [

@@ -8,32 +8,24 @@ from pathlib import Path
 from neuralgaits.records import in_plain_words
 from neuralgaits.report import again
 from neuralgaits.report.drawing.drawn import Drawn, Missing
+from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import words
-from neuralgaits.report.page.markup import (
-    Html,
-    captioned,
-    facts,
-    items,
-    join,
-    number,
-    paragraph,
-    section,
-    shell,
-    table,
-    tag,
-)
+from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.report.told import FIGURE as FAMILY
 from neuralgaits.runs.commands import command, named, resuming
+
+_NAMED = 3
+"""Failing conditions that are named before the others are left to the table."""
 
 
 def failures(contents: Contents) -> Html:
     """Everything that did not work, with its reason."""
     found = list(_failures(contents))
     if found:
-        return section("failures", "What failed, and why", items(found))
+        return html.section("failures", "What failed, and why", html.items(found))
     said = "Nothing failed in what was done with this run. What was not done is listed next."
-    return section("failures", "What failed, and why", paragraph(said))
+    return html.section("failures", "What failed, and why", html.paragraph(said))
 
 
 def _failures(contents: Contents) -> Iterator[str]:
@@ -44,18 +36,19 @@ def _failures(contents: Contents) -> Iterator[str]:
         yield f"{file}: {reason}"
     for name, measured in saved.measured.items():
         if measured.broken:
-            most = number(measured.max_violation)
-            yield f"Training left {name} violated on samples, by up to {most} of its scale."
+            most = html.number(measured.max_violation)
+            left = "Training left {} violated" if saved.asked.as_given is None else "{} is violated"
+            yield f"{left.format(name)} on samples, by up to {most} of its scale."
     for name, entry in saved.conditions.items():
         point = entry.counterexample
         if point is not None:
-            z1, z2 = (number(value, 6) for value in point.z)
+            z1, z2 = (html.number(value, 6) for value in point.z)
             yield (
                 f"{name} is refuted: at z1 = {z1} m, z2 = {z2} kg m²/s its margin is "
-                f"{number(point.margin)} of its scale."
+                f"{html.number(point.margin)} of its scale."
             )
         elif entry.verdict == "undecided":
-            share = number(100.0 * entry.proved_fraction)
+            share = html.number(100.0 * entry.proved_fraction)
             yield f"{name} is undecided: {share} % of its region is proved."
     for level in () if saved.certificate is None else saved.certificate.levels:
         if not level.proved:
@@ -81,11 +74,15 @@ def missing(contents: Contents) -> Html:
     by_command: dict[str, list[str]] = {}
     for what, line in missing_parts(contents):
         by_command.setdefault(line, []).append(what)
-    rows = [("; ".join(what), tag("code", line)) for line, what in by_command.items()]
+    rows = [("; ".join(what), html.tag("code", line)) for line, what in by_command.items()]
     if not rows:
-        return section("missing", "What is missing", paragraph("Nothing: every part is here."))
+        return html.section(
+            "missing", "What is missing", html.paragraph("Nothing: every part is here.")
+        )
     head = ("missing", "the command that makes it")
-    return section("missing", "What is missing", table("Parts this run does not have", head, rows))
+    return html.section(
+        "missing", "What is missing", html.table("Parts this run does not have", head, rows)
+    )
 
 
 def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
@@ -104,15 +101,23 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         return
     if saved.simulation is None:
         yield "simulations", command("simulate", saved.name)
-    if saved.certificate is None:
-        if not saved.asked.not_provable_because:
-            yield "a certificate", command("certify", saved.name)
-    elif (level := saved.certificate.level) < saved.asked.last_level:
+    unprovable = bool(saved.failing or saved.asked.not_provable_because)
+    if saved.failing:
+        names = ", ".join(saved.failing[:_NAMED]) + (", …" if len(saved.failing) > _NAMED else "")
+        what = f"a gait that can be proved: some states break {names}, which more steps may mend"
+        yield what, again.longer(saved.folder)
+    elif unprovable:
+        pass
+    elif saved.certificate is None:
+        yield "a certificate", command("certify", saved.name)
+    elif (level := saved.certificate.proved_level) < saved.asked.last_level:
         line = again.certifying(saved.folder.path, level + 1)
         stated = in_plain_words.states(level + 1, bool(saved.asked.commands))
         yield f"level {level + 1}: {stated}", line
     for figure in contents.figures:
-        if isinstance(figure, Missing):
+        # What a proof would show is no use to ask for where there can be none.
+        proof = isinstance(figure, Missing) and figure.command.startswith(command("certify"))
+        if isinstance(figure, Missing) and not (proof and unprovable):
             yield f"figure “{figure.title}”: {figure.reason}", figure.command
 
 
@@ -133,13 +138,15 @@ def reproduction(contents: Contents) -> Html:
         lines.append(again.simulating(saved.folder, saved.simulation, copy) or "")
     lines.append(command("report", named(copy)))
     versions = list(folder.written_by.items())
-    hashes = [(tag("code", file), tag("code", digest)) for file, digest in saved.hashes.items()]
-    return section(
+    hashes = [
+        (html.tag("code", file), html.tag("code", digest)) for file, digest in saved.hashes.items()
+    ]
+    return html.section(
         "reproduce",
         "How to make it again",
         *_commands(saved, trained, [line for line in lines if line]),
-        facts(f"Versions, {folder.created_utc}", versions),
-        table("Files of the run", ("file", "sha256"), hashes),
+        html.facts(f"Versions, {folder.created_utc}", versions),
+        html.table("Files of the run", ("file", "sha256"), hashes),
     )
 
 
@@ -151,7 +158,7 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
             if saved.asked.parent
             else f"its spec, {saved.asked.spec}, was made in Python and is in no file"
         )
-        return [paragraph(f"No command makes this run again: {lost}.")]
+        return [html.paragraph(f"No command makes this run again: {lost}.")]
     said = (
         "On the same machine and the same versions these commands give the same weights, bit for "
         "bit; elsewhere, a gait that differs in its last digits. They write to a folder beside "
@@ -163,7 +170,7 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
             f" The simulation is left out: the run has kept no file of its plant, {done.plant}, "
             f"or of its controller, {done.controller}."
         )
-    return [paragraph(said), shell(lines)]
+    return [html.paragraph(said), html.shell(lines)]
 
 
 def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
@@ -176,21 +183,24 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
     # What is told has a part of its own, with its figure.
     here = [figure for figure in contents.figures if figure.name != FAMILY]
     parts = [
-        captioned(figure.title, figure.caption, pictures[figure.name])
+        html.captioned(figure.title, figure.caption, pictures[figure.name])
         for figure in here
         if isinstance(figure, Drawn)
     ]
     absent = [figure.title for figure in here if isinstance(figure, Missing)]
     if absent:
         said = f"Not drawn, because what they show is not there: {'; '.join(absent)}. "
-        link = tag("a", "What is missing", href="#missing")
-        parts.append(paragraph(said, link, " has the commands.", class_="quiet"))
+        link = html.tag("a", "What is missing", href="#missing")
+        parts.append(html.paragraph(said, link, " has the commands.", class_="quiet"))
     if not parts:
-        parts.append(paragraph("There are no figures of this run."))
-    return section("figures", "Figures", *parts)
+        parts.append(html.paragraph("There are no figures of this run."))
+    return html.section("figures", "Figures", *parts)
 
 
 def glossary() -> Html:
     """Ten words."""
-    entries = join(join([tag("dt", term), tag("dd", meaning)]) for term, meaning in words.GLOSSARY)
-    return section("words", "Ten words", tag("dl", entries))
+    entries = html.join(
+        html.join([html.tag("dt", term), html.tag("dd", meaning)])
+        for term, meaning in words.GLOSSARY
+    )
+    return html.section("words", "Ten words", html.tag("dl", entries))

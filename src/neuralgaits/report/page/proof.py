@@ -1,6 +1,7 @@
 """The part of the page about the certificate: levels, conditions, assumptions, how to check it."""
 
 import shlex
+from pathlib import Path
 
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import (
@@ -11,23 +12,12 @@ from neuralgaits.records.certified import (
     Conclusion,
     Constant,
 )
+from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import words
-from neuralgaits.report.page.markup import (
-    Html,
-    bound,
-    facts,
-    folded,
-    items,
-    join,
-    number,
-    paragraph,
-    section,
-    shell,
-    table,
-    tag,
-)
+from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.report.page.training import TIGHTEST
+from neuralgaits.runs import packed
 from neuralgaits.runs.commands import command, named
 
 _LEVEL_FIGURES = {
@@ -47,27 +37,27 @@ def certificate(contents: Contents) -> Html:
     saved = contents.saved
     found = saved.certificate
     if found is None:
-        return section("certificate", "The certificate", _absent(saved))
-    return section(
+        return html.section("certificate", "The certificate", _absent(saved))
+    return html.section(
         "certificate",
         "The certificate",
-        paragraph(
+        html.paragraph(
             "Here nothing rests on samples. The region is cut into boxes, and on each box the "
             "margin is bounded from below by interval arithmetic, every rounding error included."
         ),
         _ladder(found, bool(saved.asked.commands)),
         *(_level(entry) for entry in found.levels),
-        tag("h3", "Condition by condition (level 1)"),
+        html.tag("h3", "Condition by condition (level 1)"),
         _conditions(found),
-        tag("h3", "What it assumes"),
-        items(in_plain_words.assumptions(found.level, found.robots)),
-        paragraph(f"It claims nothing about {in_plain_words.NOT_CLAIMED}."),
-        tag(
+        html.tag("h3", "What it assumes"),
+        html.items(in_plain_words.assumptions(found.level, found.robots)),
+        html.paragraph(f"It claims nothing about {in_plain_words.NOT_CLAIMED}."),
+        html.tag(
             "details",
-            tag("summary", "The same in the words of check-proof"),
-            items(contents.assumptions),
+            html.tag("summary", "The same in the words of check-proof"),
+            html.items(contents.assumptions),
         ),
-        tag("h3", "Check it again"),
+        html.tag("h3", "Check it again"),
         *_files(saved, found),
     )
 
@@ -80,11 +70,11 @@ def _absent(saved: Saved) -> Html:
     )
     if saved.asked.not_provable_because:
         said += f" It cannot have one: {saved.asked.not_provable_because}"
-        return tag("div", paragraph(said), class_="missing")
-    return tag(
+        return html.tag("div", html.paragraph(said), class_="missing")
+    return html.tag(
         "div",
-        paragraph(said, " To prove it, some ten seconds for a built-in robot:"),
-        shell([command("certify", saved.name)]),
+        html.paragraph(said, " To prove it, some ten seconds for a built-in robot:"),
+        html.shell([command("certify", saved.name)]),
         class_="missing",
     )
 
@@ -97,7 +87,7 @@ def _ladder(found: Certified, told: bool) -> Html:
         for level in LEVELS
     ]
     head = ("level", "states that", "verdict")
-    return table("The ladder of guarantees: each level rests on those above it", head, rows)
+    return html.table("The ladder of guarantees: each level rests on those above it", head, rows)
 
 
 def _level(entry: Conclusion) -> Html:
@@ -105,30 +95,29 @@ def _level(entry: Conclusion) -> Html:
     level = entry.level
     if not entry.proved:
         reason = entry.reason or "no reason is given"
-        return paragraph(tag("b", f"Level {level} is {entry.verdict}: "), reason)
+        return html.paragraph(html.tag("b", f"Level {level} is {entry.verdict}: "), reason)
     figures = [
-        (
-            label,
-            f"{bound(entry.figures[name], above='_at_most' in name, digits=6)} {unit}".rstrip(),
-        )
+        (label, f"{html.bound(value, above='_at_most' in name, digits=6)} {unit}".rstrip())
         for name, (label, unit) in _LEVEL_FIGURES.items()
-        if name in entry.figures
+        if (value := entry.figures.get(name)) is not None
     ]
     constants = [(one.name, _rounded(one), one.unit, one.meaning) for one in entry.constants]
-    parts = [paragraph("In the words of the theorem:"), items(entry.words)]
+    parts = [html.paragraph("In the words of the theorem:"), html.items(entry.words)]
     if figures:
-        parts.append(facts(f"Numbers proved at level {level}", figures))
+        parts.append(html.facts(f"Numbers proved at level {level}", figures))
     if constants:
         head = ("constant", "value", "unit", "meaning")
-        parts.append(table(f"Constants of level {level}", head, constants, numbers=" n"))
-    return tag("details", tag("summary", f"Level {level}: the statement and its numbers"), *parts)
+        parts.append(html.table(f"Constants of level {level}", head, constants, numbers=" n"))
+    return html.tag(
+        "details", html.tag("summary", f"Level {level}: the statement and its numbers"), *parts
+    )
 
 
 def _rounded(constant: Constant) -> str:
     """A constant, a bound to the side on which it stays true."""
     if constant.side == "exact":
-        return number(constant.value)
-    return bound(constant.value, above=constant.side == "most")
+        return html.number(constant.value)
+    return html.bound(constant.value, above=constant.side == "most")
 
 
 def _conditions(found: Certified) -> Html:
@@ -141,44 +130,53 @@ def _conditions(found: Certified) -> Html:
     for name, entry in ordered:
         point, detail = entry.counterexample, ""
         if point is not None:
-            z = ", ".join(number(value, 6) for value in point.z)
-            detail = f"margin {number(point.margin)} at z = ({z})"
+            z = ", ".join(html.number(value, 6) for value in point.z)
+            detail = f"margin {html.number(point.margin)} at z = ({z})"
         elif entry.verdict == "undecided":
-            detail = f"{number(entry.undecided_boxes)} boxes left"
+            detail = f"{html.number(entry.undecided_boxes)} boxes left"
         share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
-        margin, boxes = bound(entry.margin), number(entry.boxes)
-        rows.append((tag("b", name), words.verdict(entry.verdict), margin, share, boxes, detail))
+        margin, boxes = html.bound(entry.margin), html.number(entry.boxes)
+        rows.append(
+            (html.tag("b", name), words.verdict(entry.verdict), margin, share, boxes, detail)
+        )
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
     failed = sum(entry.verdict != "proved" for entry in found.conditions.values())
     shown = max(TIGHTEST, failed)
     caption = "Margins in scales, as above; every state of a condition's region has at least its"
-    parts = [table(caption, head, rows[:shown], numbers="  nnn", cards=True)]
+    parts = [html.table(caption, head, rows[:shown], numbers="  nnn", cards=True)]
     if rest := rows[shown:]:
         told = f"{len(rest)} others, with more room"
-        parts.append(folded(told, table(told, head, rest, numbers="  nnn", cards=True)))
-    return join(parts)
+        parts.append(html.folded(told, html.table(told, head, rest, numbers="  nnn", cards=True)))
+    return html.join(parts)
 
 
 def _files(saved: Saved, found: Certified) -> list[Html]:
     if PROOF not in saved.hashes:
-        return [paragraph("There is no proof file: nothing was proved that could be checked.")]
-    rows = [(tag("code", PROOF), tag("code", saved.hashes[PROOF]))]
-    line = command("check-proof", named(saved.folder.path / PROOF), "--run", saved.name)
-    proof = saved.folder.path.resolve() / PROOF
-    derives, asked = "derives the robot's dynamics again", ["build/proofcheck", str(proof)]
+        return [html.paragraph("There is no proof file: nothing was proved that could be checked.")]
+    rows = [(html.tag("code", PROOF), html.tag("code", saved.hashes[PROOF]))]
+    proof = packed.place(saved.folder.path / PROOF)
+    line = command("check-proof", named(proof), "--run", saved.name)
+    derives, asked = "derives the robot's dynamics again", ["build/proofcheck"]
     if found.robots is not None:
         # Its own formulas know one robot.
         derives = "here bounds the arithmetic in the file, which it does not derive again"
-        asked.insert(1, "--program")
+        asked.append("--program")
+    file = shlex.quote(str(proof.resolve()))
+    # It knows no packed files.
+    check = f"gunzip -c {file} | {shlex.join(asked)} /dev/stdin"
+    if proof.name == Path(PROOF).name:
+        check = f"{shlex.join(asked)} {file}"
     return [
-        paragraph(
+        html.paragraph(
             "The proof file holds the statements, the boxes and the arithmetic they are about. "
             "check-proof bounds every box anew in another arithmetic; proofcheck is a C++ "
             f"program that shares no code with this one and {derives}."
         ),
-        table("Proof file", ("file", "sha256"), rows),
-        shell([line]),
-        paragraph("In the folder with the source of this program, where its Makefile is:"),
-        shell(["make proofcheck", shlex.join(asked)]),
-        paragraph(f"{number(found.boxes)} boxes, {number(found.wall_s)} s.", class_="quiet"),
+        html.table("Proof file", ("file", "sha256"), rows),
+        html.shell([line]),
+        html.paragraph("In the folder with the source of this program, where its Makefile is:"),
+        html.shell(["make proofcheck", check]),
+        html.paragraph(
+            f"{html.number(found.boxes)} boxes, {html.number(found.wall_s)} s.", class_="quiet"
+        ),
     ]

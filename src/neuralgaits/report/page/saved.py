@@ -107,6 +107,13 @@ class Saved:
         return {} if self.certificate is None else self.certificate.conditions
 
     @property
+    def failing(self) -> list[str]:
+        """Conditions that some state breaks: refuted, or broken on samples and not proved."""
+        refuted = [name for name, one in self.conditions.items() if one.verdict == "refuted"]
+        broken = [] if self.proved_level or self.summary is None else list(self.summary.broken)
+        return refuted or broken
+
+    @property
     def measured(self) -> Mapping[str, Violations]:
         """What fresh samples say of each condition; nothing before the training has ended."""
         return {} if self.summary is None else self.summary.conditions

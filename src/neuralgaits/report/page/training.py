@@ -4,24 +4,14 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from neuralgaits.records.asked import Stated
+from neuralgaits.records.asked import Given, Stated
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.inspected import RobotFacts
-from neuralgaits.records.trained import Violations
+from neuralgaits.records.trained import Trained, Violations
 from neuralgaits.report import again
+from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import words
-from neuralgaits.report.page.markup import (
-    Html,
-    facts,
-    folded,
-    join,
-    number,
-    paragraph,
-    section,
-    shell,
-    table,
-    tag,
-)
+from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs.commands import resuming
 
@@ -29,15 +19,15 @@ from neuralgaits.runs.commands import resuming
 def training(contents: Contents) -> Html:
     """Robot, settings, and every condition with what was measured of it."""
     saved = contents.saved
-    return section(
+    return html.section(
         "training",
         "What was trained",
         _state(saved),
-        tag("h3", "The robot"),
+        html.tag("h3", "The robot"),
         *_robot(contents.robot),
-        tag("h3", "The settings"),
-        facts("How the policy was trained", _settings(saved)),
-        tag("h3", "The conditions"),
+        html.tag("h3", "The settings"),
+        html.facts("How the policy was trained", _settings(saved)),
+        html.tag("h3", "The conditions"),
         *_conditions(saved),
     )
 
@@ -48,23 +38,41 @@ def _state(saved: Saved) -> Html:
         return _ended_in_nan(saved)
     if summary is None:
         done = int(saved.metrics[-1]["step"]) if saved.metrics else 0
-        return tag(
+        return html.tag(
             "div",
-            paragraph(
-                f"The training has not ended: {number(done)} of "
-                f"{number(saved.asked.steps)} gradient steps are in the last row of its "
+            html.paragraph(
+                f"The training has not ended: {html.number(done)} of "
+                f"{html.number(saved.asked.steps)} gradient steps are in the last row of its "
                 "course. It goes on, bit for bit, with"
             ),
-            shell([resuming(saved.folder.path)]),
+            html.shell([resuming(saved.folder.path)]),
             class_="missing",
         )
+    if saved.asked.as_given is not None:
+        return html.paragraph(_not_trained(saved.asked.as_given, summary))
     said = (
-        f"A policy with {_widths(saved.asked.hidden)} was trained for {number(summary.steps)} "
-        f"gradient steps to a loss of {number(summary.loss)}, in {number(summary.wall_s)} s"
+        f"A policy with {_widths(saved.asked.hidden)} was trained for "
+        f"{html.number(summary.steps)} gradient steps to a loss of {html.number(summary.loss)}, "
+        f"in {html.number(summary.wall_s)} s"
     )
     if saved.asked.parent:
         said += f", starting from the weights of {saved.asked.parent}"
-    return paragraph(f"{said}.")
+    return html.paragraph(f"{said}.")
+
+
+def _not_trained(given: Given, summary: Trained) -> str:
+    """Where a gait is from that was given."""
+    made = (
+        f"optimised for the least cost of transport at {html.number(given.speed)} m/s"
+        if given.by == "optimise"
+        else "read from a file"
+    )
+    return (
+        f"Nothing was trained: Bézier polynomials of degree {given.degree} in z1 were {made}, and "
+        "a tube was put around their periodic orbit, as wide as the robot's limits allow. On the "
+        f"zero dynamics it walks at {html.number(summary.speed_m_s)} m/s with a mechanical cost of "
+        f"transport of {html.number(summary.cost_of_transport)}."
+    )
 
 
 def _ended_in_nan(saved: Saved) -> Html:
@@ -73,8 +81,10 @@ def _ended_in_nan(saved: Saved) -> Html:
         "numbers may not"
     )
     line = again.another_seed(saved.folder)
-    told = [paragraph(f"{said}:"), shell([line])] if line else [paragraph(f"{said}.")]
-    return tag("div", *told, class_="missing")
+    told = (
+        [html.paragraph(f"{said}:"), html.shell([line])] if line else [html.paragraph(f"{said}.")]
+    )
+    return html.tag("div", *told, class_="missing")
 
 
 def _widths(hidden: tuple[int, ...] | None) -> str:
@@ -83,46 +93,51 @@ def _widths(hidden: tuple[int, ...] | None) -> str:
 
 def _robot(robot: RobotFacts) -> list[Html]:
     whole = (
-        ("mass", f"{number(robot.mass_kg)} kg"),
-        ("straight leg, foot to hip", f"{number(robot.hip_height_m)} m"),
-        ("friction of the feet", number(robot.friction)),
-        ("coordinates without a motor", number(robot.underactuation)),
+        ("mass", f"{html.number(robot.mass_kg)} kg"),
+        ("straight leg, foot to hip", f"{html.number(robot.hip_height_m)} m"),
+        ("friction of the feet", html.number(robot.friction)),
+        ("coordinates without a motor", html.number(robot.underactuation)),
     )
-    links = [(link.name, number(link.length_m), number(link.inertia_kg_m2)) for link in robot.links]
+    links = [
+        (link.name, html.number(link.length_m), html.number(link.inertia_kg_m2))
+        for link in robot.links
+    ]
     motors = [
         (
             motor.joint,
-            number(motor.torque_limit_nm),
-            f"{number(motor.lower_rad)} to {number(motor.upper_rad)}",
-            number(motor.armature_kg_m2),
+            html.number(motor.torque_limit_nm),
+            f"{html.number(motor.lower_rad)} to {html.number(motor.upper_rad)}",
+            html.number(motor.armature_kg_m2),
         )
         for motor in robot.actuators
     ]
     head = ("motor at", "torque at most [N m]", "range [rad]", "rotor inertia [kg m²]")
     return [
-        facts(f"{robot.robot}, as its file says", whole),
-        table("Links", ("link", "length [m]", "inertia [kg m²]"), links, numbers=" nn"),
-        table("Joints", head, motors, numbers=" n n"),
+        html.facts(f"{robot.robot}, as its file says", whole),
+        html.table("Links", ("link", "length [m]", "inertia [kg m²]"), links, numbers=" nn"),
+        html.table("Joints", head, motors, numbers=" n n"),
     ]
 
 
 def _settings(saved: Saved) -> list[tuple[str, Any]]:
     asked = saved.asked
+    if asked.as_given is not None:
+        return [("spec", asked.spec), ("polynomials of degree", asked.as_given.degree)]
     rate = asked.learning_rate
     rows: list[tuple[str, Any]] = [
         ("spec", asked.spec),
         ("seed", asked.seed),
         ("start", asked.init),
-        ("gradient steps", number(asked.steps)),
-        ("learning rate", None if rate is None else number(rate)),
+        ("gradient steps", html.number(asked.steps)),
+        ("learning rate", None if rate is None else html.number(rate)),
     ]
     if asked.parameters:
-        rows.append(("for robots off the file by", box_in_words(asked.parameters)))
+        rows.append(("for robots and floors off by", box_in_words(asked.parameters)))
     if asked.samples:
         told = ", ".join(f"{count} in {name}" for name, count in asked.samples.items())
         rows.append(("samples a step", told))
     if asked.disturbance:
-        first, second = (number(bound) for bound in asked.disturbance)
+        first, second = (html.number(bound) for bound in asked.disturbance)
         rows.append(("borne in training", f"|d| ≤ ({first} m/s, {second} N m)"))
     if asked.not_provable_because:
         rows.append(("cannot be proved, because", asked.not_provable_because))
@@ -136,19 +151,20 @@ TIGHTEST = 5
 def _conditions(saved: Saved) -> list[Html]:
     measured, asked = saved.measured, saved.asked.conditions
     if not asked:
-        return [paragraph("The run does not say which conditions it was trained for.")]
+        return [html.paragraph("The run does not say which conditions it was trained for.")]
     broken = [name for name, entry in measured.items() if entry.broken]
+    unseen = " that training has not seen" if saved.asked.as_given is None else ""
     if not measured:
         said = "What the gait is to satisfy; nothing is measured before the training ends."
     elif broken:
         said = (
-            f"Measured on random samples that training has not seen: {len(broken)} of "
+            f"Measured on random samples{unseen}: {len(broken)} of "
             f"{len(measured)} conditions are broken at some of them, where their margin is "
             "negative."
         )
     else:
         said = (
-            f"Measured on random samples that training has not seen: all {len(measured)} hold at "
+            f"Measured on random samples{unseen}: all {len(measured)} hold at "
             "all of them. This is evidence; what is proved stands further down."
         )
     ordered = sorted(asked, key=lambda one: _least(measured.get(one.name)))
@@ -160,8 +176,8 @@ def _conditions(saved: Saved) -> list[Html]:
         tables.append(_table(f"{caption} of spec {saved.asked.spec}", rows[:shown]))
     if rest := rows[shown:]:
         count = f"{len(rest)} others, with more room" if shown else f"All {len(rest)} conditions"
-        tables.append(folded(count, _table(f"{count}: spec {saved.asked.spec}", rest)))
-    return [paragraph(said), paragraph(_explained(ordered)), *tables]
+        tables.append(html.folded(count, _table(f"{count}: spec {saved.asked.spec}", rest)))
+    return [html.paragraph(said), html.paragraph(_explained(ordered)), *tables]
 
 
 def _least(found: Violations | None) -> float:
@@ -170,7 +186,7 @@ def _least(found: Violations | None) -> float:
 
 def _table(caption: str, rows: list[tuple[Any, ...]]) -> Html:
     head = ("condition", "where", "smallest margin seen, in scales", "one scale is")
-    return table(caption, head, rows, numbers="  nn", cards=True)
+    return html.table(caption, head, rows, numbers="  nn", cards=True)
 
 
 def _explained(asked: list[Stated]) -> str:
@@ -198,10 +214,12 @@ def _told(entry: Mapping[str, Any]) -> str:
 
 def _row(one: Stated, measured: Violations | None) -> tuple[Any, ...]:
     size = words.scale(one.data, one.scale or 1.0)
-    name = join([tag("b", one.name), Html("<br>"), tag("span", _told(one.data), class_="quiet")])
+    name = html.join(
+        [html.tag("b", one.name), Html("<br>"), html.tag("span", _told(one.data), class_="quiet")]
+    )
     where = words.region(one.region)
     if measured is None:
         return name, where, "–", size
     least = measured.min_margin
     held = "good" if least >= 0.0 else "bad"
-    return name, where, tag("span", number(least), class_=held), size
+    return name, where, html.tag("span", html.number(least), class_=held), size

@@ -4,55 +4,36 @@ import json
 
 from neuralgaits.records.shown import ShownWalk
 from neuralgaits.records.simulated import Simulated
+from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import words
-from neuralgaits.report.page.markup import (
-    Html,
-    facts,
-    number,
-    paragraph,
-    section,
-    shell,
-    table,
-    tag,
-)
+from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs import plain
 from neuralgaits.runs.commands import command
 
 _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
-_FIGURES = (
-    ("speed_m_s", "speed", "m/s"),
-    ("step_time_s", "time of a step", "s"),
-    ("cost_of_transport", "mechanical cost of transport", ""),
-    ("peak_torque_nm", "largest torque", "N m"),
-    ("steady_peak_torque_nm", "largest torque, away from touchdowns", "N m"),
-    ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
-    ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
-    ("min_normal_force_n", "smallest force on the standing foot", "N"),
-    ("saturated_fraction", "share of time at a torque limit", ""),
-)
 
 
 def animation(contents: Contents) -> Html:
     """The walk as a 3-D picture that can be turned, beside the moving point in the plane of z."""
     walk = contents.walk
     if walk is None:
-        missing = tag("div", paragraph(contents.no_walk or ""), class_="missing")
-        return section("walk", "The walk", missing)
-    pictures = tag(
+        missing = html.tag("div", html.paragraph(contents.no_walk or ""), class_="missing")
+        return html.section("walk", "The walk", missing)
+    pictures = html.tag(
         "div",
-        tag(
+        html.tag(
             "div",
-            tag(
+            html.tag(
                 "canvas",
                 id="robot",
                 tabindex=0,
                 role="img",
                 aria_label="The robot walking. Arrow keys turn the view, plus and minus zoom.",
             ),
-            tag("p", id="no-picture", hidden=True, role="status"),
+            html.tag("p", id="no-picture", hidden=True, role="status"),
         ),
-        tag(
+        html.tag(
             "canvas",
             id="portrait",
             role="img",
@@ -60,17 +41,17 @@ def animation(contents: Contents) -> Html:
         ),
         class_="player",
     )
-    return section(
+    return html.section(
         "walk",
         "The walk",
-        paragraph(_said(walk)),
+        html.paragraph(_said(walk)),
         pictures,
         _controls(walk),
-        paragraph(
+        html.paragraph(
             "Drag to turn, wheel or pinch to zoom; with the keyboard, arrows and + −. Left: the "
             "robot",
             " and the force of the ground on its standing foot (the mean over "
-            f"{number(walk.frame_s)} s)"
+            f"{html.number(walk.frame_s)} s)"
             if walk.force_n
             else "",
             ". Right: the same moment as a point of the zero dynamics, the two numbers that no "
@@ -78,11 +59,11 @@ def animation(contents: Contents) -> Html:
             "the right; at touchdown it jumps back to the left, and the next step begins.",
             class_="quiet",
         ),
-        paragraph(
+        html.paragraph(
             _beside(walk),
             class_="quiet",
         ),
-        tag("noscript", paragraph("The animation needs JavaScript; the rest does not.")),
+        html.tag("noscript", html.paragraph("The animation needs JavaScript; the rest does not.")),
         data(walk),
     )
 
@@ -91,12 +72,16 @@ def data(walk: ShownWalk) -> Html:
     """The recording as a block of JSON that no parser takes for markup."""
     written = json.dumps(plain(walk), separators=(",", ":"), allow_nan=False)
     safe = written.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-    return tag("script", Html(safe), type="application/json", id="recording")
+    return html.tag("script", Html(safe), type="application/json", id="recording")
 
 
 def _said(walk: ShownWalk) -> str:
     """Which walk it is, and that it is a simulation and not a drawing of the plan."""
-    law = {"pd": "joint PD control", "fblin": "input-output linearisation"}
+    law = {
+        "pd": "joint PD control",
+        "fblin": "input-output linearisation",
+        "clf-qp": "a quadratic program with a control Lyapunov function",
+    }
     control = law.get(walk.controller, f"controller {walk.controller}")
     said = (
         f"Recorded from a MuJoCo simulation of the whole robot under {control}, with contact, "
@@ -117,29 +102,31 @@ def _beside(walk: ShownWalk) -> str:
     if changed := words.changes(walk.disturb):
         told.append(f"changed in the simulation: {', '.join(changed)}")
     if walk.push_n_s:
-        told.append(f"a push of {number(walk.push_n_s)} N s")
+        told.append(f"a push of {html.number(walk.push_n_s)} N s")
     said = "; ".join(told)
     return f"{said[0].upper()}{said[1:]}." if said else ""
 
 
 def _controls(walk: ShownWalk) -> Html:
-    speeds = [tag("option", f"{speed:g}×", value=speed, selected=speed == 1.0) for speed in _SPEEDS]
+    speeds = [
+        html.tag("option", f"{speed:g}×", value=speed, selected=speed == 1.0) for speed in _SPEEDS
+    ]
     forces = Html("")
     if walk.force_n:
         box = Html('<input type="checkbox" id="forces" checked>')
-        forces = tag("label", box, "ground force")
+        forces = html.tag("label", box, "ground force")
     slider = Html(
         '<input type="range" id="time" min="0" max="1" step="0.01" value="0" '
         'aria-label="Time of the walk in seconds">'
     )
-    return tag(
+    return html.tag(
         "div",
-        tag("button", "Play", id="play", type="button"),
+        html.tag("button", "Play", id="play", type="button"),
         slider,
-        tag("label", "speed", tag("select", *speeds, id="speed")),
+        html.tag("label", "speed", html.tag("select", *speeds, id="speed")),
         forces,
-        tag("button", "Reset view", id="reset", type="button"),
-        tag("span", id="reading", class_="quiet"),
+        html.tag("button", "Reset view", id="reset", type="button"),
+        html.tag("span", id="reading", class_="quiet"),
         class_="controls",
     )
 
@@ -148,45 +135,40 @@ def simulations(saved: Saved) -> Html:
     """What `simulate` found; what to type if it was not called."""
     done = saved.simulation
     if done is None:
-        return section(
+        return html.section(
             "simulations",
             "Simulations",
-            tag(
+            html.tag(
                 "div",
-                paragraph("No simulation of this run is saved, apart from the walk above."),
-                shell([command("simulate", saved.name)]),
+                html.paragraph("No simulation of this run is saved, apart from the walk above."),
+                html.shell([command("simulate", saved.name)]),
                 class_="missing",
             ),
         )
-    figures = ((label, unit, getattr(done, name)) for name, label, unit in _FIGURES)
-    rows = [
-        (label, f"{number(value)} {unit}".rstrip())
-        for label, unit, value in figures
-        if value is not None
-    ]
+    rows = [(said, f"{html.number(value)} {unit}".rstrip()) for said, value, unit in done.shown]
     orbit = done.poincare
     if orbit is not None and orbit.multiplier is not None:
-        told = f"{number(orbit.multiplier)}, computed in float64; not the proved enclosure"
+        told = f"{html.number(orbit.multiplier)}, computed in float64; not the proved enclosure"
         rows.append(("multiplier of the model's orbit", told))
-        rows.append(("length of a step on that orbit", f"{number(orbit.step_length_m)} m"))
+        rows.append(("length of a step on that orbit", f"{html.number(orbit.step_length_m)} m"))
     changed = ", ".join(words.changes(done.disturb)) or "nothing"
-    push = f", push {number(done.push)} N s" if done.push else ""
+    push = f", push {html.number(done.push)} N s" if done.push else ""
     ground = "" if done.terrain is None else f", terrain {done.terrain}"
     off = done.foothold_error_m
     if off is not None and off.mean is not None and off.worst is not None:
-        told = f"{number(off.mean)} m in the mean, {number(off.worst)} m at worst"
+        told = f"{html.number(off.mean)} m in the mean, {html.number(off.worst)} m at worst"
         rows.append(("feet from the middle of their stones", told))
-    return section(
+    return html.section(
         "simulations",
         "Simulations",
-        paragraph(
-            f"The whole robot in MuJoCo, controller {done.controller}: {done.stayed} of "
+        html.paragraph(
+            f"The whole robot in {done.stepped_by}, controller {done.controller}: {done.stayed} of "
             f"{len(done.fell)} walks stayed up to their last step. Started from {done.start}, "
             f"plant {done.plant}, changed: {changed}{push}{ground}, seed {done.seed}. "
             "Simulations are samples: they show what happened, not what must happen."
         ),
         _walks(done),
-        facts("Means and extremes over these walks", rows),
+        html.facts("Means and extremes over these walks", rows),
     )
 
 
@@ -203,4 +185,4 @@ def _walks(done: Simulated) -> Html:
         return Html("")
     shown = fallen[:20]
     rest = f" The first {len(shown)} of {len(fallen)}." if len(fallen) > len(shown) else ""
-    return table(f"Walks that fell.{rest}", ("walk", "steps", "reason"), shown, numbers="nn ")
+    return html.table(f"Walks that fell.{rest}", ("walk", "steps", "reason"), shown, numbers="nn ")

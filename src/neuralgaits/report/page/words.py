@@ -28,6 +28,9 @@ _CHANGES = {
     "encoder_noise": "noise of {} rad on the joint angles",
     "rate_noise": "noise of {} rad/s on the joint rates",
     "encoder_step": "joint angles known in steps of {} rad",
+    "pitch_noise": "noise of {} rad on the torso's angle",
+    "pitch_offset": "torso's angle read {} rad too large",
+    "estimator": "speeds estimated, not measured",
 }
 """What a simulation may change of the model."""
 _SIDES = {"lower": "slow", "upper": "fast"}

@@ -1,26 +1,14 @@
 """The page of a sweep: what came of its rows, as distributions and as a table. Fetches nothing."""
 
-import base64
-import hashlib
 from collections.abc import Mapping, Sequence
-from importlib import resources
 
 import numpy as np
 
 from neuralgaits.records.swept import UNDISTURBED, SweepAsked, SweepRow, Swept
 from neuralgaits.report.drawing.figure import svg
-from neuralgaits.report.page.markup import (
-    Html,
-    bound,
-    facts,
-    items,
-    number,
-    paragraph,
-    section,
-    shell,
-    table,
-    tag,
-)
+from neuralgaits.report.page import markup as html
+from neuralgaits.report.page.markup import Html
+from neuralgaits.report.page.whole import inline_image, whole
 from neuralgaits.report.sweep import figure as sweep_figure
 from neuralgaits.runs.commands import command, named
 
@@ -40,35 +28,19 @@ def page(asked: SweepAsked, rows: Sequence[SweepRow], summary: Swept) -> str:
     groups = _groups(asked, rows)
     parts = [
         _overview(asked, groups),
-        section("distributions", sweep_figure.TITLE, _picture(groups)),
+        html.section("distributions", sweep_figure.TITLE, _picture(groups)),
         _survival(asked, groups),
         _runs(rows),
         _failures(rows),
         _again(asked, summary),
     ]
-    style = resources.files("neuralgaits.report.page").joinpath("assets", "page.css").read_text()
-    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
-    policy = (
-        "default-src 'none'; img-src data:; base-uri 'none'; form-action 'none'; "
-        f"style-src 'sha256-{digest}'"
-    )
-    head = tag(
-        "head",
-        Html('<meta charset="utf-8">'),
-        Html(f'<meta http-equiv="Content-Security-Policy" content="{policy}">'),
-        Html('<meta name="viewport" content="width=device-width, initial-scale=1">'),
-        Html('<link rel="icon" href="data:,">'),
-        tag("title", f"Sweep of {', '.join(asked.robots)}"),
-        tag("style", Html(style)),
-    )
-    header = tag(
+    header = html.tag(
         "header",
-        tag("h1", f"A sweep of {_many(len(rows), 'run')}"),
-        tag("div", paragraph(_answer(asked, rows)), class_="answer"),
+        html.tag("h1", f"A sweep of {_many(len(rows), 'run')}"),
+        html.tag("div", html.paragraph(_answer(asked, rows)), class_="answer"),
     )
-    footer = tag("footer", "Made by neuralgaits from the rows of the sweep; nothing was fetched.")
-    body = tag("body", header, tag("main", *parts), footer)
-    return f"<!doctype html>\n{tag('html', head, body, lang='en')}\n"
+    name = f"Sweep of {', '.join(asked.robots)}"
+    return whole(name, header, html.tag("main", *parts), "the rows of the sweep", ("hints.js",))
 
 
 def _groups(asked: SweepAsked, rows: Sequence[SweepRow]) -> dict[str, list[SweepRow]]:
@@ -113,18 +85,18 @@ def _overview(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Ht
         if asked.certify is not None:
             margins = [row.margin for row in rows if row.margin is not None]
             proved = sum(row.proved(asked.certify) for row in rows)
-            cells += [proved, bound(min(margins)) if margins else "–"]
+            cells += [proved, html.bound(min(margins)) if margins else "–"]
         own = [row.undisturbed for row in rows if row.undisturbed is not None]
         cells += [
             _span([one.speed_m_s for one in own]),
             _span([one.cost_of_transport for one in own]),
         ]
         body.append(cells)
-    return section(
+    return html.section(
         "overview",
         "What came out",
-        table("Seeds together; ranges are from the least to the most", head, body, numbers=""),
-        paragraph(
+        html.table("Seeds together; ranges are from the least to the most", head, body, numbers=""),
+        html.paragraph(
             "Proved is what a proof file of the run states and check-proof checks again; broken on "
             "samples, speeds and walks are measurements.",
             class_="quiet",
@@ -133,9 +105,9 @@ def _overview(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Ht
 
 
 def _picture(groups: Mapping[str, Sequence[SweepRow]]) -> Html:
-    content = base64.b64encode(svg(sweep_figure.draw(groups))).decode()
-    image = Html(f'<img src="data:image/svg+xml;base64,{content}" alt="{sweep_figure.TITLE}">')
-    return tag("figure", image, tag("figcaption", sweep_figure.CAPTION))
+    drawn = svg(sweep_figure.draw(groups))
+    image = inline_image("svg+xml", drawn, sweep_figure.TITLE)
+    return html.tag("figure", image, html.tag("figcaption", sweep_figure.CAPTION))
 
 
 def _survival(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
@@ -157,7 +129,9 @@ def _survival(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Ht
         f"Each run walks {_many(asked.walks, 'time')} of {asked.walk_steps} steps in MuJoCo under "
         "each disturbance, from states anywhere in the region it was trained on."
     )
-    return section("survival", "Disturbances", paragraph(about), table(caption, head, body))
+    return html.section(
+        "survival", "Disturbances", html.paragraph(about), html.table(caption, head, body)
+    )
 
 
 def _runs(rows: Sequence[SweepRow]) -> Html:
@@ -167,29 +141,29 @@ def _runs(rows: Sequence[SweepRow]) -> Html:
         walked, stayed = (sum(getattr(w, n) for w in row.walks) for n in ("walks", "stayed"))
         own, times = row.undisturbed, row.wall_s
         took = sum(t for t in (times.train, times.prove, times.walk) if t is not None)
-        name = tag("a", row.name, href=f"rows/{row.name}/row.json") if row.final else row.name
+        name = html.tag("a", row.name, href=f"rows/{row.name}/row.json") if row.final else row.name
         body.append(
             (
                 name,
                 row.failure or "done",
                 row.verdict or "–",
-                number(row.proved_level),
-                bound(row.margin),
-                number(None if own is None else own.speed_m_s),
+                html.number(row.proved_level),
+                html.bound(row.margin),
+                html.number(None if own is None else own.speed_m_s),
                 _percent(stayed / walked) if walked else "–",
-                number(took),
+                html.number(took),
             )
         )
     more = len(rows) - MOST_ROWS
     note = f" {more} more are in table.csv." if more > 0 else ""
-    return section(
+    return html.section(
         "runs",
         "Runs",
-        paragraph(
+        html.paragraph(
             "Each is a run folder in rows/, which simulate, certify, report, view and export open."
             + note
         ),
-        table("One row a run", head, body),
+        html.table("One row a run", head, body),
     )
 
 
@@ -197,8 +171,10 @@ def _failures(rows: Sequence[SweepRow]) -> Html:
     failed = [row for row in rows if row.failure is not None]
     if not failed:
         return Html("")
-    listed = items(f"{row.name}, {row.failure}: {row.reason}" for row in failed[:_SHOWN_FAILURES])
-    return section("failures", "What failed", listed)
+    listed = html.items(
+        f"{row.name}, {row.failure}: {row.reason}" for row in failed[:_SHOWN_FAILURES]
+    )
+    return html.section("failures", "What failed", listed)
 
 
 def _again(asked: SweepAsked, summary: Swept) -> Html:
@@ -212,12 +188,12 @@ def _again(asked: SweepAsked, summary: Swept) -> Html:
         ("carried out on", f"{summary.engine}, {_many(summary.workers, 'worker')}"),
         ("time of the last command", f"{summary.wall_s:.0f} s"),
     ]
-    return section(
+    return html.section(
         "again",
         "How it was made",
-        facts("What was asked", told),
-        paragraph("What is missing is made, and what is there is kept, by"),
-        shell([command("sweep", "--out", named(summary.sweep), "--resume")]),
+        html.facts("What was asked", told),
+        html.paragraph("What is missing is made, and what is there is kept, by"),
+        html.shell([command("sweep", "--out", named(summary.sweep), "--resume")]),
     )
 
 
@@ -225,7 +201,7 @@ def _span(values: Sequence[float | None]) -> str:
     known = [value for value in values if value is not None]
     if not known:
         return "–"
-    low, high = number(min(known)), number(max(known))
+    low, high = html.number(min(known)), html.number(max(known))
     return low if low == high else f"{low} to {high}"
 
 

@@ -8,7 +8,7 @@ numbers to six digits. A file that needs neither is kept word for word, comments
 from pathlib import Path
 from xml.etree import ElementTree
 
-from neuralgaits.errors import RobotError
+from neuralgaits.errors import RobotError, reason
 
 _ASSETS = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
 
@@ -32,7 +32,7 @@ def _read(path: Path) -> str:
     except FileNotFoundError:
         raise RobotError(f"no robot file at {path}: check the path") from None
     except (OSError, ValueError) as error:
-        raise RobotError(f"cannot read {path} ({error}): give an MJCF text file") from None
+        raise RobotError(f"cannot read {path} ({reason(error)}): give an MJCF text file") from None
 
 
 def _parse(text: str, path: Path) -> ElementTree.Element:

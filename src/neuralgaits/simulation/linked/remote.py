@@ -95,7 +95,9 @@ class Remote:
         look, judge = _compiled(scene)
         robot = scene.controller.robot
         self._period_s = scene.controller.period_s
-        silent = np.zeros(2 * (robot.n // 2) * 2 + 3 * (robot.n - 1) + 4)
+        first = np.asarray(scene.first)
+        quiet = np.zeros(2 * (robot.n // 2) * 2 + 3 * (robot.n - 1) + 2)
+        silent = np.concatenate([quiet, first, first, np.zeros(2)])
         limit = float(np.max(scene.controller.torque_limit))
 
         def tick(arrays: Any, carry: Array, reading: Array):
@@ -103,10 +105,11 @@ class Remote:
                 # The simulation's first call only compiles.
                 look(reading)
                 judge(carry, reading, np.stack([_row(None, False, silent)] * len(self._links)))
-                self._start(limit)
+                self._start(limit, first)
                 return local.tick(arrays, carry, reading)
-            seen = Measurement(*(np.asarray(leaf) for leaf in look(reading)))
-            answers = self._exchange(scene.layout, seen)
+            measured, wanted = look(reading)
+            seen = Measurement(*(np.asarray(leaf) for leaf in measured))
+            answers = self._exchange(scene.layout, seen, np.asarray(wanted))
             return judge(carry, reading, np.stack([_row(*one, silent) for one in answers]))
 
         return local._replace(tick=tick)
@@ -131,12 +134,14 @@ class Remote:
             controller_step_us=_percentiles(self._steps),
         )
 
-    def _start(self, limit: float) -> None:
+    def _start(self, limit: float, first: Float[np.ndarray, " p"]) -> None:
         for link in self._links:
-            link.start(0, self._law, 0, self._config.blend_s, limit)
+            link.start(0, self._law, 0, self._config.blend_s, limit, first)
         self._tick, self._began = 0, clock.monotonic()
 
-    def _exchange(self, layout: MjcfLayout, seen: Measurement) -> list[tuple[Answer | None, bool]]:
+    def _exchange(
+        self, layout: MjcfLayout, seen: Measurement, wanted: Float[np.ndarray, "B p"]
+    ) -> list[tuple[Answer | None, bool]]:
         """Ask every controller; for each the last command, and whether the leg changed."""
         if not self._config.lockstep:
             self._wait()
@@ -147,7 +152,7 @@ class Remote:
         results = []
         for i, link in enumerate(self._links):
             one = Measurement(*(leaf[i] for leaf in seen))
-            self._up[i].send(self._tick, pack_reading(layout, one, self._tick))
+            self._up[i].send(self._tick, pack_reading(layout, one, self._tick, wanted[i]))
             packets = self._up[i].arrived(self._tick)
             for packet in packets:
                 link.write(packet)
@@ -217,16 +222,16 @@ def _percentiles(values: list[float]) -> LinkTimes | None:
 
 
 def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Sensors of packed readings; and carries, readings and answers to what a tick returns."""
+    """Sensors and wishes of packed readings; and carries, readings, answers to a tick's results."""
     robot = scene.controller.robot
     leg_joints, m = robot.n // 2, robot.n - 1
     _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
 
     def command_of(row: jax.Array, seen: Measurement) -> Command:
         leg, (touchdown, saturated) = row[0].astype(jnp.int32), row[1:3] > 0.5
-        sizes = (2 * leg_joints, 2 * leg_joints, m, m, m, 2, 2)
+        sizes = (2 * leg_joints, 2 * leg_joints, m, m, m, 2, 2 * len(scene.first), 2)
         ends = np.cumsum(sizes)
-        _, torque, _, y_d, dy_d, z, times = jnp.split(row[3:], ends[:-1])
+        _, torque, _, y_d, dy_d, z, told, times = jnp.split(row[3:], ends[:-1])
         torque = torque.reshape(2, leg_joints)
         q, dq = coordinates(robot, seen, leg)
         return Command(
@@ -239,15 +244,17 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
             z=z,
             leg=leg,
             since_touchdown=times[0],
-            told=jnp.zeros((2, 0)),
+            told=told.reshape(2, len(scene.first)),
             touchdown=touchdown,
             saturated=saturated,
+            relaxed=jnp.zeros(2, bool),
         )
 
     @quick_jit
     @jax.vmap
-    def look(packed: jax.Array) -> Measurement:
-        return sense(scene, scene.reading(packed)).seen
+    def look(packed: jax.Array) -> tuple[Measurement, Array]:
+        reading = scene.reading(packed)
+        return sense(scene, reading).seen, reading.wanted
 
     @quick_jit
     @jax.vmap

@@ -5,6 +5,7 @@ import socket
 import struct
 import subprocess
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,11 +38,17 @@ class Answer(NamedTuple):
     fault: int
     """0, or why torques are zero: `control.safeguard.Fault`."""
     numbers: Float[np.ndarray, " a"]
-    """motors, torques [2 k each], actuated, y_d, dy_d [m each], z [2], since touchdown, step us."""
+    """motors, torques [2 k each], actuated, y_d, dy_d [m each], z [2], what the step before and
+    this one were told [p each], since touchdown, step us."""
 
 
-def pack_reading(layout: MjcfLayout, measurement: Measurement, sequence: int) -> bytes:
-    """The datagram of a reading, in the signs and zeros of the robot file."""
+def pack_reading(
+    layout: MjcfLayout,
+    measurement: Measurement,
+    sequence: int,
+    wanted: Sequence[float] | Float[np.ndarray, " p"] = (),
+) -> bytes:
+    """The datagram of a reading, in the signs and zeros of the robot file; commands wished for."""
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
     turn = float(measurement.pitch) - layout.root_angle
     dpitch = float(measurement.dpitch)
@@ -53,6 +60,7 @@ def pack_reading(layout: MjcfLayout, measurement: Measurement, sequence: int) ->
             measurement.normal_force,
             (signs * (np.asarray(measurement.angles) - offsets)).reshape(-1),
             (signs * np.asarray(measurement.rates)).reshape(-1),
+            np.asarray(wanted, dtype=np.float64),
         ]
     )
     micros = round(1e6 * float(measurement.time)) % _SEQUENCES
@@ -113,10 +121,21 @@ class Link:
         """End the process."""
         self.close()
 
-    def start(self, sequence: int, law: int, leg: int, blend_s: float, limit: float) -> None:
-        """Begin an episode and wait until the controller has. Raises: InputError if it will not."""
+    def start(
+        self,
+        sequence: int,
+        law: int,
+        leg: int,
+        blend_s: float,
+        limit: float,
+        first: Sequence[float] | Float[np.ndarray, " p"] = (),
+    ) -> None:
+        """Begin an episode at some commands and wait until the controller has.
+
+        Raises: InputError if it will not.
+        """
         head = _HEAD.pack(b"NGS1", sequence, law, leg)
-        self.write(head + struct.pack("<dd", blend_s, limit))
+        self.write(head + np.array([blend_s, limit, *first]).astype("<f8").tobytes())
         deadline = time.monotonic() + _START_TIMEOUT_S
         while time.monotonic() < deadline:
             for packet in self.read(deadline):

@@ -68,7 +68,13 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("bandwidth", c_double),
             ("hold_ticks", c_int),
             ("measure_z2", c_int),
+            ("within", c_void_p),
+            ("own", c_void_p),
         ],
+    )
+    clf_qp = _structure(
+        "ng_clf_qp",
+        _reals("bandwidth", "price", "contact_price", "friction", "least_normal"),
     )
     config = _structure(
         "ng_config",
@@ -100,6 +106,19 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             *([("step", c_double * step)] if commands else []),
         ],
     )
+    measurement = _structure(
+        "ng_measurement",
+        [
+            ("time_us", c_uint32),
+            *_reals("pitch", "dpitch"),
+            *((name, by_leg) for name in ("angles", "rates")),
+            *((name, pair) for name in ("hip_velocity", "normal_force")),
+        ],
+    )
+    estimator = _structure(
+        "ng_estimator",
+        [("started", c_int), ("estimate", measurement), ("accelerations", by_leg)],
+    )
     scene = _structure(
         "ng_scene",
         [
@@ -114,7 +133,9 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("joint_sign", by_leg),
             ("joint_offset", by_leg),
             ("gear", by_leg),
-            *_reals("angle_noise", "rate_noise", "encoder_step"),
+            *_reals("angle_noise", "rate_noise", "pitch_noise", "pitch_offset"),
+            ("estimator", c_int),
+            ("encoder_step", c_double),
             ("delay_ticks", c_int),
             ("substeps", c_int),
             ("slope", c_double),
@@ -129,6 +150,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("start_up_steps", c_int),
             ("settling_s", c_double),
             ("law", law),
+            ("clf_qp", clf_qp),
             ("config", config),
         ],
     )
@@ -141,6 +163,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         "ng_walk",
         [
             ("controller", state),
+            ("estimator", estimator),
             ("time_us", c_uint32),
             *_reals("age", "clock"),
             ("touch", pair),
@@ -151,10 +174,14 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("rise_pending", c_int),
             *_reals("next_rise", "push_start", "push_wait"),
             ("late", c_void_p),
+            ("believed", c_void_p),
+            ("speed_error", c_double),
             ("strides", c_void_p),
             ("strides_used", c_int),
             *(_told(commands) if commands else []),
-            *((name, c_int) for name in ("ticks", "steps", "saturated", "ending", "plant_steps")),
+            *((name, c_int) for name in ("ticks", "steps", "saturated")),
+            ("relaxed", c_int * 2),
+            *((name, c_int) for name in ("ending", "plant_steps")),
             *_reals("energy", "peak_torque"),
             ("first", milestone),
             ("last", milestone),
@@ -170,6 +197,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         *((name, (m,)) for name in ("y_d", "dy_d")),
         ("z", (2,)),
         *((name, ()) for name in ("leg", "since_touchdown", "touchdown", "saturated")),
+        ("relaxed", (2,)),
         *((name, ()) for name in ("pitch", "dpitch")),
         *((name, (2, leg_joints)) for name in ("angles", "rates")),
         *((name, (2,)) for name in ("hip_velocity", "normal_force", "floor")),

@@ -60,11 +60,12 @@ class _Course:
     first: int
 
 
-def _on_course(scene: Any, plant: Plant, courses: Courses) -> Any:
+def _with_its_own(scene: Any, plant: Plant, courses: Courses | None) -> Any:
     """The scene of one episode, whose plant is its own; the law stays that of the first scene."""
     own = type(scene).from_buffer_copy(scene)
     own.model = plant.model._address
-    own.course, own.stones, own.gap_depth = 1, int(courses.stones), courses.gap_depth
+    if courses is not None:
+        own.course, own.stones, own.gap_depth = 1, int(courses.stones), courses.gap_depth
     return own
 
 
@@ -116,7 +117,7 @@ def run(
         record: keep all ticks of episode 0, with states and floors.
         longest: keep the first so many ticks of every episode.
         courses: that they walk on in place of floors, and are told by.
-        plants: then that of each episode.
+        plants: that of each episode, where they differ; always so on courses.
         first: number of the first episode, on which what is random depends.
 
     Raises: NonFiniteError if MuJoCo gives up, InputError for the library of another gait.
@@ -133,10 +134,10 @@ def run(
     local, stop = threading.local(), threading.Event()
 
     def one(episode: int) -> _Kept:
-        if courses is not None:
+        if len(plants) == len(states):
             own = plants[episode]
-            on_it = _on_course(scene, own, courses)
-            return _episode(library, on_it, own, mujoco.MjData(own.model), course, episode, stop)
+            its = _with_its_own(scene, own, courses)
+            return _episode(library, its, own, mujoco.MjData(own.model), course, episode, stop)
         if not hasattr(local, "data"):
             local.data = mujoco.MjData(plant.model)
         return _episode(library, scene, plant, local.data, course, episode, stop)
@@ -194,6 +195,8 @@ def _episode(
     rises, told = np.zeros(0), _Orders(course.orders, course.first + episode)
     late = np.zeros((plant.delay_ticks + 1, model.nu))
     walk.late = pointer(late)
+    believed = np.zeros(plant.delay_ticks + 1)
+    walk.believed = pointer(believed)
     walk.push_wait, begin = course.push.moments(episode)
     walk.push_start = begin
     kept = _Kept(walk)
@@ -271,5 +274,7 @@ def _gauge(walks: list[Any]) -> Gauge:
         running=parts("running", Extremes),
         peak_torque=of("peak_torque"),
         saturated=of("saturated", whole=True),
+        relaxed=of("relaxed", whole=True),
         ticks=of("ticks", whole=True),
+        speed_error=of("speed_error"),
     )

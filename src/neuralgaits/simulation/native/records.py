@@ -35,6 +35,7 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> Record:
         since_touchdown=np.where(since >= NEVER_S, np.inf, since),
         touchdown=rows["touchdown"] > 0.5,
         saturated=rows["saturated"] > 0.5,
+        relaxed=rows["relaxed"] > 0.5,
         told=rows["told"] if "told" in (rows.dtype.names or ()) else np.zeros((len(rows), 2, 0)),
     )
     names = ("time", "pitch", "dpitch", "angles", "rates", "hip_velocity", "normal_force")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.control import AbstractLaw, Controller, Fblin, Pd
+from neuralgaits.control import AbstractLaw, ClfQp, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.native.layout import Layout
 from neuralgaits.simulation.native.library import Library
@@ -21,7 +21,7 @@ _LONGEST_US = 0xFFFFFFFF
 
 def knows(law: AbstractLaw) -> bool:
     """Whether compiled controllers have this law."""
-    return type(law) in (Pd, Fblin)
+    return type(law) in (Pd, Fblin, ClfQp)
 
 
 def scene_of(
@@ -51,6 +51,8 @@ def scene_of(
         _fill(getattr(scene, name), values)
     scene.pitch_sign, scene.root_angle = layout.pitch_sign, layout.root_angle
     scene.angle_noise, scene.rate_noise = disturbance.encoder_noise, disturbance.rate_noise
+    scene.pitch_noise, scene.pitch_offset = disturbance.noise_of_pitch, disturbance.pitch_offset
+    scene.estimator = int(disturbance.estimator)
     scene.encoder_step = disturbance.encoder_step
     scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
     scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT
@@ -62,6 +64,8 @@ def scene_of(
     scene.patience_s = falls.stall * float(np.sqrt(leg_length / robot.gravity))
     scene.start_up_steps, scene.settling_s = START_UP_STEPS, SETTLING_S
     _set_law(scene.law, controller.law)
+    if isinstance(controller.law, ClfQp):
+        _set_program(library, scene, controller)
     _set_config(scene, types, controller)
     return scene
 
@@ -72,10 +76,20 @@ def _set_law(law: Any, wanted: AbstractLaw) -> None:
         law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
         _fill(law.stiffness, wanted.stiffness)
         _fill(law.damping, wanted.damping)
-    elif isinstance(wanted, Fblin):
+    elif isinstance(wanted, Fblin | ClfQp):
         law.model, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
     else:
         raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
+
+
+def _set_program(library: Library, scene: Any, controller: Controller) -> None:
+    """The quadratic program of a law that has one in place of clipping."""
+    law, own = controller.law, scene.clf_qp
+    for name in ("bandwidth", "price", "contact_price", "least_normal"):
+        setattr(own, name, float(getattr(law, name)))
+    own.friction = float(controller.robot.friction)
+    scene.law.within = library.clf_qp
+    scene.law.own = ctypes.addressof(scene) + library.layout.scene.clf_qp.offset
 
 
 def _set_config(scene: Any, types: Layout, controller: Controller) -> None:

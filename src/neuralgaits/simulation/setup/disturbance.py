@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from neuralgaits._names import meant
 from neuralgaits.errors import InputError
 
 
@@ -31,6 +32,10 @@ class Disturbance:
         rate_noise: standard deviation of every measured rate, pitch included [rad/s].
         encoder_step: resolution of every measured angle, pitch included; noise comes before
             rounding [rad].
+        pitch_noise: standard deviation of the measured pitch, beside that of every angle [rad].
+        pitch_offset: of the measured pitch [rad].
+        estimator: 1 for a controller that is told no rates and no velocity and estimates them
+            from angles, pitch and contact; 0 for one that is told them.
     """
 
     friction: float | None = _quantity(None, 0.0, 10.0, "friction coefficient of the feet")
@@ -44,6 +49,9 @@ class Disturbance:
     encoder_noise: float = _quantity(0.0, 0.0, 1.0, "noise of angles, standard deviation [rad]")
     rate_noise: float = _quantity(0.0, 0.0, 10.0, "noise of rates, standard deviation [rad/s]")
     encoder_step: float = _quantity(0.0, 0.0, 1.0, "resolution of angles [rad]")
+    pitch_noise: float = _quantity(0.0, 0.0, 1.0, "further noise of the pitch [rad]")
+    pitch_offset: float = _quantity(0.0, -0.5, 0.5, "error of the pitch's zero [rad]")
+    estimator: float = _quantity(0.0, 0.0, 1.0, "1: rates are estimated, not measured")
 
     def __post_init__(self):
         """Check every value against its range."""
@@ -61,6 +69,18 @@ class Disturbance:
             raise InputError(
                 f"disturbance delay_ms: expected whole milliseconds, found {self.delay_ms:g}"
             )
+        if self.estimator not in (0.0, 1.0):
+            raise InputError(f"disturbance estimator: expected 0 or 1, found {self.estimator:g}")
+        if self.estimator and self.rate_noise:
+            raise InputError(
+                "disturbance rate_noise: expected measured rates, found that they are estimated: "
+                "leave it out, or --sensing perfect"
+            )
+
+    @property
+    def noise_of_pitch(self) -> float:
+        """Standard deviation of the measured pitch [rad]."""
+        return math.hypot(self.encoder_noise, self.pitch_noise)
 
 
 def existing() -> str:
@@ -83,7 +103,11 @@ def parse(disturb: "str | Mapping[str, float] | Disturbance | None") -> Disturba
     values: dict[str, float] = {}
     for name, text in pairs:
         if name not in known:
-            raise InputError(f"unknown disturbance {name!r}: expected one of {existing()}")
+            hint = meant(name, known)
+            raise InputError(
+                f"unknown disturbance {name!r}: {hint}{' ' if hint else ''}expected one of "
+                f"{existing()}"
+            )
         if name in values:
             raise InputError(f"disturbance {name} is given twice: give it once")
         try:

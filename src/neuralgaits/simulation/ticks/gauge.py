@@ -81,15 +81,20 @@ class Gauge(NamedTuple):
     """Largest |torque| of the whole episode [N m]."""
     saturated: Int[Array, ""]
     """Ticks with a clipped torque."""
+    relaxed: Int[Array, "2"]
+    """Ticks at which a law gave something up, see `control.law.Limited`."""
     ticks: Int[Array, ""]
     """Ticks so far."""
+    speed_error: Scalar
+    """Sum of squares of the errors of an estimated hip speed [m^2/s^2]."""
 
     @classmethod
     def start(cls) -> "Gauge":
         """Before the first tick."""
         none, origin, zero = Extremes.none(), Milestone.origin(), jnp.zeros((), jnp.int32)
         power = jnp.zeros(())
-        return cls(zero, power, origin, origin, none, none, power, zero, zero)
+        given_up = jnp.zeros(2, jnp.int32)
+        return cls(zero, power, origin, origin, none, none, power, zero, given_up, zero, power)
 
 
 def update(
@@ -100,6 +105,7 @@ def update(
     hip: Scalar,
     normal_force: Float[Array, "2"],
     period_s: float,
+    speed_error: Scalar | float = 0.0,
 ) -> Gauge:
     """Account for one tick.
 
@@ -110,6 +116,7 @@ def update(
         hip: hip position forward (m).
         normal_force: on each foot, legs in the order of the robot file [2] (N).
         period_s: length of the tick (s).
+        speed_error: of the hip speed that its torques are for (m/s).
     """
     down = command.touchdown
     steps = gauge.steps + down
@@ -128,7 +135,9 @@ def update(
         running=running.with_(now),
         peak_torque=jnp.maximum(gauge.peak_torque, now.torque),
         saturated=gauge.saturated + command.saturated,
+        relaxed=gauge.relaxed + command.relaxed,
         ticks=gauge.ticks + 1,
+        speed_error=gauge.speed_error + speed_error**2,
     )
 
 

@@ -1,25 +1,19 @@
-"""Many episodes in lock-step: one compiled control tick for all, then MuJoCo's thread pool.
+"""Many episodes in lock-step: one compiled control tick for all, then the simulator's steps.
 
-All episodes of a batch share one compiled model; what differs between them (floor levels,
-pushes, torques) is input. MuJoCo steps them on all cores without Python in between, and an
-episode's course does not depend on which others run beside it.
+What differs between episodes of a batch (floor levels, pushes, torques) is input to plants that
+are alike, and an episode's course does not depend on which others run beside it.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
-import mujoco
 import numpy as np
-from mujoco import rollout
 
 from neuralgaits._types import Float, Int
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.orders import Orders
-from neuralgaits.simulation.setup.plant import CONTROL_SPEC, SUBSTEPS, Plant
+from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.simulation.ticks.batch import Batch, pack
@@ -28,9 +22,7 @@ from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
 from neuralgaits.simulation.ticks.strides import Strides, width
 from neuralgaits.simulation.ticks.tick import Reading, Record, Verdict
-
-# Episodes below which waking threads costs more than it saves.
-_MIN_EPISODES_PER_THREAD = 16
+from neuralgaits.simulation.ticks.world import World
 
 
 class Episodes(NamedTuple):
@@ -83,18 +75,16 @@ class Noise:
 def run(
     plant: Plant,
     batch: Batch,
-    states: Float[np.ndarray, "B s"],
+    world: World,
     *,
     terrain: Terrain,
     push: Push,
     noise: Noise,
     orders: Orders,
-    threads: int,
     record: bool = False,
     longest: int = 0,
     watch: Watch | None = None,
     courses: Courses | None = None,
-    models: Sequence[mujoco.MjModel] | None = None,
     first: int = 0,
 ) -> Episodes:
     """Run every episode to its end.
@@ -102,36 +92,36 @@ def run(
     Args:
         plant: of all episodes, or of the first one on a course.
         batch: the compiled control tick.
-        states: MuJoCo states to start from (time, qpos, qvel).
+        world: the plants of all episodes at their starts.
         terrain: floor levels.
         push: of each robot, at the pitch axis of its root.
         noise: of the sensors.
         orders: what each touchdown is to latch.
-        threads: at most this many threads step MuJoCo.
         record: keep records and states of episode 0.
         longest: keep records of the first so many ticks of every episode.
         watch: called after each control tick.
         courses: that they walk on in place of floors, and are told by.
-        models: of the plant of each episode; the same for all if None.
         first: number of the first episode.
 
     Returns: `Episodes`.
     """
-    world = _World(plant, states, threads, models)
+    count = len(world.states)
+    late = _Late(plant.delay_ticks, count, plant.wires.nu)
+    time, plant_steps = 0.0, 0
     levels_now = terrain.levels if courses is None else courses.first_levels()
-    carry, endings = batch.carry, np.zeros(len(states), dtype=int)
+    carry, endings = batch.carry, np.zeros(count, dtype=int)
     kept = np.array(carry)
     records, seen, levels = [], [], []
     recorder = Recorder(longest) if longest else None
-    told = _Told(orders, range(first, first + len(states)), courses)
-    strides: list[list[np.ndarray]] = [[] for _ in states]
+    told = _Told(orders, range(first, first + count), courses)
+    strides: list[list[np.ndarray]] = [[] for _ in range(count)]
     # The first call compiles; its result is thrown away.
-    reading = world.reading(levels_now, noise.next(), told.wanted)
-    batch.tick(batch.arrays, carry, pack(reading))
+    reading = _reading(world, levels_now, noise, told)
+    batch.tick(batch.arrays, carry, reading)
     began = clock.perf_counter()
-    active = np.arange(len(states))
+    active = np.arange(count)
     while active.size:
-        reading = pack(world.reading(levels_now, noise.next(), told.wanted))
+        reading = _reading(world, levels_now, noise, told)
         carry, packed, found = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
         for i in active[verdict.touchdown[active]]:
@@ -150,13 +140,17 @@ def run(
             endings[ended] = verdict.ending[ended]
             kept[ended] = np.asarray(carry)[ended]
             active = np.flatnonzero(endings == Ending.RUNNING)
-        force = push.at(world.time, verdict.touchdown, verdict.steps)
+        force = push.at(time, verdict.touchdown, verdict.steps)
         place = (verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
         if courses is not None:
             courses.stand(levels_now, verdict.touchdown, verdict.leg, verdict.feet)
         elif terrain.advance(*place, verdict.rise):
             world.lay_floors(terrain.levels)
-        world.advance(active, verdict.controls, force)
+        controls = late.due(verdict.controls)
+        time += SUBSTEPS * TIMESTEP_S
+        if active.size:
+            world.advance(active, controls, force)
+            plant_steps += SUBSTEPS * active.size
     wall = clock.perf_counter() - began
     return Episodes(
         [Ending(value) for value in endings],
@@ -164,14 +158,21 @@ def run(
         batch.record_of(np.array(records)) if record else None,
         np.array(seen),
         np.array(levels),
-        world.steps,
+        plant_steps,
         wall,
-        [] if recorder is None else [recorder.record(i) for i in range(len(states))],
+        [] if recorder is None else [recorder.record(i) for i in range(count)],
         [
             Strides.of_rows(np.reshape(rows, (len(rows), width(len(orders.commands)))))
             for rows in strides
         ],
     )
+
+
+def _reading(
+    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_Told"
+) -> Float[np.ndarray, "B r"]:
+    """What the tick finds now, packed."""
+    return pack(Reading(world.states, world.touch, levels, noise.next(), told.wanted))
 
 
 class _Told:
@@ -193,82 +194,16 @@ class _Told:
                 self.wanted[i] = next(self._orders[i])
 
 
-class _World:
-    """The plants of all episodes: states in one array, stepped together."""
+class _Late:
+    """Controls under way: a ring buffer as long as the delay."""
 
-    def __init__(
-        self,
-        plant: Plant,
-        states: Float[np.ndarray, "B s"],
-        threads: int,
-        models: Sequence[mujoco.MjModel] | None,
-    ):
-        model = plant.model
-        episodes = len(states)
-        threads = min(threads, episodes // _MIN_EPISODES_PER_THREAD)
-        self.states = np.array(states)
-        self.time = 0.0
-        self.steps = 0
-        self._plant = plant
-        self._pool = rollout.Rollout(nthread=threads if threads > 1 else 0)
-        self._data = [mujoco.MjData(model) for _ in range(max(1, threads))]
-        self._models = [model] * episodes if models is None else list(models)
-        self._touch = np.zeros((episodes, model.nsensordata))
-        size = mujoco.mj_stateSize(model, CONTROL_SPEC)
-        self._inputs = np.zeros((episodes, SUBSTEPS, size))
-        self._out = np.zeros((episodes, SUBSTEPS, states.shape[1]))
-        self._sensed = np.zeros((episodes, SUBSTEPS, model.nsensordata))
-        self._late = np.zeros((plant.delay_ticks + 1, episodes, model.nu))
+    def __init__(self, ticks: int, episodes: int, controls: int):
+        self._ring = np.zeros((ticks + 1, episodes, controls))
         self._ticks = 0
-        self.lay_floors(np.zeros((episodes, 2)))
 
-    def reading(self, floors: np.ndarray, noise: np.ndarray, wanted: np.ndarray) -> Reading:
-        """What the tick finds now."""
-        return Reading(self.states, self._touch[:, -2:], floors, noise, wanted)
-
-    def lay_floors(self, levels: Float[np.ndarray, "B 2"]) -> None:
-        """Put the floors at these levels (m)."""
-        if self._plant.course is not None:
-            return
-        first = self._plant.model.nu + self._plant.model.nv
-        self._inputs[:, :, first:] = self._plant.floor_positions(levels)[:, None]
-
-    def advance(
-        self,
-        active: Int[np.ndarray, " a"],
-        controls: Float[np.ndarray, "B u"],
-        force: Float[np.ndarray, " B"],
-    ) -> None:
-        """Step the active episodes through one control tick."""
-        model, count = self._plant.model, active.size
-        self.steps += SUBSTEPS * count
-        self.time += SUBSTEPS * model.opt.timestep
-        if not count:
-            return
-        self._inputs[:, :, : model.nu] = self._delayed(controls)[:, None]
-        self._inputs[:, :, model.nu + self._plant.wires.root[0]] = force[:, None]
-        everyone = count == len(self.states)
-        out, sensed = self._out[:count], self._sensed[:count]
-        self._pool.rollout(
-            self._models if everyone else [self._models[i] for i in active],
-            self._data,
-            self.states if everyone else self.states[active],
-            self._inputs if everyone else self._inputs[active],
-            control_spec=CONTROL_SPEC,
-            skip_checks=True,
-            nstep=SUBSTEPS,
-            state=out,
-            sensordata=sensed,
-        )
-        where = slice(None) if everyone else active
-        self.states[where] = out[:, -1]
-        self._touch[where] = sensed[:, -1]
-
-    def _delayed(self, controls: Float[np.ndarray, "B u"]) -> Float[np.ndarray, "B u"]:
-        """The controls that are due: a ring buffer as long as the delay."""
-        if not self._plant.delay_ticks:
-            return controls
-        now = self._ticks % len(self._late)
+    def due(self, controls: Float[np.ndarray, "B u"]) -> Float[np.ndarray, "B u"]:
+        """The controls that are due, once these are on their way."""
+        now = self._ticks % len(self._ring)
         self._ticks += 1
-        self._late[now] = controls
-        return self._late[self._ticks % len(self._late)]
+        self._ring[now] = controls
+        return self._ring[self._ticks % len(self._ring)]

@@ -20,6 +20,8 @@ from neuralgaits.control import (
     step,
     tell,
 )
+from neuralgaits.control.estimator import Estimator, Known, estimate
+from neuralgaits.control.estimator import start as nothing_known
 from neuralgaits.control.measurement import coordinates, stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait.commands import Limits, place_of
@@ -40,6 +42,10 @@ class Carry(NamedTuple):
     gauge: Gauge
     age: Scalar
     """Time since the last touchdown, or since the start of the episode [s]."""
+    known: Known | None = None
+    """What an estimator remembers."""
+    believed: Float[Array, " d"] | None = None
+    """Its last hip speeds, the newest first, as many as torques are late and one more [m/s]."""
 
 
 class Reading(NamedTuple):
@@ -101,13 +107,16 @@ class Scene(eqx.Module):
             leading axis of episodes.
         plant_robot: the plant's own numbers, disturbances left out.
         slope: rise of the floor per metre forward.
-        noise: standard deviation of angles and of rates [rad], [rad/s]. [2]
+        noise: standard deviation of angles, rates and pitch [rad], [rad/s], [rad]. [3]
+        pitch_offset: of the pitch [rad].
         encoder_step: resolution of angles, 0 for exact ones [rad].
         steps: walking steps of an episode.
         first: command that episodes begin with. [p]
         gap_depth: how far below its stones a foot has missed them, infinite without any [m].
         layout: of the plant's file.
         sizes: of the plant's qpos and ctrl.
+        estimator: of rates and hip velocity; None where they are measured.
+        delay_ticks: from a reading to its torque.
         addresses: of root, joints and motors in the plant's arrays, as in `StateMap`.
         falls: thresholds of a fall.
     """
@@ -115,7 +124,8 @@ class Scene(eqx.Module):
     controller: Controller
     plant_robot: PlanarBiped
     slope: Float[Array, ""]
-    noise: Float[Array, "2"]
+    noise: Float[Array, "3"]
+    pitch_offset: Float[Array, ""]
     encoder_step: Float[Array, ""]
     steps: Int[Array, ""]
     first: Float[Array, " p"]
@@ -125,6 +135,8 @@ class Scene(eqx.Module):
     addresses: tuple[tuple, tuple, tuple] = eqx.field(static=True)
     falls: FallConfig = eqx.field(static=True)
     on_course: bool = eqx.field(static=True)
+    estimator: Estimator | None = eqx.field(static=True)
+    delay_ticks: int = eqx.field(static=True)
 
     @classmethod
     def of(
@@ -144,7 +156,10 @@ class Scene(eqx.Module):
             controller=controller,
             plant_robot=plant.robot,
             slope=np.asarray(plant.slope),
-            noise=np.array([disturbance.encoder_noise, disturbance.rate_noise]),
+            noise=np.array(
+                [disturbance.encoder_noise, disturbance.rate_noise, disturbance.noise_of_pitch]
+            ),
+            pitch_offset=np.asarray(disturbance.pitch_offset),
             encoder_step=np.asarray(disturbance.encoder_step),
             steps=np.asarray(steps, dtype=np.int32),
             first=first,
@@ -154,6 +169,8 @@ class Scene(eqx.Module):
             addresses=(_frozen(wires.root), _frozen(wires.joints), _frozen(wires.actuators)),
             falls=falls,
             on_course=plant.course is not None,
+            estimator=Estimator() if disturbance.estimator else None,
+            delay_ticks=plant.delay_ticks if disturbance.estimator else 0,
         )
 
     @property
@@ -188,15 +205,34 @@ def _frozen(addresses: np.ndarray) -> tuple:
 
 def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
     """The carry of an episode that starts on `leg`."""
-    return Carry(start(scene.controller, leg, scene.first), Gauge.start(), jnp.zeros(()))
+    first = Carry(start(scene.controller, leg, scene.first), Gauge.start(), jnp.zeros(()))
+    if scene.estimator is None:
+        return first
+    known = nothing_known(scene.controller.robot)
+    return first._replace(known=known, believed=jnp.zeros(scene.delay_ticks + 1))
 
 
 def tick(scene: Scene, carry: Carry, reading: Reading) -> tuple[Carry, Verdict, Record]:
     """One tick of one episode. Returns: the next carry, the verdict, and the record."""
     seen = sense(scene, reading).seen
+    if scene.estimator is not None:
+        carry, seen = _estimated(scene, scene.estimator, carry, seen)
     state = tell(scene.controller, carry.controller, reading.wanted)
     state, command = step(scene.controller, state, seen)
     return account(scene, carry, reading, state, command)
+
+
+def _estimated(
+    scene: Scene, estimator: Estimator, carry: Carry, seen: Measurement
+) -> tuple[Carry, Measurement]:
+    """What the controller goes by where rates are not measured."""
+    controller = scene.controller
+    assert carry.known is not None and carry.believed is not None
+    standing, period = carry.controller.stance, controller.period_s
+    known = estimate(estimator, controller.robot, carry.known, seen, standing, period)
+    speed = known.estimate.hip_velocity[:1]
+    believed = jnp.concatenate([speed, carry.believed[:-1]])
+    return carry._replace(known=known, believed=believed), known.estimate
 
 
 class Sensed(NamedTuple):
@@ -218,7 +254,8 @@ def sense(scene: Scene, reading: Reading) -> Sensed:
     sensors = wires.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
     arm, swept = wires.layout.hip_arm(sensors.pitch - wires.layout.root_angle, jnp)
     truth = measure(sensors, swept, time, reading.touch)
-    seen = _rounded(_noisy(truth, reading.noise, scene.noise), scene.encoder_step)
+    shifted = truth._replace(pitch=truth.pitch + scene.pitch_offset)
+    seen = _rounded(_noisy(shifted, reading.noise, scene.noise), scene.encoder_step)
     return Sensed(truth, seen, sensors.base + arm)
 
 
@@ -241,6 +278,7 @@ def account(
         hip=hip[0],
         normal_force=reading.touch,
         period_s=period,
+        speed_error=_speed_error(carry, truth),
     )
     ahead, up = swing_foot(robot, command.q)
     stance = hip - hip_position(robot, command.q)
@@ -265,7 +303,7 @@ def account(
     numbers = jnp.stack([time, hip[0], -ahead, -up, stance[0]])
     stride = jnp.concatenate([numbers, command.told[0]])
     return (
-        Carry(state, gauge, age),
+        carry._replace(controller=state, gauge=gauge, age=age),
         Verdict(
             controls=controls(wires, command.torque),
             ending=verdict,
@@ -288,6 +326,14 @@ def account(
     )
 
 
+def _speed_error(carry: Carry, truth: Measurement) -> Scalar | float:
+    """How far the hip speed that torques are for is from the one that they meet (m/s)."""
+    if carry.believed is None:
+        return 0.0
+    error = carry.believed[-1] - truth.hip_velocity[0]
+    return jnp.where(carry.gauge.ticks >= carry.believed.size - 1, error, 0.0)
+
+
 def _in_gap(
     scene: Scene, feet: Float[Array, "2 2"], level: Scalar, left: Scalar, rise: Scalar
 ) -> Bool[Array, ""]:
@@ -306,12 +352,12 @@ def _in_gap(
 
 
 def _noisy(
-    truth: Measurement, draws: Float[Array, "2 j"], deviation: Float[Array, "2"]
+    truth: Measurement, draws: Float[Array, "2 j"], deviation: Float[Array, "3"]
 ) -> Measurement:
-    angles, rates = deviation[:, None] * draws
+    angles, rates = deviation[:2, None] * draws
     shape = truth.angles.shape
     return truth._replace(
-        pitch=truth.pitch + angles[0],
+        pitch=truth.pitch + deviation[2] * draws[0, 0],
         dpitch=truth.dpitch + rates[0],
         angles=truth.angles + angles[1:].reshape(shape),
         rates=truth.rates + rates[1:].reshape(shape),

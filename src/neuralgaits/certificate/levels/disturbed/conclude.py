@@ -55,7 +55,7 @@ def inequalities(full: FullOrder, shape: Disturbed) -> list[Inequality]:
         Inequality(
             "the floor is above what the push keeps outputs at: 2 b push < gamma floor",
             2 * factor(full) * arb(shape.push),
-            gamma * arb(full.floor),
+            gamma * arb(full.least_radius),
         ),
     ]
     for its, of in zip(shape.barriers, full.barriers, strict=False):

@@ -26,14 +26,16 @@ def find_disturbed(looks: Looks, full: FullOrder) -> Disturbed | str:
         looks: at quantities of the gait, in the set's norm.
         full: the set.
     """
-    if full.floor <= 0.0:
+    if full.least_radius <= 0.0:
         return (
             "the set of level 4 shrinks to nothing along the step, so that no disturbance leaves "
             "outputs inside it: no set with a floor was found for this gait"
         )
     u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
     seen = _Seen(looks, full, u)
-    most = BELOW_FLOOR * float(lyapunov_rate(full.bandwidth)) * full.floor / (2.0 * seen.factor)
+    most = (
+        BELOW_FLOOR * float(lyapunov_rate(full.bandwidth)) * full.least_radius / (2.0 * seen.factor)
+    )
     low, high = 0.0, most
     if seen.barriers(most) is not None:
         low = most
@@ -59,7 +61,9 @@ class _Seen:
         self.squares = SQUARES * (step["rate/slope"] ** 2).sum(axis=2)
         assert looks.pushed is not None
         off = looks.pushed(u)
-        bound = full.floor + (full.radius - full.floor) * np.exp(-full.shrink * u[:, 0] ** 2)
+        bound = full.least_radius + (full.radius - full.least_radius) * np.exp(
+            -full.shrink * u[:, 0] ** 2
+        )
         self.room = np.inf
         for name in ("contact", "torque"):
             taken = (1.0 + SPENT) * bound[:, None] * np.linalg.norm(step[f"{name}/slope"], axis=2)

@@ -104,8 +104,8 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
             "outputs after an impact are in the set: sqrt(V+) < radius", _after(shape), kept
         ),
     ]
-    if shape.floor != 0.0:
-        floor = arb(shape.floor)
+    if shape.least_radius != 0.0:
+        floor = arb(shape.least_radius)
         found += [
             Inequality("0 < floor", zero, floor),
             Inequality("floor < radius", floor, radius),
@@ -128,7 +128,7 @@ def is_norm(shape: FullOrder) -> bool:
 
 def bound_at(shape: FullOrder, phase: arb) -> arb:
     """Bound on sqrt(V) in D at a phase."""
-    floor = arb(shape.floor)
+    floor = arb(shape.least_radius)
     return floor + (arb(shape.radius) - floor) * (-arb(shape.shrink) * phase**2).exp()
 
 
@@ -179,7 +179,7 @@ def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
         Constant("gamma", rate, "1/s", "V' <= -gamma V"),
         Constant("radius", shape.radius, "rad", "sqrt(V) in the set, at the start of a step"),
         Constant("shrink", shape.shrink, "1", f"at later phases: {_bound_in_words()}"),
-        Constant("floor", shape.floor, "rad", "what the bound on sqrt(V) shrinks to"),
+        Constant("least radius", shape.least_radius, "rad", "what the bound on sqrt(V) shrinks to"),
         Constant("guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"),
         Constant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
         Constant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
@@ -333,7 +333,7 @@ def _bound_in_words(shape: FullOrder | None = None) -> str:
     """The bound on sqrt(V) along the phase."""
     if shape is None:
         return "floor + (radius - floor) exp(-shrink phase^2)"
-    radius, shrink, floor = shape.radius, shape.shrink, shape.floor
+    radius, shrink, floor = shape.radius, shape.shrink, shape.least_radius
     if floor == 0.0:
         return f"{radius!r} exp(-{shrink!r} phase^2)"
     return f"{floor!r} + ({radius!r} - {floor!r}) exp(-{shrink!r} phase^2)"

@@ -127,7 +127,7 @@ def find_full_order(
         barriers=tuple(
             _barrier(k, name, seen, impacts, gamma, radius, plan) for k, name in enumerate(names)
         ),
-        floor=floor,
+        least_radius=floor,
         weights=plan.weights if plan else (),
     )
 

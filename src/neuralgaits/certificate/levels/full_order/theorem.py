@@ -79,7 +79,7 @@ class FullOrder:
         landing: largest |phase| after an impact from eta = 0.
         landing_slope: its change per sqrt(V) along the guard [1/rad].
         barriers: constants of each.
-        floor: what the bound on sqrt(V) shrinks to [rad].
+        least_radius: the floor, what the bound on sqrt(V) shrinks to [rad].
         weights: S of the norm, an upper triangular matrix over the joints, row by row from its
             diagonal on; the identity if empty. V = |S dy/w|^2 + STIFF^2 |S (y + dy/w)|^2.
     """
@@ -100,7 +100,7 @@ class FullOrder:
     landing: float
     landing_slope: float
     barriers: tuple[BarrierConstants, ...]
-    floor: float = 0.0
+    least_radius: float = 0.0
     weights: tuple[float, ...] = ()
 
     @property
@@ -125,7 +125,7 @@ def constants_of_set(shape: FullOrder) -> dict[str, float]:
     least, most = shape.pace
     found = {n: getattr(shape, n) for n in alone.split()} | {"slowest": least, "fastest": most}
     # A bound without a floor has none in its Program.
-    return found | ({"floor": shape.floor} if shape.floor != 0.0 else {})
+    return found | ({"floor": shape.least_radius} if shape.least_radius != 0.0 else {})
 
 
 def series(shape: FullOrder) -> dict[str, tuple[float, ...]]:

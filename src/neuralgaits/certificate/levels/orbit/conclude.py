@@ -28,7 +28,11 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         missing = "its parameters are not those of its kind of attraction"
     if missing is None and shape.told:
         return _any_two_walks(shape, orbit, bounds)
+    if missing is None and orbit.attraction == "contraction alone":
+        return _contraction_alone(shape, orbit, bounds)
     first, last = shape.ends
+    if missing is None and shape.floor:
+        missing = "an orbit is enclosed for footholds as meant only"
     if missing is None and not shape.falling < orbit.guard_from < orbit.guard_to <= last:
         missing = "the thin tube's guard is not where the foot falls"
     if missing is not None:
@@ -38,7 +42,7 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     gain = -bounds["orbit/gain", *strip]
     gains = bounds["orbit/reset-gain-low", *thin], -bounds["orbit/reset-gain-high", *thin]
     width = -bounds["orbit/width", (first, 0.0), (last, 0.0)]
-    over = arb(shape.start_strip) + (arb(last) - 1).max(1 - arb(strip[0][0]))
+    over = _over(shape)
     contraction = arb(gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
     low = arb(gains[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
     high = arb(gains[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
@@ -90,6 +94,32 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     return Conclusion(3, "proved", None, words, figures)
 
 
+def _contraction_alone(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
+    """That there is one orbit, of which nothing is said but that it attracts.
+
+    On T the return map of the section at mid-step is defined, and maps that interval into itself.
+    Where the height of the next foothold is free, it is one map for each height, gain and series
+    are bounds for all of them, and what two walks meet alike shrinks their distance alike.
+    """
+    strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
+    gain = -arb(bounds["orbit/gain", *strip])
+    contraction = gain * (_integral(orbit.expansion) + _over(shape) * _end(orbit, shape)).exp()
+    figures = {"contraction_at_most": above(contraction)}
+    if not contraction < 1:
+        reason = f"the return map is not shown to contract: |P'| <= {above(contraction):.4g}"
+        return Conclusion(3, "undecided", reason, (), figures)
+    what = "there is one periodic orbit, and every trajectory of the undisturbed system in T "
+    what += "converges to it"
+    if shape.floor:
+        what = "any two trajectories of the undisturbed system in T whose footholds lie equally "
+        what += "high, step by step, converge; where all lie as meant, to one periodic orbit"
+    words = (
+        f"the return map of the section at mid-step contracts to {at_most(above(contraction), 4)} "
+        f"or less on all of T: {what}",
+    )
+    return Conclusion(3, "proved", None, words, figures)
+
+
 def _any_two_walks(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     """That walks under the same commands converge.
 
@@ -107,8 +137,7 @@ def _any_two_walks(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusio
             ("orbit/along", shape.start),
         )
     )
-    over = arb(shape.start_strip) + (arb(last) - 1).max(1 - arb(strip[0][0]))
-    parting = (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
+    parting = (_integral(orbit.expansion) + _over(shape) * _end(orbit, shape)).exp()
     contraction = (gain + moved * along) * parting
     figures = {"contraction_at_most": above(contraction)}
     if not contraction < 1:
@@ -120,6 +149,12 @@ def _any_two_walks(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusio
         f"{at_most(above(contraction), 4)} of it or less, whatever the commands are",
     )
     return Conclusion(3, "proved", None, words, figures)
+
+
+def _over(shape: WalkingSet) -> arb:
+    """How many phases a step may be longer or shorter than 1."""
+    behind, before = arb(shape.ends[1]) - 1, 1 - arb(1.0 - shape.guard_strip)
+    return arb(shape.start_strip) + behind.max(before)
 
 
 def _end(orbit: Orbit, shape: WalkingSet) -> arb:

@@ -102,7 +102,7 @@ def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
     """Bounds on how walks part, or one sentence that says why there are none.
 
     Args:
-        look: quantities at points of (phase, level), for many pairs of commands at each.
+        look: quantities at points of (phase, level), for many pairs of commands or robots at each.
         shape: of the walking set.
     """
     phases, levels = np.linspace(*shape.ends, 61), np.linspace(0.0, 1.0, 5)
@@ -110,18 +110,23 @@ def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
     largest = look(grid)["expansion"].reshape(len(phases), -1).max(axis=1)
     series = _fit(phases, largest, BOUND_DEGREE)
     series[0] += np.max(largest - _at(series, phases))
-    guard = look(np.stack([np.ones_like(levels), levels], axis=1))
-    first = look(np.stack([np.zeros_like(levels), levels], axis=1))
-    gain, moved = (float(np.abs(guard[name]).max()) for name in ("moved_zeta", "moved_z1"))
-    along = float(np.abs(first["slope"] / first["stride"]).max())
+    ends = np.linspace(1.0 - shape.guard_strip, 1.0 + shape.guard_strip, 3)
+    strip = np.stack(np.meshgrid(ends, levels, indexing="ij"), axis=-1).reshape(-1, 2)
+    guard = look(strip)
+    gain = float(np.abs(guard["moved_zeta" if shape.told else "gain"]).max())
     contraction = gain * np.exp(_step(series))
     if not contraction < COMFORT:
         return f"walks do not converge: a step makes {contraction:.4g} of 1 at the worst"
     # Most of what is left is given away, more of it where bounds are hardest to get.
     room = -np.log(contraction)
-    series[0] += 0.6 * room
-    least = {
-        "orbit/gain": -gain * float(np.exp(0.2 * room)),
+    series[0] += (0.6 if shape.told else 0.3) * room
+    least = {"orbit/gain": -gain * float(np.exp(0.2 * room))}
+    if not shape.told:
+        return Found(Orbit("contraction alone", expansion=_numbers(series)), least)
+    first = look(np.stack([np.zeros_like(levels), levels], axis=1))
+    moved = float(np.abs(guard["moved_z1"]).max())
+    along = float(np.abs(first["slope"] / first["stride"]).max())
+    least |= {
         "orbit/moved": -moved * 2.0 - 0.01 * gain / along,
         "orbit/along": -along * 2.0,
     }

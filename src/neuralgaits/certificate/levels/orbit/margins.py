@@ -39,8 +39,14 @@ def margins(
     """
     if orbit.attraction == "any two walks":
         return _any_two_walks(gait, zd, orbit, u)
+    wide_gain = landing(gait, zd, u[:PLANE]).gain
+    contracting = {
+        "orbit/expansion": _series(orbit.expansion, u[0]) - expansion(gait, zd, u[:PLANE]),
+        "orbit/gain": jnp.stack([wide_gain, -wide_gain]),
+    }
+    if orbit.attraction == "contraction alone":
+        return contracting
     thin = thin_gait(gait, orbit)
-    wide_gain = landing(gait, zd, u).gain
     point = zd.point(thin.z(u))
     low, high = thin.tube.fences(u[0])
     low_slope, high_slope = thin.tube.fence_slopes(u[0])
@@ -56,9 +62,9 @@ def margins(
             "orbit/nested-above": _narrowing(gait, thin, zd, u, 1),
             "orbit/nested-below": _narrowing(gait, thin, zd, u, 0),
         }
-    return nested | {
-        "orbit/expansion": _series(orbit.expansion, u[0]) - expansion(gait, zd, u),
-        "orbit/gain": jnp.stack([wide_gain, -wide_gain]),
+    return {
+        **nested,
+        **contracting,
         "orbit/fence-lower": (along - low_slope) / (high - low),
         "orbit/fence-upper": (high_slope - along) / (high - low),
         "orbit/foot-above": point.foot_above_ground,

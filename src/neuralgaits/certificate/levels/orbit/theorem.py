@@ -8,9 +8,11 @@ from neuralgaits.certificate.levels.chart import Corner
 from neuralgaits.certificate.levels.premises import Premise
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 
-Attraction = Literal["contraction", "nested tubes", "any two walks"]
-"""Why the orbit attracts all of the walking set: see `conclude`. The last is that of a gait with
-commands, which has no one orbit: walks under the same commands converge."""
+Attraction = Literal["contraction", "nested tubes", "contraction alone", "any two walks"]
+"""Why the orbit attracts all of the walking set: see `conclude`. The last two enclose no orbit: on
+every robot of a box the return map contracts, so each has one of its own; of a gait with commands,
+walks under the same commands converge."""
+WITHOUT_TUBE = "contraction alone", "any two walks"
 ORBIT, RETURN_MAP = "orbit", "return map"
 """Labels of the statements that level 3 rests on."""
 _OF_RETURN_MAP = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
@@ -46,7 +48,7 @@ class Orbit:
     def complete(self) -> bool:
         """Whether all series are there that its kind of attraction speaks of."""
         thin = (self.lower, self.upper, self.slowest, self.fastest)
-        if self.attraction == "any two walks":
+        if self.attraction in WITHOUT_TUBE:
             return bool(self.expansion) and not any(thin)
         return bool(self.expansion) and all(thin)
 
@@ -62,13 +64,18 @@ def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
     before, behind = orbit.guard_from, orbit.guard_to
     thin_strip = (before, 0.0), (behind, 1.0)
     between = (shape.start_strip, 0.0), (1.0 - shape.guard_strip, 1.0)
+    contracting = [
+        Premise("orbit/expansion", *whole, sign="not negative"),
+        Premise("orbit/gain", *strip, sign="any"),
+    ]
+    if orbit.attraction == "contraction alone":
+        return contracting
     nested = ["orbit/nested-above", "orbit/nested-below"]
     if orbit.attraction == "contraction":
         nested = []
     return [
         *(Premise(output, *between) for output in nested),
-        Premise("orbit/expansion", *whole, sign="not negative"),
-        Premise("orbit/gain", *strip, sign="any"),
+        *contracting,
         Premise("orbit/fence-lower", *lower),
         Premise("orbit/fence-upper", *upper),
         Premise("orbit/inside", *lower),

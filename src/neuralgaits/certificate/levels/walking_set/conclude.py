@@ -8,6 +8,7 @@ from flint import arb
 from neuralgaits.certificate.levels.premises import Bounds, Boxes, Premise, above, first_missing
 from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSet,
+    off_the_line,
     safe_premises,
     strips,
     walking_premises,
@@ -35,6 +36,11 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
         missing = "strips outside (0, 0.1)"
     if missing is None and not 0.0 < shape.risen <= shape.falling < 1.0 - shape.guard_strip:
         missing = "phases of rise and fall that are not in order"
+    if missing is None and not shape.floor >= 0.0:
+        missing = "a floor with a negative bound"
+    for output, low, high, _ in off_the_line(shape):
+        if missing is None and not bounds[output, low, high] > shape.floor:
+            missing = f"{output} from {low} to {high} is not above {shape.floor!r} m"
     if missing is None and not min(shape.disturbance) >= 0.0:
         missing = "a disturbance with a negative bound"
     if missing is None:

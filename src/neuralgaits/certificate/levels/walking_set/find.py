@@ -3,13 +3,13 @@
 Nothing here is trusted: a bad choice makes a premise fail, not a false one hold.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSet
 from neuralgaits.gait.commands import all_pairs
 
 Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
@@ -19,6 +19,8 @@ PHASES, LEVELS = 241, 33
 STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
 """Half widths tried around the guard, in phases. A gait that meets the ground elsewhere than at
 phase 1 by more than the last is not treated."""
+WIDE_STRIPS = (*STRIPS, *(0.001 * k for k in range(32, 100, 2)))
+"""The same where footholds may be higher or lower than meant, up to the ends of the chart."""
 CLEAR = 1e-12
 """Height that the foot must have before and behind the guard's strip [m]: more than rounding."""
 FEW_PHASES, FEW_LEVELS, PAIRS, CHUNK = 61, 5, 5, 4096
@@ -36,7 +38,7 @@ SHARE = 0.5
 
 
 def find_set(
-    spec: GaitSpec, look: Look, disturbance: tuple[float, float] = (0.0, 0.0)
+    spec: GaitSpec, look: Look, disturbance: tuple[float, float] = (0.0, 0.0), floor: float = 0.0
 ) -> WalkingSet | str:
     """Parameters of the walking set, or one sentence that says why there are none.
 
@@ -45,22 +47,24 @@ def find_set(
     told = tuple(command.name for command in spec.commands)
     count, levels = PHASES, np.linspace(0.0, 1.0, LEVELS)
     if told:
-        look = over_pairs(spec, look)
+        look = over_all(spec, look)
         count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
     elif spec.parameters:
-        look, levels = over_robots(spec, look), np.linspace(0.0, 1.0, FEW_LEVELS)
-    strip = _guard_strip(look, levels, CLEAR_TOLD if told else CLEAR)
+        look, levels = over_all(spec, look), np.linspace(0.0, 1.0, FEW_LEVELS)
+    widths = WIDE_STRIPS if floor else STRIPS
+    strip = _guard_strip(look, levels, floor * ROOM**0.5 + (CLEAR_TOLD if told else CLEAR), widths)
     if strip is None:
+        ground = f"heights within {floor:g} m of the ground" if floor else "the ground"
         return (
-            "the swing foot does not go through the ground everywhere within "
-            f"{STRIPS[-1]} phases of the guard"
+            f"the swing foot does not go through {ground} everywhere within {widths[-1]} phases of "
+            "the guard"
         )
     guard = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
     seen = look(guard)
     landed = np.abs(seen["after"][:, 0]).max()
     more = TOLD * seen["stride"].max() / seen["stride"].min() if told else 2.0
-    start_strip = float(more * landed + 1e-9)
-    if not start_strip < STRIPS[-1]:
+    start_strip = float((ROOM if floor else more) * landed + 1e-9)
+    if not start_strip < widths[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
     phases = np.linspace(0.0, 1.0, count)
     rate = look(_grid(phases, levels))["foot_rate"].reshape(count, -1)
@@ -80,6 +84,7 @@ def find_set(
         barriers=names_of(spec)[0],
         carried=names_of(spec)[1],
         told=told,
+        floor=floor,
     )
 
 
@@ -95,8 +100,8 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str, float]:
     """What outputs that enclose constants must reach."""
     if not shape.told:
-        return {"set/reset-phase": -shape.start_strip}
-    over = over_pairs(spec, look)
+        return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
+    over = over_all(spec, look)
     found = over(_grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
     phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
     pace = float(over(_grid(phases, levels))["pace"].min())
@@ -110,17 +115,18 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
     }
 
 
-def over_pairs(spec: GaitSpec, look: Look) -> Look:
-    """Looks at points of (phase, level) with many pairs of commands, one point after the other."""
-    return _with_each(all_pairs(spec.commands, PAIRS), look)
+def over_all(spec: GaitSpec, look: Look) -> Look:
+    """Looks at points of (phase, level) for many pairs of commands, and on some robots of the box.
 
-
-def over_robots(spec: GaitSpec, look: Look) -> Look:
-    """Looks at points of (phase, level) on the nominal robot and on some corners of the box."""
-    halves = np.array([axis.half for axis in spec.parameters])
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(halves)))
-    robots = np.concatenate([np.zeros((1, len(halves))), halves * signs])
-    return _with_each(robots, look)
+    Those are the nominal one and some corners, and for each of them all pairs.
+    """
+    pairs, robots = all_pairs(spec.commands, PAIRS), np.zeros((1, len(spec.parameters)))
+    if spec.parameters:
+        halves = np.array([axis.half for axis in spec.parameters])
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(halves)))
+        robots = np.concatenate([robots, halves * signs])
+    both = np.hstack([np.repeat(pairs, len(robots), axis=0), np.tile(robots, (len(pairs), 1))])
+    return _with_each(both, look)
 
 
 def _with_each(values: np.ndarray, look: Look) -> Look:
@@ -135,13 +141,16 @@ def _with_each(values: np.ndarray, look: Look) -> Look:
     return over
 
 
-def _guard_strip(look: Look, levels: np.ndarray, clear: float) -> float | None:
+def _guard_strip(
+    look: Look, levels: np.ndarray, clear: float, widths: Sequence[float]
+) -> float | None:
     """A strip around phase 1 with the foot above the ground before it and below it behind."""
-    for number, width in enumerate(STRIPS):
+    for number, width in enumerate(widths):
         above = look(_grid(np.array([1.0 - width]), levels))["foot"]
         below = look(_grid(np.array([1.0 + width]), levels))["foot"]
         if above.min() > clear and below.max() < -clear:
-            return STRIPS[min(number + 1, len(STRIPS) - 1)]
+            # Before and behind: the next wider one has more room.
+            return widths[min(number + 1, len(widths) - 1)]
     return None
 
 

@@ -10,6 +10,9 @@ from neuralgaits.certificate.levels.premises import Boxes, Premise
 STRIPS, SET = "strips", "walking set"
 """Labels of the statements that level 2 rests on, where a spec's have their region."""
 
+OFF_THE_LINE = "set/foot-above", "set/foot-below"
+"""How far the swing foot is from the line between footholds, before and behind it."""
+
 
 @dataclass(frozen=True)
 class WalkingSet:
@@ -24,6 +27,8 @@ class WalkingSet:
         barriers: names of the spec's barrier conditions.
         carried: the spec's conditions, by name, that hold on the strips as well.
         told: names of the commands that a step is told; the chart has two axes for each.
+        floor: each foothold may be so much higher or lower than the line of footholds that the
+            gait is meant for [m]; what is above the ground is then more than this above the line.
     """
 
     start_strip: float
@@ -34,6 +39,7 @@ class WalkingSet:
     barriers: tuple[str, ...]
     carried: tuple[str, ...]
     told: tuple[str, ...] = ()
+    floor: float = 0.0
 
     @property
     def start(self) -> tuple[Corner, Corner]:
@@ -102,6 +108,11 @@ def _inlet(shape: WalkingSet) -> list[Premise]:
         Premise("set/within-bounds", *origin, sign="not negative"),
         Premise("set/steepness", (-shape.start_strip, 0.0), (shape.start_strip, 0.0), sign="any"),
     ]
+
+
+def off_the_line(shape: WalkingSet) -> list[Premise]:
+    """Premises of `walking_premises` whose bounds have to be above the floor's, and not 0."""
+    return [p for p in walking_premises(shape) if p.output in OFF_THE_LINE]
 
 
 def safe_premises(shape: WalkingSet) -> list[Premise]:

@@ -31,6 +31,10 @@ def walking_words(
     safe = "" if safe_from_the_start else " and the barrier functions not negative"
     pair = " of a step with its commands before and after" if shape.told else ""
     always = ", whatever admissible commands follow each other," if shape.told else ""
+    if shape.floor:
+        always = (
+            f"{always or ','} each foothold up to {shape.floor!r} m higher or lower than meant,"
+        )
     into = "T of the next step, whatever that is told" if shape.told else "T"
     comma = "" if always and not pushed else ","
     return (

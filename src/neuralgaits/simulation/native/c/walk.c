@@ -74,6 +74,7 @@ void ng_walk_start(ng_walk *walk, int leg, const double *command)
     const ng_walk fresh = {0};
     *walk = fresh;
     ng_start(&walk->controller, leg);
+    ng_estimator_start(&walk->estimator);
 #if NG_COMMANDS
     if (command != NULL) {
         ng_start_at(&walk->controller, leg, command);
@@ -120,12 +121,13 @@ static double counted(double angle, double step)
     return step * (shifted - NG_ROUNDER);
 }
 
-/* Noise, then rounding. */
+/* Offset and noise, then rounding. */
 static void blur(const ng_scene *scene, const double *noise, ng_measurement *reading)
 {
+    reading->pitch += scene->pitch_offset;
     if (noise != NULL) {
         const double *of_angles = noise, *of_rates = noise + SENSORS;
-        reading->pitch += scene->angle_noise * *of_angles++;
+        reading->pitch += scene->pitch_noise * *of_angles++;
         reading->dpitch += scene->rate_noise * *of_rates++;
         for (int leg = 0; leg < NG_LEGS; ++leg) {
             for (int i = 0; i < NG_LEG_JOINTS; ++i) {
@@ -186,7 +188,26 @@ static void gauge(const ng_scene *scene, ng_walk *walk, const ng_command *comman
     walk->energy += NG_PERIOD * power;
     walk->peak_torque = larger(walk->peak_torque, now.torque);
     walk->saturated += command->saturated;
+    walk->relaxed[0] += command->relaxed[0];
+    walk->relaxed[1] += command->relaxed[1];
     walk->ticks += 1;
+}
+
+/*
+ * How far the hip speed that these torques are for is from the one that they meet: the estimate
+ * is as old as they are.
+ */
+static void gauge_estimate(const ng_scene *scene, ng_walk *walk, double estimate, double truth)
+{
+    const int rows = scene->delay_ticks + 1;
+    if (!scene->estimator || walk->believed == NULL) {
+        return;
+    }
+    walk->believed[walk->ticks % rows] = estimate;
+    if (walk->ticks >= scene->delay_ticks) {
+        const double error = walk->believed[(walk->ticks + 1) % rows] - truth;
+        walk->speed_error += error * error;
+    }
 }
 
 /* Whether time, positions and rates are finite. */
@@ -269,6 +290,8 @@ static void keep(const ng_walk *walk, const mjData *data, const truth_of_tick *t
     record->since_touchdown = command->since_touchdown;
     record->touchdown = command->touchdown;
     record->saturated = command->saturated;
+    record->relaxed[0] = command->relaxed[0];
+    record->relaxed[1] = command->relaxed[1];
     record->pitch = truth->reading.pitch;
     record->dpitch = truth->reading.dpitch;
     memcpy(record->angles, truth->reading.angles, sizeof record->angles);
@@ -360,6 +383,9 @@ static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, con
     look(scene, walk, data, &truth);
     ng_measurement seen = truth.reading;
     blur(scene, noise, &seen);
+    if (scene->estimator) {
+        ng_estimate(&walk->estimator, &walk->controller, &seen);
+    }
 #if NG_COMMANDS
     if (walk->seen != NULL) {
         ng_tell(&walk->controller, walk->told);
@@ -377,6 +403,7 @@ static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, con
     }
     walk->time_us += (uint32_t)(NG_PERIOD * MICROSECONDS + 0.5);
     walk->age = command->touchdown ? 0.0 : walk->age + NG_PERIOD;
+    gauge_estimate(scene, walk, seen.hip_velocity[0], truth.reading.hip_velocity[0]);
     gauge(scene, walk, command, data->time, truth.hip[0]);
 #if NG_COMMANDS
     if (walk->seen != NULL) {

@@ -11,7 +11,9 @@
 #include <mujoco/mjdata.h>
 #include <mujoco/mjmodel.h>
 
+#include "clf_qp.h"
 #include "controller.h"
+#include "estimator.h"
 
 #ifdef NG_FLOAT
 #error "walks are compared with double precision"
@@ -47,6 +49,9 @@ typedef struct {
     /* Sensors and motors. */
     double angle_noise;               /* standard deviation [rad] */
     double rate_noise;                /* [rad/s] */
+    double pitch_noise;               /* of the pitch, in place of angle_noise [rad] */
+    double pitch_offset;              /* [rad] */
+    int estimator;                    /* whether rates and hip velocity are estimated */
     double encoder_step;              /* resolution of angles, 0 for exact ones [rad] */
     int delay_ticks;                  /* from a reading to its torque */
     int substeps;                     /* MuJoCo steps a tick */
@@ -73,6 +78,7 @@ typedef struct {
     int start_up_steps;               /* left out of steady figures */
     double settling_s;                /* after a touchdown, left out likewise [s] */
     ng_law law;
+    ng_clf_qp clf_qp;                 /* what that law knows, if it is one */
     ng_config config;                 /* its law is the one above */
 } ng_scene;
 
@@ -101,6 +107,7 @@ typedef struct {
 /* One walk. */
 typedef struct {
     ng_state controller;
+    ng_estimator estimator;
     uint32_t time_us;
     double age;               /* since the last touchdown or the start [s] */
     double clock;             /* ticks times their length, added up [s] */
@@ -115,6 +122,8 @@ typedef struct {
     double push_start;        /* [s] */
     double push_wait;         /* from its touchdown to the push [s] */
     double *late;             /* controls under way: delay_ticks + 1 rows of nu */
+    double *believed;         /* estimated hip speeds of delay_ticks + 1 ticks [m/s] */
+    double speed_error;       /* sum of squares of how far they were from what came [m^2/s^2] */
     double *strides;          /* rows of NG_STRIDE, more than touchdowns to come; or NULL */
     int strides_used;
 #if NG_COMMANDS
@@ -128,6 +137,7 @@ typedef struct {
     int ticks;
     int steps;
     int saturated;            /* ticks */
+    int relaxed[2];           /* ticks: see ng_command */
     int ending;               /* an ng_ending */
     int plant_steps;
     double energy;
@@ -144,7 +154,7 @@ typedef struct {
     double q[NG_COORDINATES], dq[NG_COORDINATES];/* measured [rad], [rad/s] */
     double y_d[NG_ACTUATED], dy_d[NG_ACTUATED];  /* [rad], [rad/s] */
     double z[2];                                 /* measured (m, kg m^2/s) */
-    double leg, since_touchdown, touchdown, saturated;
+    double leg, since_touchdown, touchdown, saturated, relaxed[2];
     double pitch, dpitch;                        /* without noise [rad], [rad/s] */
     double angles[NG_LEGS][NG_LEG_JOINTS], rates[NG_LEGS][NG_LEG_JOINTS]; /* likewise */
     double hip_velocity[2];                      /* [m/s] */

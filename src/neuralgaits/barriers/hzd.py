@@ -1,0 +1,171 @@
+"""The spec of a gait that is given: what the robot's own limits ask of it, and a tube around it.
+
+Nothing here is a margin of comfort. A gait found by trajectory optimisation is as near to its
+limits as it was allowed to be, so each bound is the robot file's or that of the contact itself;
+what the tube leaves of them is what `fit_tube` of the room `hzd` made it for.
+"""
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits.barriers import functions as f
+from neuralgaits.barriers.conditions import (
+    AbstractCondition,
+    Barrier,
+    Equality,
+    Fence,
+    Inlet,
+    Pointwise,
+)
+from neuralgaits.barriers.regions import Box, Gait, Tube
+from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
+from neuralgaits.barriers.walking import pendulum_height, units
+from neuralgaits.gait import BezierPolicy, walking_posture
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+NAME = "hzd"
+FENCE_DEGREE = 16
+"""Of the fences' Chebyshev series: an orbit is met to 1e-6 of its zeta or better."""
+LEAN = 0.35
+"""Largest lean of the torso to either side [rad]: 20 degrees, beyond any gait that was published
+for such robots."""
+ALPHA = 10.0
+"""Class-K gain of that barrier, in units of the reference robot's time [1/s]."""
+LIFT_OFF, LANDING = 0.05, 0.95
+"""Phases between which the foot must be above the ground: at the ends it is on it."""
+OUTPUT_ERROR, RATE_ERROR = 1e-3, 2e-2
+"""What the real impact may leave of outputs and of their rates [rad], [rad/s of the reference
+robot's time]: levels 1 to 3 set them to zero again. Those of spec `walking-mlp`."""
+
+
+def hzd(robot: "PlanarBiped", degree: int) -> GaitSpec:
+    """The specification of a given gait of Bezier outputs.
+
+    Args:
+        robot: whose limits they are.
+        degree: of the polynomials.
+    """
+    everywhere, ends = (0.0, 1.0), ((0.0, 0.0), (1.0, 1.0))
+    regions = {
+        "tube": (_box(everywhere, everywhere),),
+        "lift-off": (_box((0.0, LIFT_OFF), everywhere),),
+        "swing": (_box((LIFT_OFF, LANDING), everywhere),),
+        "landing": (_box((LANDING, 1.0), everywhere),),
+        "fence-lower": (_box(everywhere, ends[0]),),
+        "fence-upper": (_box(everywhere, ends[1]),),
+        "guard": (_box(ends[1], everywhere),),
+    }
+    recipe = Recipe(
+        steps=1400,
+        samples={name: 48 if name == "tube" else 16 for name in regions},
+        learning_rate=1e-3,
+        weight_decay=0.0,
+        warmup=0.1,
+        aim=0.02,
+        worst_weight=0.1,
+        logarithmic=True,
+    )
+    conditions = (*_stance(robot), *_swing_foot(robot), *_tube(), *_guard(robot))
+    return GaitSpec(NAME, conditions, regions, partial(_new_gait, robot, degree), recipe)
+
+
+def _box(phases: tuple[float, float], levels: tuple[float, float]) -> Box:
+    return Box((phases[0], levels[0]), (phases[1], levels[1]))
+
+
+def _new_gait(
+    robot: "PlanarBiped",
+    degree: int,
+    key: PRNGKeyArray,
+    init: Init,
+    hidden: tuple[int, ...] | None,
+) -> Gait:
+    """A gait of the right shape, without values: a given gait has its own."""
+    del key, init, hidden
+    guard = walking_posture(robot).z_guard
+    policy = BezierPolicy(np.zeros((robot.n - 1, degree + 1)), (-guard, guard))
+    return Gait(policy, empty_tube(robot, (-guard, guard)))
+
+
+def empty_tube(robot: "PlanarBiped", span: tuple[float, float]) -> Tube:
+    """A tube without fences.
+
+    Args:
+        robot: sets the unit of zeta.
+        span: z1 after the impact and at the guard [m].
+    """
+    unit = 0.5 * float(robot.mass * pendulum_height(robot)) ** 2
+    none = np.zeros(FENCE_DEGREE + 1)
+    return Tube(none, none.copy(), np.asarray(unit), np.asarray(span, np.float64), trained=True)
+
+
+def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
+    """Contact, torques, joint ranges and progress on the whole tube."""
+    unit = units(robot)
+    weight, speed, cone = unit.weight_n, unit.speed, float(robot.friction)
+    conditions: list[AbstractCondition] = []
+    if robot.torso is not None:
+        alpha, scale = ALPHA / unit.time, 3.3 / unit.time
+        conditions += [
+            Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, -LEAN), alpha),
+            Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, LEAN), alpha),
+        ]
+    inertia = 20.0 * unit.mass_kg * unit.length / 21.5562
+    lower, upper = np.asarray(robot.joint_lower), np.asarray(robot.joint_upper)
+    return [
+        *conditions,
+        Pointwise("normal-force", "tube", weight, f.at_least(f.normal_force, 0.0)),
+        Pointwise("friction-forward", "tube", cone * weight, f.friction_forward(cone)),
+        Pointwise("friction-backward", "tube", cone * weight, f.friction_backward(cone)),
+        Pointwise("torque-lower", "tube", 1.0, f.torque_reserve("lower", 1.0)),
+        Pointwise("torque-upper", "tube", 1.0, f.torque_reserve("upper", 1.0)),
+        Pointwise("range-lower", "tube", 0.5, f.at_least(f.joint_angles, lower)),
+        Pointwise("range-upper", "tube", 0.5, f.at_most(f.joint_angles, upper)),
+        Pointwise("forward", "tube", speed, f.at_least(f.forward_rate, 0.0)),
+        Pointwise("transversal-inertia", "tube", inertia, f.at_least(f.transversal_inertia, 0.0)),
+    ]
+
+
+def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
+    """Rise, stay above the ground, fall."""
+    unit = units(robot)
+    speed, height = 0.5 * unit.speed, 0.05 * unit.length
+    velocity = f.foot_vertical_velocity
+    return [
+        Pointwise("foot-rises", "lift-off", speed, f.at_least(velocity, 0.0)),
+        Pointwise("foot-clears", "swing", height, f.at_least(f.foot_height, 0.0)),
+        Pointwise("foot-falls", "landing", speed, f.at_most(velocity, 0.0)),
+    ]
+
+
+def _tube() -> list[AbstractCondition]:
+    """The flow stays between the fences, and so does the reset."""
+    return [
+        Fence("flow-above-lower-fence", "fence-lower", 1.0, "lower"),
+        Fence("flow-below-upper-fence", "fence-upper", 1.0, "upper"),
+        Inlet("reset-above-lower-fence", "guard", 1.0, "lower"),
+        Inlet("reset-below-upper-fence", "guard", 1.0, "upper"),
+    ]
+
+
+def _guard(robot: "PlanarBiped") -> list[AbstractCondition]:
+    """An impact that a floor can give, after which the old foot leaves, outputs near zero."""
+    unit = units(robot)
+    push, cone = 5.0 * unit.mass_kg * unit.speed / 21.5562, float(robot.friction)
+    step, speed = 0.3 * unit.length, 0.5 * unit.speed
+    rate = RATE_ERROR / unit.time
+    return [
+        Pointwise("step-length", "guard", step, f.at_least(f.foot_forward, 0.0)),
+        Pointwise("impulse", "guard", push, f.at_least(f.normal_impulse, 0.0)),
+        Pointwise("impulse-forward", "guard", cone * push, f.impulse_cone_forward(cone)),
+        Pointwise("impulse-backward", "guard", cone * push, f.impulse_cone_backward(cone)),
+        Pointwise("old-foot-leaves", "guard", 0.4 * speed, f.at_least(f.old_foot_lift, 0.0)),
+        Pointwise("foot-lands", "guard", speed, f.at_most(f.foot_vertical_velocity, 0.0)),
+        Equality("output-match", "guard", 0.02, f.output_mismatch, OUTPUT_ERROR),
+        Equality("rate-match", "guard", 20.0 * rate, f.rate_mismatch, rate),
+    ]

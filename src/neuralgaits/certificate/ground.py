@@ -1,0 +1,45 @@
+"""What a spec's conditions say of the floor: on how little friction no foot slips.
+
+A condition g = mu F_z -+ F_x >= 0 that holds for one mu holds for every larger one, since F_z is
+not negative where both sides of it hold. So a proof with the least coefficient is one for all above
+it. Needs no JAX.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from neuralgaits.certificate.levels.walking_set.theorem import cover_the_tube
+
+FORCES = "friction_forward", "friction_backward"
+IMPULSES = "impulse_cone_forward", "impulse_cone_backward"
+"""Quantities by name, as `barriers.description` has them."""
+GUARD = (1.0, 0.0), (1.0, 1.0)
+
+
+def friction_needed(described: Mapping[str, Any]) -> float:
+    """The least coefficient of friction on which no foot slips where the conditions hold.
+
+    Args:
+        described: a spec, of `GaitSpec.describe`.
+
+    Returns: infinity unless forces have a condition on either side on all of the tube, and impulses
+        on all of the guard.
+    """
+    found: dict[str, float] = {}
+    for row in described["conditions"]:
+        quantity = row.get("quantity")
+        if row.get("kind") != "Pointwise" or not isinstance(quantity, Mapping):
+            continue
+        name = str(quantity.get("function"))
+        boxes = described["regions"][row["region"]]
+        on_the_tube = name in FORCES and cover_the_tube(_corners(boxes))
+        if on_the_tube or (name in IMPULSES and GUARD in _corners(boxes)):
+            found[name] = min(quantity["coefficient"], found.get(name, math.inf))
+    return max(found.values()) if set(found) == {*FORCES, *IMPULSES} else math.inf
+
+
+def _corners(boxes: Iterable[Any]) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
+    """Of boxes as a spec has them, or as its description in a file."""
+    pairs = ((b["low"], b["high"]) if isinstance(b, Mapping) else b for b in boxes)
+    return [(tuple(low), tuple(high)) for low, high in pairs]

@@ -1,0 +1,61 @@
+"""The verbs that make runs of gaits that are not trained, and what they show."""
+
+from typing import Any
+
+from rich.text import Text
+
+from neuralgaits.cli.arguments import ImportGait, Optimise
+from neuralgaits.cli.outcome import Outcome
+from neuralgaits.cli.tables import number, show_facts, show_sentence, show_table
+from neuralgaits.records.trained import Trained
+from neuralgaits.runs.commands import command, named
+
+
+def carry_out_optimise(verb: Optimise) -> Outcome:
+    """Run `optimise`."""
+    from neuralgaits.cli.progress import waiting
+    from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.optimise import optimise
+
+    robot = load_robot(verb.robot)
+    with waiting("looking for a gait", quiet=verb.output.json):
+        run = optimise(robot, verb.speed, degree=verb.degree, out=verb.out)
+    return Outcome(run.summary, True, show_given)
+
+
+def carry_out_import(verb: ImportGait) -> Outcome:
+    """Run `import-gait`."""
+    from neuralgaits.cli.progress import waiting
+    from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.import_gait import import_gait
+
+    robot = load_robot(verb.robot)
+    with waiting("looking for its orbit", quiet=verb.output.json):
+        run = import_gait(verb.file, robot, name=verb.name, out=verb.out)
+    return Outcome(run.summary, True, show_given)
+
+
+def show_given(result: Trained) -> None:
+    """The orbit, whether the limits hold in the tube around it, and what to do next."""
+    broken = result.broken
+    if broken:
+        count = Text(f"{len(broken)} of {len(result.conditions)} conditions fail", "yellow")
+        show_sentence(count, " somewhere in the tube around the orbit")
+        rows = [(name, number(found.max_violation)) for name, found in broken.items()]
+        show_table(("condition", "max violation, in scales"), rows)
+    else:
+        held = f": all {len(result.conditions)} conditions hold on samples of the tube around it"
+        show_sentence(Text("an orbit that attracts", "green"), held)
+    facts: list[tuple[str, Any]] = [
+        ("robot", result.robot),
+        ("spec", result.spec),
+        ("speed", f"{number(result.speed_m_s)} m/s"),
+        ("mechanical cost of transport", result.cost_of_transport),
+        ("Poincaré multiplier", result.multiplier),
+    ]
+    if result.train_s:
+        facts.append(("solving", f"{result.train_s:.1f} s"))
+    run = named(result.run)
+    facts += [("time", f"{result.wall_s:.0f} s"), ("run", result.run)]
+    facts += [("next", command("certify", run)), ("", command("simulate", run))]
+    show_facts(facts)

@@ -1,0 +1,178 @@
+"""Input-output linearisation, and a quadratic program in place of clipping its torques.
+
+Where motors or the floor cannot give what linearisation asks, the program looks for the nearest
+torques that they can, and with which a control Lyapunov function falls. It is the one of the
+full-order theorem, docs/full_order.md: V = |xi|^2 with xi = (dy/w, 2 (y + dy/w)), whose square root
+falls at 3w/4 or faster under linearised outputs, so rapidly exponentially stabilising with
+epsilon = 1/w. Sources: Ames, Galloway, Sreenath, Grizzle (2014), section IV; torque limits and
+friction as in Galloway, Sreenath, Ames, Grizzle (2015).
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
+from neuralgaits.control.fblin import Fblin
+from neuralgaits.control.interior_point import Program, minimise
+from neuralgaits.control.law import AbstractLaw, Desired, Limited, Outputs, Reading, errors
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.dynamics import ground_reaction_force
+from neuralgaits.robots.linear import solve
+
+DECAY = 0.75
+"""Rate at which sqrt V falls under linearised outputs, in units of w."""
+SMALLEST_OUTPUT = 1e-9
+"""sqrt V below which outputs count as zero [rad]."""
+AT_LIMIT = 1e-6
+"""Share of a torque limit within which a torque is at it."""
+SLOWER = 1e-3
+"""d sqrt V/dt above what is asked from which a tick counts as relaxed [rad/s]."""
+OUT_OF_CONE = 1e-3
+"""Share of the weight by which forces miss what a floor gives from which a tick counts likewise."""
+
+
+class ClfQp(AbstractLaw):
+    """The torques nearest to those of `Fblin` with which V falls, within limits and friction.
+
+    Minimises, over torques u, delta and sigma,
+
+        |u - u_fblin|^2/2 + price delta^2/2 + contact_price sigma^2/2
+
+    with |u| <= limits, d sqrt V/dt <= -3w/4 sqrt V + delta, normal force >= (least_normal - sigma)
+    weights and |tangential| <= friction normal + sigma weights, forces and rates being those of the
+    model's pinned foot, which are affine in u. There always is a solution; delta and sigma say what
+    was given up for it.
+
+    Attributes:
+        bandwidth: w, as in `Fblin` [rad/s].
+        price: of a slower decrease [(N m)^2 / (rad/s)^2].
+        contact_price: of forces that no floor gives [(N m)^2 / weight^2].
+        least_normal: force on the stance foot [weights].
+        hold_ticks: control ticks between two questions to the policy.
+    """
+
+    bandwidth: float = eqx.field(default=30.0, static=True)
+    price: float = eqx.field(default=10.0, static=True)
+    contact_price: float = eqx.field(default=1e6, static=True)
+    least_normal: float = eqx.field(default=0.1, static=True)
+    hold_ticks: int = eqx.field(default=1, static=True)
+
+    @property
+    def linearising(self) -> Fblin:
+        """The law whose torques are sought."""
+        return Fblin(bandwidth=self.bandwidth, hold_ticks=self.hold_ticks)
+
+    def told(self, z: ZeroState) -> ZeroState:
+        """All of z. Returns: [2]."""
+        return z
+
+    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+        """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
+        return self.linearising.desired(robot, outputs, reading)
+
+    def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
+        """Linearising torques. Returns: [m] (N m)."""
+        return self.linearising.torque(robot, reading, desired)
+
+    def within(
+        self,
+        robot: PlanarBiped,
+        reading: Reading,
+        desired: Desired,
+        torque: Actuated,
+        limit: Actuated,
+    ) -> Limited:
+        """Solve the program. Returns: `Limited`."""
+        m, unit = robot.n - 1, jnp.max(limit)
+        found = minimise(self.program(robot, reading, desired, torque, limit))
+        given_up = found.x[m:] > np.array([SLOWER, OUT_OF_CONE])
+        # A program without a solution in numbers: motors without torque.
+        within = jnp.where(found.converged, unit * found.x[:m], torque)
+        within = jnp.clip(within, -limit, limit)
+        at_limit = jnp.any(jnp.abs(within) >= (1.0 - AT_LIMIT) * limit)
+        return Limited(within, at_limit, given_up | ~found.converged)
+
+    def program(
+        self,
+        robot: PlanarBiped,
+        reading: Reading,
+        desired: Desired,
+        torque: Actuated,
+        limit: Actuated,
+    ) -> Program:
+        """The program of one state. Torques are in units of the largest limit.
+
+        Returns: `Program` of x = (u/unit, delta, sigma).
+        """
+        m, unit = robot.n - 1, jnp.max(limit)
+        free = accelerations(robot, reading)
+        slope, rest = self._decrease(robot, reading, desired, free)
+        still, by_acceleration = ground_force(robot, reading.q, reading.dq)
+        across, normal = unit * (by_acceleration @ free.by_torque)
+        across0, normal0 = still + by_acceleration @ free.without
+        cone, cone0 = robot.friction * normal, robot.friction * normal0
+        rows = jnp.stack([unit * slope, -normal, across - cone, -across - cone])
+        bound = jnp.stack([rest, normal0 - self.least_normal, cone0 - across0, cone0 + across0])
+        given_up = jnp.array([[-1.0, 0.0], *([[0.0, -1.0]] * 3)])
+        box = jnp.eye(m, m + 2)
+        prices = jnp.array([self.price, self.contact_price]) / unit**2
+        return Program(
+            weight=jnp.concatenate([jnp.ones(m), prices]),
+            cost=jnp.concatenate([-torque / unit, jnp.zeros(2)]),
+            rows=jnp.concatenate([box, -box, jnp.concatenate([rows, given_up], axis=1)]),
+            bound=jnp.concatenate([limit / unit, limit / unit, bound]),
+        )
+
+    def _decrease(
+        self, robot: PlanarBiped, reading: Reading, desired: Desired, free: "Accelerations"
+    ) -> tuple[Actuated, Scalar]:
+        """The row of V: slope @ u <= rest says that sqrt V falls fast enough."""
+        w = self.bandwidth
+        y, dy = errors(reading, desired)
+        one, two = dy / w, 2.0 * (y + dy / w)
+        size = jnp.sqrt(one @ one + two @ two)
+        divisor = jnp.maximum(size, SMALLEST_OUTPUT)
+        lead = (one + 2.0 * two) / (w * divisor)
+        gradient = robot.hip_gradient
+        along = desired.slope
+        by_torque = free.by_torque[1:] - along[:, None] * (gradient @ free.by_torque)[None, :]
+        without = free.without[1:] - along * (gradient @ free.without) - desired.drift
+        rest = -DECAY * w * size - lead @ without - 2.0 * two @ dy / divisor
+        return lead @ by_torque, rest
+
+
+class Accelerations(NamedTuple):
+    """Of the coordinates, affine in the torques."""
+
+    without: Coordinates
+    """Without torques [rad/s^2]. [n]"""
+    by_torque: Float[Array, "n m"]
+    """By each torque [rad/s^2 / N m]. [n, m]"""
+
+
+def accelerations(robot: PlanarBiped, reading: Reading) -> Accelerations:
+    """Accelerations of the robot pinned at its stance foot."""
+    mass, bias = robot.mass_matrix(reading.q), robot.bias(reading.q, reading.dq)
+    columns = jnp.concatenate([-bias[None], jnp.eye(robot.n)[1:]])
+    found = jax.vmap(lambda column: solve(mass, column))(columns)
+    return Accelerations(found[0], found[1:].T)
+
+
+def ground_force(
+    robot: PlanarBiped, q: Coordinates, dq: Coordinates
+) -> tuple[Planar, Float[Array, "2 n"]]:
+    """Force of the floor on the stance foot, affine in the accelerations.
+
+    Returns: without any (weights) [2], and by each (weights s^2/rad) [2, n]; (tangential, normal).
+    """
+    weight = robot.mass * robot.gravity
+
+    def force(ddq: Coordinates) -> Planar:
+        return ground_reaction_force(robot, q, dq, ddq) / weight
+
+    still, push = jax.linearize(force, jnp.zeros(robot.n))
+    return still, jnp.stack([push(unit) for unit in jnp.eye(robot.n)], axis=1)

@@ -1,0 +1,72 @@
+/* See estimator.h. Source of the mathematics: neuralgaits.control.estimator, repeated here. */
+#include "estimator.h"
+
+void ng_estimator_start(ng_estimator *estimator)
+{
+    const ng_estimator fresh = {0};
+    *estimator = fresh;
+}
+
+/* Momentum about the foot that stands now, one period later. */
+static ng_real momentum(const ng_measurement *last, int leg)
+{
+    ng_real q[NG_COORDINATES], dq[NG_COORDINATES], z[2], dz[2], ddz2[1];
+    ng_coordinates(last->pitch, last->angles, leg, q);
+    ng_coordinates(last->dpitch, last->rates, leg, dq);
+    ng_zero_state(dq, last->hip_velocity, q, ddz2, dz, z);
+    return z[1] + NG_PERIOD * dz[1];
+}
+
+/* Follow the joint angles. */
+static void follow_joints(ng_estimator *estimator, const ng_real gains[3],
+                          const ng_measurement *reading)
+{
+    ng_measurement *now = &estimator->estimate;
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            const ng_real pull = estimator->accelerations[leg][i], rate = now->rates[leg][i];
+            const ng_real angle = now->angles[leg][i] +
+                                  NG_PERIOD * (rate + NG(0.5) * NG_PERIOD * pull);
+            const ng_real error = reading->angles[leg][i] - angle;
+            now->angles[leg][i] = angle + gains[0] * error;
+            now->rates[leg][i] = rate + NG_PERIOD * pull + gains[1] * error;
+            estimator->accelerations[leg][i] = pull + gains[2] * error;
+        }
+    }
+}
+
+/* Rates of all links from the momentum, and with them the hip's velocity. */
+static void stand(ng_measurement *now, int leg, ng_real z2, ng_real extra)
+{
+    ng_real q[NG_COORDINATES], rates[NG_COORDINATES], dq[NG_COORDINATES];
+    const ng_measurement *seen = now;
+    ng_coordinates(seen->pitch, seen->angles, leg, q);
+    ng_coordinates(NG(0.0), seen->rates, leg, rates);
+    ng_pinned(rates + 1, &extra, q, &z2, dq, now->hip_velocity);
+    now->dpitch = dq[0];
+    for (int i = 1; i < NG_COORDINATES; ++i) {
+        now->dpitch += ng_pitch_row[leg][i] * dq[i];
+    }
+}
+
+void ng_estimate(ng_estimator *estimator, const ng_state *state, ng_measurement *reading)
+{
+    ng_measurement *now = &estimator->estimate;
+    if (!estimator->started) {
+        estimator->started = 1;
+        *now = *reading;
+        return;
+    }
+    const int quick = state->since_touchdown < NG_QUICK;
+    const ng_real z2 = momentum(now, state->leg);
+    const ng_real pitch = now->pitch + NG_PERIOD * now->dpitch;
+    const ng_real missed = reading->pitch - pitch;
+    follow_joints(estimator, ng_joint_gain[quick], reading);
+    now->pitch = pitch + ng_pitch_gain[0] * missed;
+    stand(now, state->leg, z2, ng_pitch_gain[1] * missed);
+    now->time_us = reading->time_us;
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        now->normal_force[leg] = reading->normal_force[leg];
+    }
+    *reading = *now;
+}

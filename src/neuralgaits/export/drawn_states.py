@@ -1,0 +1,123 @@
+"""Random commands, steps and states of a gait that C and Python are compared on."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._types import Array, Float
+from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.export.facts import Design
+from neuralgaits.gait import AbstractPolicy, ZeroDynamics
+from neuralgaits.gait.commands import Command, Limits, Pair, coordinates_of
+from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.robots import PlanarBiped
+
+_AT_ONCE = 2048
+"""Cases that are computed together: another number would be compiled again."""
+
+
+def steps_of(
+    design: Design, count: int, seed: int
+) -> tuple[Float[np.ndarray, "N 2 p"], Float[np.ndarray, "N s"]]:
+    """Commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
+    pair, _ = drawn_commands(design, min(count, _AT_ONCE), np.random.default_rng([seed, 1]))
+    commands, numbers = np.stack(pair, axis=1), _numbers(design, pair)
+    return (
+        np.resize(commands, (count, *commands.shape[1:])),
+        np.resize(numbers, (count, *numbers.shape[1:])),
+    )
+
+
+def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.ndarray, "N s"]:
+    """Numbers of steps whose command has been the same for long. Returns: [N, s]."""
+    return _numbers(design, Pair(command, command))
+
+
+def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
+    policy, residual = design.gait.policy, design.controller.reset_residual
+    count = len(pair.before)
+    rows = max(count, _AT_ONCE)
+    whole = Pair(*(np.resize(side, (rows, *side.shape[1:])) for side in pair))
+    return np.asarray(_of_steps(policy, design.robot, residual, whole))[:count]
+
+
+@quick_filter_jit
+def _of_steps(
+    policy: AbstractPolicy,
+    robot: PlanarBiped,
+    residual: AbstractResetResidual | None,
+    pairs: Pair,
+) -> Float[Array, "N s"]:
+    """Numbers of many steps: of one number of them, so that it is compiled once."""
+    return jax.vmap(lambda told: policy.step_numbers(robot, told, residual))(pairs)
+
+
+def drawn_commands(
+    design: Design, count: int, rng: np.random.Generator
+) -> tuple[Pair, dict[str, np.ndarray]]:
+    """Admissible pairs; wishes, and what is told before the tick: outside and NaN among them."""
+    limits = Limits.of(design.commands)
+    shape, width = (count, len(design.commands)), limits.high - limits.low
+    before = rng.uniform(limits.low, limits.high, shape)
+    after = before + rng.uniform(-1.0, 1.0, shape) * limits.change
+    after = np.clip(after, limits.low, limits.high)
+    given = rng.uniform(limits.low - 0.2 * width, limits.high + 0.2 * width, shape)
+    given = np.where(rng.uniform(size=shape) < 0.2, np.nan, given)
+    wanted = rng.uniform(limits.low, limits.high, shape)
+    return Pair(single(before), single(after)), {
+        "given": single(given),
+        "wanted": single(wanted),
+    }
+
+
+def lifted(
+    design: Design,
+    chart: Float[np.ndarray, "N 2"],
+    eta: Float[np.ndarray, "N two_m"],
+    pair: Pair,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Full states, desired outputs, their slopes in z1, and numbers of the step.
+
+    Returns: [N, 2n], [N, m], [N, m], [N, s].
+    """
+    robot, residual = design.robot, design.controller.reset_residual
+    given, parts = (chart, eta, *pair), []
+    for start in range(0, len(chart), _AT_ONCE):
+        some = [np.asarray(side[start : start + _AT_ONCE]) for side in given]
+        chosen = [np.resize(side, (_AT_ONCE, *side.shape[1:])) for side in some]
+        found = _lift(design.gait, design.commands, robot, residual, chosen)
+        parts.append([np.asarray(part)[: len(some[0])] for part in found])
+    return tuple(np.concatenate(part) for part in zip(*parts, strict=True))  # type: ignore[return-value]
+
+
+@quick_filter_jit
+def _lift(
+    gait: AnyGait,
+    commands: tuple[Command, ...],
+    robot: PlanarBiped,
+    residual: AbstractResetResidual | None,
+    cases: list[np.ndarray],
+) -> tuple[Array, Array, Array, Array]:
+    """Of one number of cases, so that it is compiled once.
+
+    Of a family every case has a policy of its own: a few at a time, for the memory they take.
+    """
+
+    def lift(u, error, before, after):
+        told = Pair(before, after)
+        here = gait.at(robot, coordinates_of(commands, told), residual, exact=True)
+        low, high = here.tube.fences(u[0])
+        start, guard = here.span
+        zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
+        z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
+        y, slope = jax.jvp(here.policy, (z,), (jnp.array([1.0, 0.0]),))
+        numbers = gait.policy.step_numbers(robot, told, residual)
+        return ZeroDynamics(robot, here.policy).phi_inv(z, error), y, slope, numbers
+
+    return jax.vmap(lift)(*cases)
+
+
+def single(values: np.ndarray) -> np.ndarray:
+    """The nearest numbers of single precision, as doubles."""
+    return np.asarray(values, dtype=np.float64).astype(np.float32).astype(np.float64)

@@ -1,0 +1,1 @@
+"""Gaits that are given, not trained: Bezier outputs of a published or an optimised orbit."""

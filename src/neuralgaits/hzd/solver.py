@@ -1,0 +1,117 @@
+"""IPOPT on the optimisation of a gait, from a rough posture."""
+
+import time
+from importlib.util import find_spec
+from math import comb
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.barriers import specs
+from neuralgaits.barriers.walking import pendulum_height
+from neuralgaits.errors import ConvergenceError, InputError
+from neuralgaits.gait.posture import posture_path, walking_posture
+from neuralgaits.hzd.collocation import nodes
+from neuralgaits.hzd.gait_file import GivenGait
+from neuralgaits.hzd.problem import LEAST_ZETA, Problem, problem
+from neuralgaits.hzd.transcription import transcribe
+from neuralgaits.robots import PlanarBiped
+
+DEGREE = 5
+"""Of the polynomials."""
+NODES = 24
+"""Degree of the collocation: zeta of such gaits is met to 1e-8."""
+SMOOTHING_W = (5.0, 0.3)
+"""Powers below which |power| is rounded off [W], for one solution after the other."""
+SPEC = "walking"
+"""Whose conditions the gait is to hold along its orbit."""
+ITERATIONS = 500
+OPTIONS = {
+    "print_time": False,
+    "ipopt": {
+        "print_level": 0,
+        "sb": "yes",
+        "max_iter": ITERATIONS,
+        "tol": 1e-6,
+        # Half the iterations of the monotone strategy, at the slowest of ten speeds.
+        "mu_strategy": "adaptive",
+    },
+}
+GRID = 33
+"""Hip positions at which inverse kinematics gives a posture to start from."""
+
+
+class Found(NamedTuple):
+    """A gait that was optimised."""
+
+    gait: GivenGait
+    iterations: int
+    """Of IPOPT."""
+    solve_s: float
+    """Time of its calls."""
+
+
+class Optimiser:
+    """Optimises gaits of one robot, for one speed after another.
+
+    Raises: InputError without CasADi, or for a robot that the spec does not treat.
+    """
+
+    def __init__(self, robot: PlanarBiped, degree: int = DEGREE):
+        """Write the program and make its derivatives."""
+        if find_spec("casadi") is None:
+            raise InputError(
+                "optimise needs CasADi, which is not installed: pip install 'neuralgaits[hzd]'"
+            )
+        import casadi  # pyright: ignore[reportMissingImports]
+
+        self._robot, self._degree, self._mesh = robot, degree, nodes(NODES)
+        step = transcribe(casadi, robot, specs.load(SPEC, robot), degree)
+        self._unit = step.unit
+        self._problem: Problem = problem(casadi, robot, step, self._mesh, degree)
+        self._solver: Any = casadi.nlpsol("gait", "ipopt", self._problem.symbols, OPTIONS)
+
+    def at(self, speed: float) -> Found:
+        """The gait of least cost of transport at a mean speed (m/s).
+
+        Raises: ConvergenceError if IPOPT ends without one.
+        """
+        began, x, count = time.perf_counter(), self._start(speed), 0
+        low, high = self._problem.x_bounds
+        least, most = self._problem.g_bounds
+        for smoothing in SMOOTHING_W:
+            found = self._solver(x0=x, p=[speed, smoothing], lbx=low, ubx=high, lbg=least, ubg=most)
+            ended, x = self._solver.stats(), np.array(found["x"]).ravel()
+            count += ended["iter_count"]
+            if not ended["success"]:
+                raise ConvergenceError(
+                    f"expected a gait of {self._robot.name} at {speed:g} m/s, found that IPOPT "
+                    f"ended with {ended['return_status']} after {count} iterations: ask for "
+                    "another speed, or for polynomials of another --degree"
+                )
+        rows = (self._robot.n - 1) * (self._degree + 1)
+        start, end = x[rows : rows + 2].tolist()
+        gait = GivenGait(x[:rows].reshape(-1, self._degree + 1), (start, end))
+        return Found(gait, count, time.perf_counter() - began)
+
+    def _start(self, speed: float) -> Float[np.ndarray, " n"]:
+        """A rough step by inverse kinematics, as fast as a linear inverted pendulum is there."""
+        robot, guard = self._robot, walking_posture(self._robot).z_guard
+        phases = np.linspace(0.0, 1.0, GRID)
+        path = posture_path(robot, guard * (2.0 * phases - 1.0))
+        powers = range(self._degree + 1)
+        basis = np.stack(
+            [
+                comb(self._degree, i) * phases**i * (1.0 - phases) ** (self._degree - i)
+                for i in powers
+            ],
+            axis=1,
+        )
+        rows = np.linalg.lstsq(basis, path, rcond=None)[0].T
+        z1 = guard * (2.0 * self._mesh.phases - 1.0)
+        # Its mean square over the step is that of the speed.
+        fall = float(robot.gravity) / pendulum_height(robot)
+        zeta = speed**2 + fall * (z1**2 - guard**2 / 3.0)
+        zeta = np.maximum(zeta, 5.0 * LEAST_ZETA)
+        return np.concatenate([rows.ravel(), [-guard, guard], zeta])

@@ -1,0 +1,112 @@
+"""One step of a gait as functions of CasADi: the formulas are the package's own, traced.
+
+Two Programs are evaluated on symbols, one of a state along the step and one of the state at its
+end. Both read every quantity and every condition where training and proofs read them, so what is
+optimised over has one definition.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits.barriers import Barrier, Gait, GaitSpec, Pointwise
+from neuralgaits.barriers import functions as f
+from neuralgaits.barriers.hzd import empty_tube
+from neuralgaits.gait import BezierPolicy, ZeroDynamics
+from neuralgaits.programs import Program, evaluate
+from neuralgaits.programs.algebras.symbols import SymbolAlgebra
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.robots import PlanarBiped
+
+
+class Step(NamedTuple):
+    """Functions of (coefficients, ends, phase, zeta) to columns, by name.
+
+    Attributes:
+        along: rates per phase, power and the margins of conditions, in scales.
+        end: what the impact makes of the state, and the margins asked at the guard.
+        asked: names of conditions by the first and last phase that they are asked at.
+        unit: of zeta [(kg m^2/s)^2].
+    """
+
+    along: "Named"
+    end: "Named"
+    asked: Mapping[str, tuple[float, float]]
+    unit: float
+
+
+class Named(NamedTuple):
+    """A function of CasADi whose results have names."""
+
+    function: Any
+    names: tuple[str, ...]
+
+    def __call__(self, *arguments: Any) -> dict[str, Any]:
+        """Its results by name."""
+        return dict(zip(self.names, self.function(*arguments), strict=True))
+
+
+def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> Step:
+    """Trace the robot's step and make it functions of symbols.
+
+    Args:
+        casadi: the module.
+        robot: the biped.
+        spec: whose pointwise conditions and barriers are asked along the orbit.
+        degree: of the polynomials.
+    """
+    shapes = {"rows": (robot.n - 1, degree + 1), "ends": (2,), "phase": (), "zeta": ()}
+    bare = BezierPolicy(np.zeros(shapes["rows"]), (0.0, 1.0))
+    tube = empty_tube(robot, (0.0, 1.0))
+    unit = float(tube.unit)
+    kept = [c for c in spec.conditions if isinstance(c, Pointwise | Barrier)]
+    asked, at_guard = {}, []
+    for condition in kept:
+        boxes = spec.regions[condition.region]
+        first, last = min(box.low[0] for box in boxes), max(box.high[0] for box in boxes)
+        if first == last == 1.0:
+            at_guard.append(condition)
+        else:
+            asked[condition.name] = (first, last)
+
+    def point_of(rows, ends, phase, zeta):
+        # The checks of its constructor are for numbers.
+        policy = eqx.tree_at(lambda p: (p.coefficients, p.start_and_guard), bare, (rows, ends))
+        z1 = ends[0] + phase * (ends[1] - ends[0])
+        zd = ZeroDynamics(robot, policy)
+        return zd, Gait(policy, tube), zd.point(jnp.stack([z1, jnp.sqrt(2.0 * unit * zeta)]))
+
+    def along(rows, ends, phase, zeta):
+        zd, gait, point = point_of(rows, ends, phase, zeta)
+        length = ends[1] - ends[0]
+        margins = {c.name: c.margins(gait, zd, point) / c.scale for c in kept if c.name in asked}
+        return margins | {
+            "slope": point.z[1] * point.dz[1] * length / (point.dz[0] * unit),
+            "pace": length / point.dz[0],
+            "power": point.torque * point.dq[1:],
+        }
+
+    def end(rows, ends, phase, zeta):
+        zd, gait, point = point_of(rows, ends, phase, zeta)
+        margins = {c.name: c.margins(gait, zd, point) / c.scale for c in at_guard}
+        return margins | {
+            "foot": point.foot,
+            "z1": point.z_after[0],
+            "zeta": 0.5 * point.z_after[1] ** 2 / unit,
+            "outputs": f.output_mismatch(point),
+            "rates": f.rate_mismatch(point),
+        }
+
+    first, last = (_function(casadi, trace(part, shapes), shapes) for part in (along, end))
+    return Step(first, last, asked, unit)
+
+
+def _function(casadi: Any, program: Program, shapes: Mapping[str, tuple[int, ...]]) -> Named:
+    symbols = {name: casadi.SX.sym(name, int(np.prod(shape))) for name, shape in shapes.items()}
+    found = evaluate(program, symbols, SymbolAlgebra(casadi))
+    ordered = [symbols[name] for name in ("rows", "ends", "phase", "zeta")]
+    dense = [casadi.densify(value) for value in found.values()]
+    return Named(casadi.Function("step", ordered, dense), tuple(found))

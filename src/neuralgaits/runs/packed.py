@@ -1,0 +1,45 @@
+"""Files that may lie packed: NAME.gz in place of NAME, with the same content."""
+
+import gzip
+import zlib
+from pathlib import Path
+
+LARGEST_BYTES = 2**30
+"""A packed file may claim to hold any amount; no proof of ours comes near this one."""
+_SUFFIX = ".gz"
+
+
+def packed(path: Path) -> Path:
+    """Where a file lies if it is packed."""
+    return path if path.suffix == _SUFFIX else path.with_name(path.name + _SUFFIX)
+
+
+def place(path: Path) -> Path:
+    """Where a file lies: under its name, or packed if it is there packed alone."""
+    return packed(path) if not path.is_file() and packed(path).is_file() else path
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is such a file, packed or not."""
+    return place(path).is_file()
+
+
+def content(path: Path) -> bytes:
+    """What a file holds, packed or not. Raises: OSError if there is none, or if it is damaged."""
+    lies = place(path)
+    if lies.suffix != _SUFFIX:
+        return lies.read_bytes()
+    try:
+        with gzip.open(lies) as file:
+            found = file.read(LARGEST_BYTES + 1)
+    except (EOFError, zlib.error) as error:
+        raise OSError(f"{lies.name} is damaged: {error}") from None
+    if len(found) > LARGEST_BYTES:
+        raise OSError(f"{lies.name} holds more than {LARGEST_BYTES} bytes")
+    return found
+
+
+def remove(path: Path) -> None:
+    """Remove a file, packed or not, if it is there."""
+    for one in (path, packed(path)):
+        one.unlink(missing_ok=True)

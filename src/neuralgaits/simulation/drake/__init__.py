@@ -1,0 +1,13 @@
+"""Drake in MuJoCo's place: its multibody dynamics, contact and time stepping. Needs extra `drake`.
+
+A robot file is read once, by MuJoCo; nothing that MuJoCo computes of motion or contact comes along.
+"""
+
+from importlib.util import find_spec
+
+from neuralgaits.errors import InputError
+
+if find_spec("pydrake") is None:
+    raise InputError(
+        "expected Drake for --simulator drake, found none: pip install 'neuralgaits[drake]'"
+    )

@@ -1,0 +1,66 @@
+"""Robots drawn from a box around the one of a file, one for each walk, and their floor."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.errors import InputError
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import RobotFamily, axes_of, checked_box, in_its_file
+from neuralgaits.simulation.setup.disturbance import Disturbance
+
+_STREAM = 0x0B0C5
+"""Of the random numbers of this file."""
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnRobots:
+    """Robots of a box, uniformly drawn; which one a walk gets depends on its number alone.
+
+    Attributes:
+        robot: in the middle of the box.
+        box: half widths by kind, see `robots.parameters`.
+        seed: of the draws.
+    """
+
+    robot: PlanarBiped
+    box: Mapping[str, float]
+    seed: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the errors."""
+        return tuple(axis.name for axis in axes_of(self.robot, self.box))
+
+    def errors(self, first: int, count: int) -> Float[np.ndarray, "B k"]:
+        """Errors of the robots of walks number `first` to `first + count - 1`."""
+        halves = np.array([axis.half for axis in axes_of(self.robot, self.box)])
+        rows = [
+            np.random.default_rng((_STREAM, self.seed, number)).uniform(-1.0, 1.0, len(halves))
+            for number in range(first, first + count)
+        ]
+        return halves * np.array(rows).reshape(count, len(halves))
+
+    def of(self, first: int, count: int) -> list[PlanarBiped]:
+        """Those robots. Raises: InputError if the box holds what is none."""
+        if not self.names:
+            return [self.robot] * count
+        family = RobotFamily.of(self.robot, tuple(checked_box(self.box)))
+        return [in_its_file(family, errors) for errors in self.errors(first, count)]
+
+    def on_its_floor(self, disturbance: Disturbance) -> Disturbance:
+        """A disturbance with the floor of the box: its least friction, footholds up and down.
+
+        Raises: InputError if both say something of the floor.
+        """
+        named = {"floor": "floor_height", "friction": "friction"}
+        found = {named[kind]: self.box[kind] for kind in named if kind in self.box}
+        default = Disturbance()
+        for kind in named.values():
+            if kind in found and getattr(disturbance, kind) != getattr(default, kind):
+                raise InputError(
+                    f"expected {kind} of --disturb or of --parameters, found both: leave one out"
+                )
+        return replace(disturbance, **found)

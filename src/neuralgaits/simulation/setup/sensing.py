@@ -1,0 +1,85 @@
+"""What a controller is told of the plant: `--sensing perfect|encoders,NAME=VALUE,...`."""
+
+import math
+from dataclasses import replace
+
+from neuralgaits.errors import InputError
+from neuralgaits.simulation.setup.disturbance import Disturbance
+
+PERFECT, ENCODERS = "perfect", "encoders"
+BITS = 14
+"""Of a joint encoder, steps of a turn: a usual absolute encoder of a robot's joint."""
+PITCH_NOISE = 1e-3
+"""Of an inertial unit's pitch, standard deviation [rad]."""
+DELAY_MS = 2.0
+"""From reading to torque [ms]."""
+_MOST_BITS = 32
+_NAMES = ("bits", "pitch_noise", "pitch_offset", "delay_ms")
+"""What may be set."""
+
+
+def sensed(disturbance: Disturbance, sensing: str | None) -> Disturbance:
+    """A plant with the sensors that are asked for; None leaves it as it is.
+
+    What is disturbed and not named by `sensing` keeps its disturbance: a longer delay, say.
+
+    Raises: InputError in one line for what cannot be meant.
+    """
+    if sensing is None:
+        return disturbance
+    kind, *settings = (part.strip() for part in sensing.split(","))
+    if kind not in (PERFECT, ENCODERS):
+        raise InputError(f"sensing: expected {PERFECT} or {ENCODERS}, found {kind!r}")
+    if kind == PERFECT:
+        if settings:
+            raise InputError(
+                f"sensing: expected {PERFECT} alone, found {settings[0]!r}: leave it out, or ask "
+                f"for {ENCODERS}"
+            )
+        return replace(disturbance, estimator=0.0)
+    given = _read(settings)
+    wanted = {"bits": BITS, "pitch_noise": PITCH_NOISE, "delay_ms": DELAY_MS} | given
+    usual, values = Disturbance(), {"estimator": 1.0}
+    for name, value in wanted.items():
+        field = "encoder_step" if name == "bits" else name
+        if getattr(disturbance, field) == getattr(usual, field):
+            values[field] = _step(value) if name == "bits" else value
+        elif name in given:
+            raise InputError(
+                f"sensing {name}: expected it once, found disturbance {field} beside it: leave "
+                "one of them out"
+            )
+    return replace(disturbance, **values)
+
+
+def name_of(disturbance: Disturbance) -> str:
+    """What a controller is told there, in a word."""
+    return ENCODERS if disturbance.estimator else PERFECT
+
+
+def _read(settings: list[str]) -> dict[str, float]:
+    values: dict[str, float] = {}
+    for setting in filter(None, settings):
+        name, equals, text = (part.strip() for part in setting.partition("="))
+        if not equals:
+            raise InputError(f"sensing: expected NAME=VALUE after {ENCODERS}, found {setting!r}")
+        if name not in _NAMES:
+            raise InputError(
+                f"unknown sensing {name!r}: expected one of {', '.join(_NAMES)} after {ENCODERS}"
+            )
+        if name in values:
+            raise InputError(f"sensing {name} is given twice: give it once")
+        try:
+            values[name] = float(text)
+        except ValueError:
+            raise InputError(f"sensing {name}: expected a number, found {text!r}") from None
+    return values
+
+
+def _step(bits: float) -> float:
+    """Resolution of an encoder [rad]."""
+    if not (1 <= bits <= _MOST_BITS and bits == int(bits)):
+        raise InputError(
+            f"sensing bits: expected a whole number from 1 to {_MOST_BITS}, found {bits:g}"
+        )
+    return math.tau / 2 ** int(bits)

@@ -1,0 +1,42 @@
+"""What steps the plants: MuJoCo, or Drake in its place."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.errors import InputError
+from neuralgaits.simulation.setup.plant import Plant
+from neuralgaits.simulation.ticks.world import MujocoWorld, World
+
+Simulator = Literal["mujoco", "drake"]
+MUJOCO: Simulator = "mujoco"
+DRAKE: Simulator = "drake"
+
+
+def check_simulator(simulator: str) -> None:
+    """Refuse a simulator that is not known, or not there. Raises: InputError."""
+    if simulator not in (MUJOCO, DRAKE):
+        raise InputError(f"simulator: expected mujoco or drake, found {simulator!r}")
+    if simulator == DRAKE:
+        import neuralgaits.simulation.drake  # noqa: F401
+
+
+def world_of(
+    simulator: Simulator, plants: Sequence[Plant], states: Float[np.ndarray, "B s"], threads: int
+) -> World:
+    """Plants at their starts.
+
+    Args:
+        simulator: that steps them.
+        plants: one for all episodes, or one each.
+        states: to start from (time, qpos, qvel).
+        threads: of MuJoCo; Drake has one.
+    """
+    if simulator == DRAKE:
+        from neuralgaits.simulation.drake.world import DrakeWorld
+
+        return DrakeWorld(plants, states)
+    models = None if len(plants) == 1 else [own.model for own in plants]
+    return MujocoWorld(plants[0], states, threads, models)

@@ -1,0 +1,47 @@
+"""Files that a sweep keeps of what it was given: robots, and specs that stand in files."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from neuralgaits.barriers import specs as known_specs
+from neuralgaits.barriers.commanded import commands_of
+from neuralgaits.robots import load_robot
+from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.sweeps.grid import refuse_same, speed_of
+
+
+def inputs_of(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, bytes]:
+    """Copies of robots, and of specs that stand in files, all of which can be read.
+
+    Raises: InputError, RobotError or SpecError.
+    """
+    refuse_same("robots", names)
+    refuse_same("specs", settings["specs"])
+    inputs = {}
+    for spec in settings["specs"]:
+        if spec not in known_specs.DESCRIPTIONS and not known_specs.source_path(spec).is_file():
+            # Says what is wrong with the name.
+            known_specs.load(spec, load_robot(names[0]))
+    for number, name in enumerate(names):
+        inputs[robot_file(number)] = robot_text(name)[0].encode()
+        robot = load_robot(name)
+        for spec in settings["specs"]:
+            for speed in settings["speeds"]:
+                told = speed_of(speed)
+                spread = told if isinstance(told, tuple) else None
+                one = None if isinstance(told, tuple) else told
+                known_specs.load(spec, robot, commands_of(speed=spread), one)
+    for number, spec in enumerate(settings["specs"]):
+        if spec not in known_specs.DESCRIPTIONS:
+            inputs[spec_file(number)] = known_specs.source_path(spec).read_bytes()
+    return inputs
+
+
+def robot_file(number: int) -> str:
+    """Name of the copy of a robot."""
+    return f"robot-{number}.xml"
+
+
+def spec_file(number: int) -> str:
+    """Name of the copy of a spec."""
+    return f"spec-{number}.py"

@@ -1,0 +1,120 @@
+"""The run folder of a gait that was not trained, whole as soon as there is one."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.barriers import Box, Gait, GaitSpec, specs
+from neuralgaits.certificate.provable import after_impact, trace_spec
+from neuralgaits.errors import InputError
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.hzd.gait_file import GivenGait, write_gait
+from neuralgaits.hzd.steady import Steady, steady
+from neuralgaits.hzd.tube import fit_tube
+from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.records.asked import Asked, Given
+from neuralgaits.records.trained import Trained, Violations
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs import RunFolder, finish
+from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS
+from neuralgaits.workflows.train import violations
+
+SAMPLES = 2000
+"""In each box of a region, on which the conditions are measured."""
+
+
+def given_run(
+    robot: PlanarBiped,
+    gait: GivenGait,
+    given: Given,
+    *,
+    solve_s: float = 0.0,
+    began: float,
+    out: str | Path | None,
+    root: Path,
+) -> Run:
+    """Find the orbit of a gait, fit a tube around it, and write a finished run.
+
+    Args:
+        robot: that it walks on.
+        gait: its outputs.
+        given: where they are from.
+        solve_s: time that an optimisation took (s).
+        began: when the command did (s, of `time.perf_counter`).
+        out: the run folder; a new one below `root` if None.
+        root: folder of the runs.
+
+    Raises: InputError where no orbit attracts.
+    """
+    zd = ZeroDynamics(robot, gait.policy)
+    walk = steady(zd)
+    if isinstance(walk, str):
+        raise InputError(
+            f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "
+            "the joints' convention, and whether it is this robot's"
+        )
+    if not 0.0 < walk.multiplier < 1.0:
+        raise InputError(
+            f"expected an orbit that attracts, found a Poincare multiplier of {walk.multiplier:.4g}"
+            ": no tube around it is kept; give a gait that is stable without feedback along z"
+        )
+    spec = specs.load(specs.GIVEN, robot, degree=gait.degree)
+    made = Gait(zd.policy, fit_tube(zd, spec, walk))
+    asked = Asked(
+        robot=robot.name,
+        spec=spec.name,
+        seed=0,
+        init="posture",
+        hidden=None,
+        steps=0,
+        described=spec.describe(),
+        not_provable_because=None,
+        given=given,
+    )
+    copies = {
+        ROBOT: robot.layout.xml,
+        SPEC: specs.source_path(spec.name).read_text(),
+        GAIT: write_gait(robot, gait),
+    }
+    place = None if out is None else Path(out)
+    folder = RunFolder.create(asked, copies, name=robot.name, seed=0, root=root, out=place)
+    folder.write_tree(WEIGHTS, made)
+    run = Run(folder, robot, spec, made)
+    finish(folder, _summary(run, walk, solve_s, began), root)
+    return run
+
+
+def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
+    """What is known of the gait: its orbit, and its conditions on samples of the tube."""
+    program = trace_spec(run.spec, run.robot, run.gait)
+    return Trained(
+        run=str(run.path),
+        robot=run.asked.robot,
+        spec=run.asked.spec,
+        steps=0,
+        loss=None,
+        conditions=_measured(run.spec, program),
+        program_hash=program.hash,
+        after_impact=after_impact(run.robot, run.gait),
+        speed_m_s=walk.speed_m_s,
+        cost_of_transport=walk.cost_of_transport,
+        multiplier=walk.multiplier,
+        train_s=solve_s,
+        wall_s=time.perf_counter() - began,
+    )
+
+
+def _measured(spec: GaitSpec, program: Program) -> dict[str, Violations]:
+    """What random samples of its region say of each condition."""
+    rng, samples = np.random.default_rng(0), {}
+    for name, boxes in spec.regions.items():
+        u = np.concatenate([_in(box, rng) for box in boxes])
+        samples[name] = evaluate(program, {"u": u}, POINT)
+    return {c.name: violations(samples[c.region][c.name], c.scale) for c in spec.conditions}
+
+
+def _in(box: Box, rng: np.random.Generator) -> np.ndarray:
+    low, high = np.array(box.low), np.array(box.high)
+    return low + (high - low) * rng.random((SAMPLES, 2))

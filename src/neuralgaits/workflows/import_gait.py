@@ -1,0 +1,36 @@
+"""Make a run of a gait that was found elsewhere: Bezier outputs, and a tube around their orbit."""
+
+import time
+from pathlib import Path
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.hzd.gait_file import read_gait
+from neuralgaits.records.asked import Given
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs import RUNS_ROOT
+from neuralgaits.workflows.given_run import given_run
+
+
+def import_gait(
+    file: str | Path,
+    robot: PlanarBiped,
+    *,
+    name: str | None = None,
+    out: str | Path | None = None,
+    root: Path = RUNS_ROOT,
+) -> Run:
+    """Make a run of a published gait, which every other verb takes.
+
+    Args:
+        file: of the gait, see `hzd.gait_file`.
+        robot: that it walks on, of `load_robot`.
+        name: of the gait, where the file has several.
+        out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
+        root: folder of the runs.
+
+    Raises: InputError on a file that is not of this robot, or a gait without an attracting orbit.
+    """
+    began = time.perf_counter()
+    gait = read_gait(Path(file), robot, name)
+    given = Given("import-gait", gait.degree)
+    return given_run(robot, gait, given, began=began, out=out, root=root)

@@ -1,0 +1,53 @@
+"""Optimise a gait of Bezier outputs at one speed, by collocation, and make a run of it."""
+
+import math
+import time
+from pathlib import Path
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.errors import InputError
+from neuralgaits.hzd.solver import DEGREE, Optimiser
+from neuralgaits.records.asked import HIGHEST_DEGREE, Given
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs import RUNS_ROOT
+from neuralgaits.workflows.given_run import given_run
+
+LOWEST_DEGREE = 3
+"""Rates at both ends are fixed by the impact: fewer control points leave nothing to choose."""
+
+
+def optimise(
+    robot: PlanarBiped,
+    speed: float,
+    *,
+    degree: int = DEGREE,
+    out: str | Path | None = None,
+    root: Path = RUNS_ROOT,
+) -> Run:
+    """Make a run of the gait with the least mechanical cost of transport at a speed.
+
+    Along its orbit hold the conditions of spec `walking`: contact, friction, torques, joint rates
+    and ranges, clearance of the swing foot, a clean impact.
+
+    Args:
+        robot: of `load_robot`.
+        speed: mean, over a step (m/s).
+        degree: of the polynomials.
+        out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
+        root: folder of the runs.
+
+    Raises: InputError without CasADi (extra `hzd`) or on bad settings; ConvergenceError if the
+        solver finds no such gait.
+    """
+    began = time.perf_counter()
+    if not 0.0 < speed < math.inf:
+        raise InputError(f"expected --speed above 0 m/s, found {speed:g}")
+    if not LOWEST_DEGREE <= degree <= HIGHEST_DEGREE:
+        raise InputError(
+            f"expected --degree from {LOWEST_DEGREE} to {HIGHEST_DEGREE}, found {degree}"
+        )
+    found = Optimiser(robot, degree).at(speed)
+    given = Given("optimise", degree, speed)
+    return given_run(
+        robot, found.gait, given, solve_s=found.solve_s, began=began, out=out, root=root
+    )

@@ -1,0 +1,60 @@
+"""A packed file is read as what it holds, and what is no such file is said to be none."""
+
+import gzip
+import hashlib
+import shutil
+
+import pytest
+
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.reading import read_certificate
+from neuralgaits.errors import InputError
+from neuralgaits.records.certified import PROOF
+from neuralgaits.runs import RunFolder, packed
+from neuralgaits.runs.folder import file_hashes
+from neuralgaits.workflows import demo
+
+
+@pytest.fixture
+def run(tmp_path):
+    """A proved run whose proof lies packed."""
+    folder = shutil.copytree(demo.FOLDER, tmp_path / "run")
+    whole = folder / PROOF
+    packed.packed(whole).write_bytes(gzip.compress(whole.read_bytes()))
+    whole.unlink()
+    return folder
+
+
+def test_a_packed_proof_is_the_proof(run):
+    plain = demo.FOLDER / PROOF
+    assert packed.content(run / PROOF) == plain.read_bytes()
+    wanted = hashlib.sha256(plain.read_bytes()).hexdigest()
+    assert file_hashes(run, (PROOF,)) == {PROOF: wanted}
+    for name in (run / PROOF, packed.packed(run / PROOF)):
+        assert read_claims(name).program.hash == read_claims(plain).program.hash
+    found = read_certificate(RunFolder.open(run))
+    assert found.reason is None and found.summary is not None
+    assert [level.verdict for level in found.summary.levels] == ["proved", "proved"]
+
+
+def test_the_plain_file_is_the_one_that_counts(run):
+    (run / PROOF).write_text("{}")
+    assert packed.content(run / PROOF) == b"{}"
+    packed.remove(run / PROOF)
+    assert not packed.is_there(run / PROOF)
+
+
+@pytest.mark.parametrize("damage", [b"", b"no gzip", None])
+def test_a_damaged_one_is_refused_in_one_line(run, damage):
+    place = packed.packed(run / PROOF)
+    place.write_bytes(place.read_bytes()[:1000] if damage is None else damage)
+    with pytest.raises(InputError, match="expected a proof file") as refused:
+        read_claims(run / PROOF)
+    assert "\n" not in str(refused.value)
+    assert read_certificate(RunFolder.open(run)).summary is None
+
+
+def test_one_that_holds_too_much_is_refused(run, monkeypatch):
+    monkeypatch.setattr(packed, "LARGEST_BYTES", 10_000)
+    with pytest.raises(InputError, match="holds more than 10000 bytes"):
+        read_claims(run / PROOF)
