@@ -142,7 +142,7 @@ class Asked(Record):
 
     @property
     def last_level(self) -> int:
-        """The highest level that a certificate can reach: 4 and 5 are about one gait of one robot."""
+        """The highest that a certificate can reach: 4 and 5 are about one gait of one robot."""
         return 3 if self.commands or self.described.get("parameters") else 5
 
     @property
