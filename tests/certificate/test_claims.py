@@ -110,7 +110,7 @@ UNREADABLE = {
     "root upside down": lambda t: t["statements"][0]["root"].__setitem__("high", ["-0x1p-1"] * 2),
     "root of decimals": lambda t: t["statements"][0]["root"].__setitem__("low", [0.0, 0.0]),
     "root outside the strips": lambda t: t["statements"][0]["root"].__setitem__(
-        "low", [(-0.06).hex(), (0.0).hex()]
+        "low", [(-0.11).hex(), (0.0).hex()]
     ),
     "theorems": lambda t: t.__setitem__("theorems", {}),
     "theorem without a level": lambda t: t.__setitem__("theorems", [{"start": "0x0p+0"}]),

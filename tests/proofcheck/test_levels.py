@@ -103,6 +103,12 @@ def alone(table):
         for field in ("scales", "bounds"):
             statement[field] = {name: statement[field][name] for name in names}
     table["statements"] = [one for one in table["statements"] if one["conditions"]]
+    outputs = table["program"]["outputs"]
+    outputs[:] = [row for row in outputs if row[0] in kept or not row[0].startswith("orbit/")]
+    for row in table["program"]["constants"]:
+        if (row[0] or "").startswith("orbit.") and row[0] != "orbit.expansion":
+            row[0] = None
+    table["program_hash"] = Program.from_json(json.dumps(table["program"])).hash
     weak("orbit/gain", -1.4)(table)
 
 

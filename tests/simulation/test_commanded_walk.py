@@ -155,7 +155,6 @@ def test_bad_files_are_one_line(tmp_path, text):
         ({"command": "pace=0.6"}, "among speed, found 'pace'"),
         ({"command": "speed=0.6", "commands": "random"}, "leave one out"),
         ({"commands": "nowhere.csv"}, "expected a CSV file"),
-        ({"commands": "random", "controller": "c"}, "expected --command"),
     ],
 )
 def test_bad_orders_are_one_line_and_leave_nothing(run, asked, message):
