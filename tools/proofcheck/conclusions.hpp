@@ -114,6 +114,8 @@ class Conclusions {
     if (t.disturbed())
       push = ", whatever d(t) with |d| <= (" + brief(t.push[0]) + " m/s, " + brief(t.push[1]) +
              " N m) is added to dz,";
+    if (t.floor > 0.0 && !t.told.empty())
+      throw DoesNotFollow{"a floor of unknown height and commands together"};
     if (!t.told.empty()) push += ", whatever admissible commands follow each other,";
     if (t.floor > 0.0)
       push += (push.empty() ? ", each foothold up to " : " each foothold up to ") + brief(t.floor) +

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from neuralgaits.certificate.ground import friction_needed
+from neuralgaits.certificate.ground import FORCES, IMPULSES, friction_needed, named
 from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
@@ -36,6 +36,8 @@ from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
 """What a certificate is about, and what it rests on."""
+WALKING, ABOUT_A_BOX = 2, 3
+"""Levels: of walking sets; the highest that is about robots of a box."""
 DAMAGED = f"{SUMMARY} is damaged or of another version"
 
 
@@ -115,15 +117,22 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     asked = Asked.read(config.regions, {one.name: one.data for one in config.conditions})
     commands = config.described.get("commands", ())
     chart = _chart(commands)
-    proof = _claims(run, asked, chart)
+    proof = _claims(run, asked, chart, config.described)
     if set(summary.conditions) != set(asked.conditions):
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
-    stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
+    _refuse_ground(summary, proof, config.described)
+    # Nothing is said of a floor where the level that speaks of it is not claimed.
+    floor = proof is not None and WALKING in proof.theorems.claimed
+    stated = {
+        kind: half
+        for kind, half in summary.parameters.items()
+        if kind != "friction" and (kind != "floor" or floor or proof is None)
+    }
     if proof is not None and _box(run, proof, chart) != stated:
         raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
-    least = summary.parameters.get("friction")
-    if least is not None and not friction_needed(config.described) <= least:
-        raise _Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
+    if not floor:
+        without = {kind: half for kind, half in summary.parameters.items() if kind != "floor"}
+        summary = replace(summary, parameters=without)
     summary = replace(
         summary,
         conditions=dict(_conditions(summary, asked, proof)),
@@ -134,6 +143,46 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     names = [row["name"] for row in commands]
     part = None if proof is None or not names else _part(summary, asked, proof, chart, names)
     return CertificateReading(summary, None, proof, map_fits, part)
+
+
+def _refuse_ground(summary: Certified, proof: Claims | None, described: Mapping[str, Any]) -> None:
+    """Raises: _Unfit if a box of robots or floors is stated of what says nothing of it."""
+    claimed = () if proof is None else proof.theorems.claimed
+    if summary.parameters and max(claimed, default=0) > ABOUT_A_BOX:
+        raise _Unfit(f"{SUMMARY} states a box of robots of level {max(claimed)}, which is of one")
+    least = summary.parameters.get("friction")
+    if least is None:
+        return
+    if not friction_needed(described) <= least:
+        raise _Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
+    if proof is not None and proof.model is None:
+        raise _Unfit(f"{SUMMARY} is about friction, and {PROOF} does not say with which cones")
+    walking = None if proof is None else proof.theorems.walking
+    if walking is not None and WALKING in claimed:
+        cones = (*FORCES, *(IMPULSES if walking.floor else ()))
+        dropped = set(named(described, cones)) - set(walking.carried)
+        if dropped:
+            raise _Unfit(f"{SUMMARY} is about friction, and {PROOF} drops {min(dropped)}")
+
+
+def _other_spec(model: Mapping[str, Any] | None, described: Mapping[str, Any]) -> str | None:
+    """What differs between the spec of a proof's model and that of the run's config; None."""
+    if model is None:
+        return None
+    rows = {row["name"]: {k: v for k, v in row.items() if k != "name"} for row in _rows(described)}
+    if rows != model["conditions"]:
+        return "its conditions have other numbers than those of config.json"
+    told = [
+        {k: float.fromhex(v) if k != "name" and v is not None else v for k, v in row.items()}
+        for row in model["policy"].get("commands", ())
+    ]
+    if told != [dict(row) for row in described.get("commands", ())]:
+        return "it is about other commands than those of config.json"
+    return None
+
+
+def _rows(described: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
+    return described["conditions"]
 
 
 def _part(
@@ -174,7 +223,8 @@ def _box(run: Path, proof: Claims, chart: Chart) -> dict[str, float]:
     """
     errors = proof.chart.parameters[len(chart.parameters) :]
     walking = proof.theorems.walking
-    floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
+    stated = walking is not None and walking.floor and WALKING in proof.theorems.claimed
+    floor = {"floor": walking.floor} if walking is not None and stated else {}
     if not errors:
         return floor
     from neuralgaits.robots import load_robot  # Brings JAX.
@@ -187,7 +237,7 @@ def _box(run: Path, proof: Claims, chart: Chart) -> dict[str, float]:
         raise _Unfit(f"{PROOF} is about no box of robots like the run's: {error}") from None
 
 
-def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
+def _claims(run: Path, asked: Asked, chart: Chart, described: Mapping[str, Any]) -> Claims | None:
     """A proof file about the run's own files, whose statements are those of its spec."""
     if not packed.is_there(run / PROOF):
         return None
@@ -202,6 +252,8 @@ def _claims(run: Path, asked: Asked, chart: Chart) -> Claims | None:
     rigid = claims.model is not None and "residuals" not in claims.model
     if (run / RESIDUAL).is_file() and (full or rigid):
         wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
+    if other := _other_spec(claims.model, described):
+        wrong.append(other)
     wrong += contradictions(claims.statements, claims.theorems, asked)
     told = len(chart.parameters)
     errors = claims.chart.parameters[told:]

@@ -4,8 +4,8 @@ import gzip
 import zlib
 from pathlib import Path
 
-LARGEST_BYTES = 2**30
-"""A packed file may claim to hold any amount; no proof of ours comes near this one."""
+LARGEST_BYTES = 2**26
+"""A small packed file may hold any amount; the largest proof so far is a tenth of this."""
 _SUFFIX = ".gz"
 
 

@@ -38,6 +38,8 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
         missing = "phases of rise and fall that are not in order"
     if missing is None and not shape.floor >= 0.0:
         missing = "a floor with a negative bound"
+    if missing is None and shape.floor and shape.told:
+        missing = "a floor of unknown height and commands together"
     for output, low, high, _ in off_the_line(shape):
         if missing is None and not bounds[output, low, high] > shape.floor:
             missing = f"{output} from {low} to {high} is not above {shape.floor!r} m"
