@@ -15,6 +15,7 @@ from neuralgaits.certificate.reading import hashes, read_certificate
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report import certificate as proved
 from neuralgaits.report.certificate import certificate_of
+from neuralgaits.runs import RunFolder
 from neuralgaits.viewer.sureness import how_sure
 from neuralgaits.workflows import demo
 
@@ -126,6 +127,94 @@ def test_a_proof_of_the_rigid_model_is_not_about_learned_dynamics(certified):
     found = certificate_of(certified)
     assert found.level == 0
     assert "dynamics carry a residual" in str(found.reason)
+
+
+def without_a_cone(described):
+    row = next(row for row in described["conditions"] if row["name"] == "friction-forward")
+    row["quantity"]["coefficient"] = 0.01
+
+
+def slower(described):
+    described["commands"][0]["low"] = 0.3
+
+
+@pytest.mark.parametrize(
+    ("folder", "how", "what"),
+    [
+        (demo.FOLDER, without_a_cone, "conditions have other numbers"),
+        (demo.TOLD, without_a_cone, "conditions have other numbers"),
+        (demo.TOLD, slower, "other commands"),
+    ],
+)
+def test_a_config_that_says_otherwise_than_the_proof_proves_nothing(tmp_path, folder, how, what):
+    run = shutil.copytree(folder, tmp_path / "run")
+    asked = json.loads((run / "config.json").read_text())
+    how(asked["described"])
+    (run / "config.json").write_text(json.dumps(asked))
+    found = read_certificate(RunFolder.open(run))
+    assert found.summary is None and what in str(found.reason)
+
+
+def without_strips(proof):
+    """A cone that holds on its region alone."""
+    name = "friction-forward"
+    proof["theorems"][0]["parameters"]["carried"].remove(name)
+    for statement in proof["statements"]:
+        low, high = (float.fromhex(statement["root"][end][0]) for end in ("low", "high"))
+        if name in statement["conditions"] and (low < 0.0 or high > 1.0):
+            statement["conditions"].remove(name)
+            for field in ("scales", "bounds"):
+                del statement[field][name]
+    proof["statements"] = [one for one in proof["statements"] if one["conditions"]]
+
+
+@pytest.mark.parametrize(
+    ("least", "change_of_proof", "what"),
+    [
+        (0.44, None, "less friction than its conditions ask for"),
+        (
+            0.5,
+            without_strips,
+            "drops",
+        ),
+        (0.5, lambda t: t.update(model=None), "does not say with which cones"),
+        (0.5, None, None),
+    ],
+)
+def test_friction_is_stated_where_the_proof_carries_its_cones(
+    certified, least, change_of_proof, what
+):
+    if change_of_proof is not None:
+        change(certified, "proof.json", lambda proof: change_of_proof(proof) or proof)
+    told = {"parameters": {"friction": least}}
+    change(
+        certified,
+        "summary.json",
+        lambda summary: summary | told | {"sha256": hashes(certified.path)},
+    )
+    found = read_certificate(certified.folder)
+    if what is None:
+        assert found.reason is None
+    else:
+        assert found.summary is None and what in str(found.reason)
+
+
+def test_no_floor_is_stated_where_the_level_that_speaks_of_it_is_not_claimed(certified):
+    def unclaimed(proof):
+        for theorem in proof["theorems"]:
+            theorem["claimed"] = False
+        proof["theorems"][0]["parameters"]["floor"] = (10.0).hex()
+        return proof
+
+    change(certified, "proof.json", unclaimed)
+    told = {"parameters": {"floor": 10.0}, "level": 1, "levels": []}
+    change(
+        certified,
+        "summary.json",
+        lambda summary: summary | told | {"sha256": hashes(certified.path)},
+    )
+    found = read_certificate(certified.folder).summary
+    assert found is not None and not found.parameters
 
 
 def test_a_map_of_another_proof_is_not_shown(certified):

@@ -371,7 +371,7 @@ class Demo:
     """The same with a gait that came with the package, and its proof: no training."""
 
     speed: Flag = False
-    """Another gait, which is told how fast to walk by a slider; nothing is proved of it."""
+    """Another gait, told how fast to walk by a slider, and proved for all that it may be told."""
     page: Annotated[Page, arg(name="")] = Page()
     output: Annotated[Output, arg(name="")] = Output()
 

@@ -11,7 +11,7 @@ from neuralgaits.workflows.view import LiveView, view
 FOLDER = Path(__file__).parents[1] / "demo_run"
 """A run folder like any other, to be read only; `tools/make_demo.py` makes it."""
 TOLD = FOLDER.with_name("demo_speed_run")
-"""The same of a gait that is told its speed; nothing is proved of it."""
+"""The same of a gait that is told its speed; its proof lies packed."""
 
 
 def demo(*, speed: bool = False, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
