@@ -65,7 +65,7 @@ def _simulated(folder, **changed):
 
 def test_a_proved_run_says_what_is_proved_and_what_is_not(contents):
     page = answer(contents())
-    assert "Proved, to level 3 of 4" in page and "claims nothing about" in page
+    assert "Proved, to level 3 of 5" in page and "claims nothing about" in page
     assert "nothing has been proved" not in page
 
 

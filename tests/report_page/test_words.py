@@ -63,8 +63,8 @@ def test_every_disturbance_has_words():
     assert words.disturbances(vars(Disturbance())) == {}
 
 
-def test_ten_words_and_four_levels():
+def test_ten_words_and_five_levels():
     assert len(words.GLOSSARY) == 10
-    assert set(in_plain_words.LEVELS) == set(in_plain_words.PROVED) == {1, 2, 3, 4}
+    assert set(in_plain_words.LEVELS) == set(in_plain_words.PROVED) == {1, 2, 3, 4, 5}
     assert "linearisation" in " ".join(in_plain_words.assumptions(4))
     assert "linearisation" not in " ".join(in_plain_words.assumptions(3))

@@ -75,7 +75,7 @@ def test_the_page_is_one_small_file_with_figures(written):
     assert "certificate-map" in summary["figures"] and len(summary["figures"]) > 5
     page = written.path.read_text()
     assert page.count("<figure>") == len(summary["figures"])
-    assert "Proved, to level 3 of 4" in page
+    assert "Proved, to level 3 of 5" in page
 
 
 def test_the_walk_is_kept_and_is_one_of_whole_steps(written):

@@ -172,7 +172,7 @@ def test_resuming_with_other_settings_is_refused(tmp_path: Path) -> None:
         (["amber3n"], "unknown robot amber3n: did you mean amber3m?"),
         (["amber3m", "--seeds", "4:2"], "expected seeds A:B with A < B, found 4:2"),
         (["amber3m", "--seeds", "a"], "expected --seeds A:B or one seed, found 'a'"),
-        (["amber3m", "--certify", "7"], "expected --certify 1 to 4, found 7"),
+        (["amber3m", "--certify", "7"], "expected --certify 1 to 5, found 7"),
         (["amber3m", "--specs", "walkin"], "unknown spec 'walkin': did you mean walking?"),
         (["amber3m", "--specs", "walking,"], "expected --specs as A,B,..., found 'walking,'"),
         (["amber3m", "--controllers", "pid"], "unknown controller 'pid'"),

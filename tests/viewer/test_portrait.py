@@ -140,7 +140,7 @@ def test_a_broken_region_is_red():
 def test_the_words_claim_what_the_certificate_says(shipped):
     sure = how_sure(shipped)
     assert sure.certified
-    assert sure.words.startswith("Proved, to level 3 of 4: ")
+    assert sure.words.startswith("Proved, to level 3 of 5: ")
     assert "may fall" in sure.words
     # Exact bounds stand in the theorem's own words, which are folded away.
     assert re.search(r"\de-\d", sure.words) is None

@@ -191,7 +191,7 @@ def test_relu_is_undecided_and_says_why(relu_run, tmp_path):
 @pytest.mark.parametrize(
     ("options", "found"),
     [
-        ({"level": 5}, "level 1"),
+        ({"level": 6}, "level 1"),
         ({"level": 0}, "level 1"),
         ({"disturbance": (-0.1, 0.0)}, "disturbance"),
         ({"disturbance": (0.1, 0.0), "level": 1}, "--level"),
