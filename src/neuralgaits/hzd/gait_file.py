@@ -32,6 +32,10 @@ _FIELDS = {
 }
 
 
+LARGEST_RAD = 4.0 * np.pi
+"""Control points beyond this are of another unit, or of no joint [rad]."""
+
+
 class GivenGait(NamedTuple):
     """What is taken from a file, in the robot's own order and convention of joints."""
 
@@ -82,6 +86,11 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
             f"{_listed(joints)}: name its rows so, or give the robot that they are of"
         )
     rows = _numbers(file, chosen, "bezier", (len(own), None))
+    if not np.abs(rows).max(initial=0.0) <= LARGEST_RAD:
+        raise InputError(
+            f'{file}: expected "bezier" in radians, found {np.abs(rows).max():g}: no joint turns '
+            f"beyond {LARGEST_RAD:.3g} rad; convert it"
+        )
     end, start = _numbers(file, chosen, "p", (2,)).tolist()
     if not 1 <= rows.shape[1] - 1 <= HIGHEST_DEGREE:
         raise InputError(
@@ -91,7 +100,8 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
     if not start < end:
         raise InputError(
             f'{file}: expected "p" as z1 at the end and at the start of a step, the end further '
-            f"ahead, found {end:g} and {start:g}: exchange them"
+            f"ahead, found {end:g} and {start:g}: "
+            + ("give two" if end == start else "exchange them")
         )
     ones = {"signs": [1.0] * len(own), "offsets": [0.0] * len(own)} | dict(chosen)
     signs, offsets = (_numbers(file, ones, key, (len(own),)) for key in ("signs", "offsets"))

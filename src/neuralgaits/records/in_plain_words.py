@@ -42,6 +42,20 @@ _PROVED_TOLD = {
     "same come nearer and nearer to each other.",
 }
 """The same for `PROVED`."""
+_OWN_ORBITS = "one periodic orbit attracts the whole walking set, of each robot its own"
+"""What level 3 states of a box of robots."""
+_UNEVEN = (
+    "any two trajectories{of_one} whose footholds lie equally high, step by step, converge; where "
+    "all lie as meant, to one periodic orbit{own}"
+)
+"""The same with footholds higher or lower than meant."""
+_PROVED_UNEVEN = (
+    "as long as the joints follow the network exactly, the robot walks for ever from every state "
+    "of the walking set. Any two walks{of_one} whose footholds lie equally high, step by step, "
+    "come nearer and nearer to each other; where all lie as meant, to one motion that "
+    "repeats{own}."
+)
+"""The same for `PROVED`."""
 _RIGID = (
     "links are rigid; the foot on the ground is a point that neither slips nor rolls; an impact is "
     "sudden and without bounce; {robot}; the network's weights are those stored in the run"
@@ -85,9 +99,26 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     return found if level == FULL_ORDER else (*found, f"at level {LAST_LEVEL}: {_BOUNDED}")
 
 
-def states(level: int, told: bool) -> str:
-    """What a level states of a gait, `told` whether that takes commands."""
+def states(level: int, told: bool, found: Certified | None = None) -> str:
+    """What a level states of a gait.
+
+    Args:
+        level: that is meant.
+        told: whether the gait takes commands.
+        found: with the box of robots and floors that it is about; None for the robot of the file.
+    """
+    if level == ORBIT and not told and found is not None:
+        if "floor" in found.parameters:
+            return _uneven(_UNEVEN, found)
+        if found.robots:
+            return _OWN_ORBITS
     return (LEVELS | _TOLD if told else LEVELS)[level]
+
+
+def _uneven(said: str, found: Certified) -> str:
+    """With whose walks are compared, and whose the orbit is."""
+    of_one, own = (" of one robot", ", of each robot its own") if found.robots else ("", "")
+    return said.format(of_one=of_one, own=own)
 
 
 def proved(found: Certified, told: bool) -> str:
@@ -99,9 +130,12 @@ def proved(found: Certified, told: bool) -> str:
     """
     level, count = found.proved_level, len(found.conditions)
     meant = (PROVED | _PROVED_TOLD if told else PROVED)[level]
+    uneven = "floor" in found.parameters and level == ORBIT and not told
+    if uneven:
+        meant = _uneven(_PROVED_UNEVEN, found)
     robots = ""
     if found.robots:
-        own = ", each with a motion of its own" if level >= ORBIT else ""
+        own = ", each with a motion of its own" if level >= ORBIT and not uneven else ""
         robots = f", of every robot within {found.robots} of the file's{own}"
     if found.ground:
         robots += f", on every floor with {found.ground}"

@@ -24,6 +24,8 @@ from neuralgaits.workflows.train import violations
 SAMPLES = 2000
 """In each box of a region, on which the conditions are measured."""
 
+_NO_SOLUTION = "its zero dynamics have no finite solution"
+
 
 def given_run(
     robot: PlanarBiped,
@@ -49,7 +51,12 @@ def given_run(
     Raises: InputError where no orbit attracts.
     """
     zd = ZeroDynamics(robot, gait.policy)
-    walk = steady(zd)
+    try:
+        walk = steady(zd)
+    except (ArithmeticError, np.linalg.LinAlgError):
+        walk = _NO_SOLUTION
+    if not isinstance(walk, str) and not all(np.isfinite(part).all() for part in walk):
+        walk = _NO_SOLUTION
     if isinstance(walk, str):
         raise InputError(
             f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "

@@ -112,7 +112,7 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         yield "a certificate", command("certify", saved.name)
     elif (level := saved.certificate.proved_level) < saved.asked.last_level:
         line = again.certifying(saved.folder.path, level + 1)
-        stated = in_plain_words.states(level + 1, bool(saved.asked.commands))
+        stated = in_plain_words.states(level + 1, bool(saved.asked.commands), saved.certificate)
         yield f"level {level + 1}: {stated}", line
     for figure in contents.figures:
         # What a proof would show is no use to ask for where there can be none.

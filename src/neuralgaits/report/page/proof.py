@@ -83,7 +83,11 @@ def _ladder(found: Certified, told: bool) -> Html:
     """A row a level; `told` whether the gait takes commands."""
     answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
     rows = [
-        (level, in_plain_words.states(level, told), words.verdict(answers.get(level, "not asked")))
+        (
+            level,
+            in_plain_words.states(level, told, found),
+            words.verdict(answers.get(level, "not asked")),
+        )
         for level in LEVELS
     ]
     head = ("level", "states that", "verdict")
