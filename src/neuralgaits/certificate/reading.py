@@ -120,17 +120,12 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     proof = _claims(run, asked, chart, config.described)
     if set(summary.conditions) != set(asked.conditions):
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
-    _refuse_ground(summary, proof, config.described)
-    # Nothing is said of a floor where the level that speaks of it is not claimed.
-    floor = proof is not None and WALKING in proof.theorems.claimed
-    stated = {
-        kind: half
-        for kind, half in summary.parameters.items()
-        if kind != "friction" and (kind != "floor" or floor or proof is None)
-    }
+    stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
     if proof is not None and _box(run, proof, chart) != stated:
         raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
-    if not floor:
+    _refuse_ground(summary, proof, config.described)
+    # Nothing is said of a floor where the level that speaks of it is not claimed.
+    if proof is None or WALKING not in proof.theorems.claimed:
         without = {kind: half for kind, half in summary.parameters.items() if kind != "floor"}
         summary = replace(summary, parameters=without)
     summary = replace(
@@ -223,8 +218,7 @@ def _box(run: Path, proof: Claims, chart: Chart) -> dict[str, float]:
     """
     errors = proof.chart.parameters[len(chart.parameters) :]
     walking = proof.theorems.walking
-    stated = walking is not None and walking.floor and WALKING in proof.theorems.claimed
-    floor = {"floor": walking.floor} if walking is not None and stated else {}
+    floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
     if not errors:
         return floor
     from neuralgaits.robots import load_robot  # Brings JAX.
