@@ -14,6 +14,8 @@ from flint import arb
 from neuralgaits.barriers import Barrier
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.levels.full_order.find import find_full_order, grid
+from neuralgaits.certificate.levels.full_order.looks import looks_of
 from neuralgaits.certificate.levels.full_order.margins import (
     BANDWIDTH,
     output_coordinates,
@@ -279,6 +281,24 @@ def _with_numbers_of(program: Program, shape: FullOrder) -> Program:
         for constant in program.constants
     )
     return replace(program, constants=constants)
+
+
+def test_the_strips_beyond_a_step_are_looked_at(model):
+    """Elsewhere a premise that is false there is asked for: on some machines it was."""
+    looks = looks_of(model)
+
+    def steeper(u, xi):
+        seen = dict(looks.step(u, xi))
+        seen["rate"] = seen["rate"] - 60.0 * np.maximum(-u[:, :1], 0.0)
+        return seen
+
+    found = find_full_order(replace(looks, step=steeper), model.names, BANDWIDTH, 0.5)
+    plain = find_full_order(looks, model.names, BANDWIDTH, 0.5)
+    u = grid(np.linspace(*found.ends, 301), np.linspace(0.0, 1.0, 9))
+    seen = steeper(u, np.zeros((len(u), looks.size)))
+    for k, of in enumerate(found.barriers):
+        assert of.epsilon < (seen["rate"] + of.alpha * seen["h"])[:, k].min()
+    assert found.barriers[0].epsilon < plain.barriers[0].epsilon
 
 
 def test_one_file_says_what_was_proved_and_is_about_the_run(trained, result):

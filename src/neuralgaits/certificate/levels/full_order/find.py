@@ -108,12 +108,16 @@ def find_full_order(
     guard_radius = _at(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
     ample = AMPLE if plan is None else IMPACT
     impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius, ample)
+    start_strip = 1.2 * (impacts.landing + impacts.landing_slope * guard_radius)
+    # Where the fences converge, h falls steeply: a barrier may be tightest before phase 0.
+    u = grid(np.union1d(u[:, 0], (-start_strip, -0.5 * start_strip, 1.0 + strip)), levels)
+    seen = looks.step(u, np.zeros((len(u), looks.size)))
     return FullOrder(
         bandwidth=bandwidth,
         radius=radius,
         shrink=shrink,
         guard_radius=guard_radius,
-        start_strip=1.2 * (impacts.landing + impacts.landing_slope * guard_radius),
+        start_strip=start_strip,
         guard_strip=strip,
         crossing=crossing,
         risen=risen,
