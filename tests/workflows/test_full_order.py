@@ -289,7 +289,7 @@ def test_the_strips_beyond_a_step_are_looked_at(model):
 
     def steeper(u, xi):
         seen = dict(looks.step(u, xi))
-        seen["rate"] = seen["rate"] - 60.0 * np.maximum(-u[:, :1], 0.0)
+        seen["rate"] = seen["rate"] - 1000.0 * np.maximum(-u[:, :1], 0.0)
         return seen
 
     found = find_full_order(replace(looks, step=steeper), model.names, BANDWIDTH, 0.5)
