@@ -110,6 +110,7 @@ def test_a_box_is_read_in_its_units():
     assert parse_box(text) == {"mass": 0.02, "com": 0.005, "inertia": 0.05, "rotor": 0.1}
     assert parse_box("friction=0.5,floor=5mm") == {"floor": 0.005, "friction": 0.5}
     assert axes_of(load_robot("amber3m"), {"floor": 0.005, "friction": 0.5}) == ()
+    assert parse_box("friction=2") == {"friction": 2.0}
     assert parse_box("com=1cm")["com"] == parse_box("com=0.01m")["com"] == 0.01
 
 
@@ -124,7 +125,11 @@ def test_a_box_is_read_in_its_units():
         ("com=5", "in mm or cm or m"),
         ("mass=-2%", "found '-2%'"),
         ("floor=5", "in mm or cm or m"),
-        ("friction=50%", "without a unit"),
+        ("floor=5m", "floor of at most 0.5 m, found 5 m: write a unit, as in 5mm"),
+        ("com=1m", "com of at most 0.5 m, found 1 m"),
+        ("friction=50%", "without a unit, the coefficient, as in 0.5, found '50%'"),
+        ("friction=50", "friction of at most 5, found 50: it is the least coefficient"),
+        ("mass=2", "as a share such as 2% or 0.02, found 2"),
         ("mass=0%", "above 0"),
         ("mass=1%,mass=2%", "twice"),
         ("mass=120%", "zero or negative"),

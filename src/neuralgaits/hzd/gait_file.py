@@ -7,11 +7,12 @@ A file is JSON. A gait is an object with
 - "p": z1 at the end and at the start of the step [m]: the phase is (z1 - p[1]) / (p[0] - p[1]).
 
 Optional are "signs" and "offsets" [rad], one a joint, for angles of another convention: an angle
-here is sign times theirs plus offset. Any other field is left aside. Several gaits may stand under
-"gaits", by name; what they do not say themselves is read beside that.
+here is sign times theirs plus offset. Any other field is left aside, unless its name looks like one
+of these, misspelt. Several gaits may stand under "gaits", by name; what they do not say themselves
+is read beside that.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,8 +31,7 @@ _FIELDS = {
     "bezier": "a row of control points [rad] for each joint",
     "p": "z1 at the end and at the start of a step [m]",
 }
-
-
+_OPTIONAL = "signs", "offsets", "gaits"
 LARGEST_RAD = 4.0 * np.pi
 """Control points beyond this are of another unit, or of no joint [rad]."""
 
@@ -75,6 +75,7 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
     if not file.is_file():
         raise InputError(f"expected a gait file, found none at {file}: give the path of one")
     chosen = _chosen(file, _read(file), name)
+    _refuse_misspelt(file, chosen)
     for field, what in _FIELDS.items():
         if field not in chosen:
             raise InputError(f'{file}: expected "{field}", {what}, found none: add it')
@@ -85,13 +86,13 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
             f"{file}: expected the joints of {robot.name}, {', '.join(own)}, found "
             f"{_listed(joints)}: name its rows so, or give the robot that they are of"
         )
-    rows = _numbers(file, chosen, "bezier", (len(own), None))
+    rows = _rows(file, chosen["bezier"], list(map(str, joints)))
     if not np.abs(rows).max(initial=0.0) <= LARGEST_RAD:
         raise InputError(
             f'{file}: expected "bezier" in radians, found {np.abs(rows).max():g}: no joint turns '
             f"beyond {LARGEST_RAD:.3g} rad; convert it"
         )
-    end, start = _numbers(file, chosen, "p", (2,)).tolist()
+    end, start = _numbers(file, chosen, "p", 2).tolist()
     if not 1 <= rows.shape[1] - 1 <= HIGHEST_DEGREE:
         raise InputError(
             f'{file}: expected "bezier" of degree 1 to {HIGHEST_DEGREE}, found '
@@ -104,7 +105,12 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
             + ("give two" if end == start else "exchange them")
         )
     ones = {"signs": [1.0] * len(own), "offsets": [0.0] * len(own)} | dict(chosen)
-    signs, offsets = (_numbers(file, ones, key, (len(own),)) for key in ("signs", "offsets"))
+    signs, offsets = (_numbers(file, ones, key, len(own)) for key in ("signs", "offsets"))
+    if not (np.abs(signs) == 1.0).all():
+        raise InputError(
+            f'{file}: expected "signs" of 1 or -1, found {", ".join(f"{s:g}" for s in signs)}: '
+            "convert the control points to radians first"
+        )
     turned = signs[:, None] * rows + offsets[:, None]
     order = [list(map(str, joints)).index(joint) for joint in own]
     return GivenGait(turned[order], (start, end))
@@ -148,20 +154,52 @@ def _chosen(file: Path, found: Mapping[str, Any], name: str | None) -> Mapping[s
     return {**found, **one}
 
 
+def _refuse_misspelt(file: Path, gait: Mapping[str, Any]) -> None:
+    """Raises: InputError on a field that is most likely another's name, misspelt."""
+    known = (*_FIELDS, *_OPTIONAL)
+    for field in gait:
+        if field not in known and (hint := meant(field, known)):
+            raise InputError(
+                f"{file}: expected the fields {', '.join(known)}, found {field!r}; {hint}"
+            )
+
+
+def _rows(file: Path, given: Any, joints: list[str]) -> Float[np.ndarray, "m k"]:
+    """Control points, a row a joint in the order of the file. Raises: InputError."""
+    if not isinstance(given, list) or len(given) != len(joints):
+        found = f"{len(given)} rows" if isinstance(given, list) else repr(given)
+        raise InputError(
+            f'{file}: expected "bezier" with a row for each of {", ".join(joints)}, found {found}'
+        )
+    sizes = [len(row) if isinstance(row, list) else 0 for row in given]
+    for joint, row, size in zip(joints, given, sizes, strict=True):
+        numbers = isinstance(row, list) and all(
+            isinstance(x, int | float) and not isinstance(x, bool) and abs(x) < np.inf for x in row
+        )
+        if not numbers:
+            raise InputError(
+                f'{file}: expected finite numbers in the row of {joint} of "bezier", found {row}'
+            )
+        if size != sizes[0]:
+            raise InputError(
+                f'{file}: expected as many control points for {joint} in "bezier" as for '
+                f"{joints[0]}, {sizes[0]}, found {size}"
+            )
+    return np.array(given, dtype=np.float64)
+
+
 def _numbers(
-    file: Path, given: Mapping[str, Any], field: str, shape: Sequence[int | None]
-) -> Float[np.ndarray, "..."]:
-    """Finite numbers of a shape; None is any length. Raises: InputError."""
+    file: Path, given: Mapping[str, Any], field: str, size: int
+) -> Float[np.ndarray, " size"]:
+    """So many finite numbers. Raises: InputError."""
     try:
         array = np.asarray(given[field], dtype=np.float64)
     except (TypeError, ValueError):
         array = np.full((), np.nan)
-    fits = array.ndim == len(shape) and all(
-        wanted in (None, size) for wanted, size in zip(shape, array.shape, strict=True)
-    )
-    if not fits or not np.isfinite(array).all():
-        wanted = " by ".join("any" if size is None else str(size) for size in shape)
-        raise InputError(f'{file}: expected {wanted} finite numbers as "{field}", found others')
+    if array.shape != (size,) or not np.isfinite(array).all():
+        raise InputError(
+            f'{file}: expected {size} finite numbers as "{field}", found {given[field]}'
+        )
     return array
 
 

@@ -39,6 +39,13 @@ UNITS: dict[str, dict[str, float]] = {
 """Kinds of parameter, in the order of their axes, and the units that they may be given in."""
 GROUND = "floor", "friction"
 """Those of the floor, which have no axes: no quantity at a state depends on them."""
+_MOST = {
+    "com": (0.5, " m", "write a unit, as in 5mm"),
+    "floor": (0.5, " m", "write a unit, as in 5mm"),
+    "friction": (5.0, "", "it is the least coefficient, as in 0.5"),
+}
+"""Largest size of what is no share, and what is said beyond: no foot here steps half a metre wrong,
+and hardly a pair of materials has more friction."""
 _NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
 _SIDES = ("along", "across")
 _RELATIVE = "(relative error)"
@@ -76,7 +83,7 @@ def _size(name: str, value: str) -> float:
     found, units = _NUMBER.fullmatch(value), UNITS[name]
     if found is None or found[2] not in units:
         known = " or ".join(filter(None, units))
-        known = f" in {known}" if known else " without a unit"
+        known = f" in {known}" if known else " without a unit, the coefficient, as in 0.5"
         raise InputError(
             f"--parameters: expected {name} as a number above 0{known}, found {value!r}"
         )
@@ -84,7 +91,7 @@ def _size(name: str, value: str) -> float:
         half = float(found[1]) * units[found[2]]
     except ValueError:
         raise InputError(f"--parameters: expected a number for {name}, found {value!r}") from None
-    if not found[2] and 1.0 <= half < math.inf:
+    if not found[2] and name not in _MOST and 1.0 <= half < math.inf:
         raise InputError(
             f"--parameters: expected {name} as a share such as 2% or 0.02, found {value}: "
             "write the per cent sign"
@@ -109,7 +116,13 @@ def checked_box(box: Box) -> dict[str, float]:
         _refuse_unknown(name)
         if not (math.isfinite(half) and half > 0.0):
             raise InputError(f"--parameters: expected {name} above 0, found {half:g}: leave it out")
-        if name not in ("com", *GROUND) and half >= 1.0:
+        most, unit, meant_so = _MOST.get(name, (math.inf, "", ""))
+        if half > most:
+            raise InputError(
+                f"--parameters: expected {name} of at most {most:g}{unit}, found {half:g}{unit}: "
+                f"{meant_so}"
+            )
+        if name not in _MOST and half >= 1.0:
             what = {"rotor": "rotor inertia"}.get(name, name)
             raise InputError(
                 f"--parameters: expected {name} below 100 %, found {100.0 * half:g} %: the box "
