@@ -193,6 +193,12 @@ def test_bounds_know_their_side_and_most_sigma_is_what_an_impact_leaves():
     assert float(most * after**2) == pytest.approx(float(left - tightened), rel=1e-9)
 
 
+def test_what_outputs_do_not_move_is_tightened_by_nothing():
+    shape = replace(SHAPE, barriers=(replace(SHAPE.barriers[0], reading=0.0),))
+    found = {c.name.partition(": ")[2]: c.value for c in constants(shape)}
+    assert found["t"] == 0.0 and constants(SHAPE)
+
+
 def test_a_bandwidth_of_nothing_is_an_obstacle():
     for bandwidth in (0.0, -30.0):
         found = _verdict(replace(SHAPE, bandwidth=bandwidth))

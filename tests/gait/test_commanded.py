@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import specs
+from neuralgaits.barriers.commanded import commands_of
 from neuralgaits.barriers.regions import CommandedTube
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
@@ -237,3 +238,11 @@ def test_the_foot_is_put_on_its_foothold_in_closed_form(name):
     hip, last = hip_indices(robot)[-1], robot.n - 2
     others = [joint for joint in range(robot.n - 1) if joint not in (hip, last)]
     assert np.all(moved[:, :, others] == 0.0) and np.all(moved[:, 0, last] == 0.0)
+
+
+def test_the_usual_largest_change_is_written_with_few_digits():
+    """It stands, exactly, in the statements of a proof."""
+    (speed,) = commands_of(speed=(0.55, 0.90))
+    assert repr(speed.largest_change) == "0.042"
+    (slope,) = commands_of(slope=(-0.03, 0.03))
+    assert slope.largest_change == pytest.approx(0.0072, rel=1e-6)

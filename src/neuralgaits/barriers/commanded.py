@@ -68,7 +68,8 @@ def commands_of(**ranges: Interval | None) -> Commands:
         if interval is not None:
             low, high = interval
             share = _LARGEST_CHANGES.get(name)
-            change = None if share is None else share * abs(high - low)
+            # Few digits: it stands, exactly, in statements that people read.
+            change = None if share is None else float(f"{share * abs(high - low):.6g}")
             found.append(Command(name, low, high, change or None))
     return tuple(found)
 

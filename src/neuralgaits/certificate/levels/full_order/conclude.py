@@ -245,8 +245,10 @@ def _constants_of(shape: FullOrder, barrier: BarrierConstants, after: float) -> 
     ]
     if barrier.sigma > 0.0 and after > 0.0:
         room = below(inlet(shape, barrier) / arb(after) ** 2)
+        # Exactly nothing where outputs do not move it.
+        tightened = above(tightening(barrier)) if barrier.reading != 0.0 else 0.0
         found += [
-            Constant(f"{name}: t", above(tightening(barrier)), unit, "tightening, l_P^2/(4 sigma)"),
+            Constant(f"{name}: t", tightened, unit, "tightening, l_P^2/(4 sigma)"),
             Constant(
                 f"{name}: most sigma", room, f"{unit}/rad^2", "what the inlet leaves room for"
             ),
