@@ -11,7 +11,7 @@ import pytest
 from neuralgaits.errors import RunError
 from neuralgaits.runs import RunFolder, finish, resolve, resolve_unfinished, write_bytes
 from neuralgaits.runs.folder import NAN_STATE
-from neuralgaits.runs.latest import about_latest
+from neuralgaits.runs.latest import about_latest, through_latest
 
 COPIES = {"robot.xml": "<mujoco/>\n"}
 
@@ -51,6 +51,15 @@ def test_out_is_the_folder(tmp_path: Path, kind: str) -> None:
     if kind == "empty":
         out.mkdir()
     assert _create(tmp_path, out=out).path == out
+
+
+def test_a_file_behind_the_pointer_is_that_of_the_run(tmp_path: Path) -> None:
+    folder = _create(tmp_path)
+    finish(folder, {"loss": 0.5}, tmp_path)
+    named = through_latest(tmp_path / "latest" / "certificate" / "proof.json")
+    assert named == folder.path / "certificate" / "proof.json"
+    beside = tmp_path / "other" / "latest" / "proof.json"
+    assert through_latest(beside) == beside
 
 
 def test_out_never_overwrites(tmp_path: Path) -> None:

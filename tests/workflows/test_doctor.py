@@ -56,4 +56,7 @@ def test_a_missing_extra_is_a_finding(trial, monkeypatch):
     monkeypatch.setattr(workflow.importlib.util, "find_spec", lambda name: None)
     found = doctor()
     assert found["opengl"]["ok"] and found["opengl"]["fix"] is None
+    for extra, what in {"hzd": "`optimise`", "drake": "`simulate --simulator drake`"}.items():
+        assert found[extra]["fix"] == f"for {what}, pip install 'neuralgaits[{extra}]'"
+        assert not found[extra]["needed"]
     assert found["video"]["fix"] == "for videos, pip install 'neuralgaits[video]'"

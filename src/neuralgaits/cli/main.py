@@ -171,5 +171,7 @@ def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
         traceback.print_exception(error, file=sys.stderr)
     # Lines are joined; blanks within one may be those of a quoted path.
     line = " ".join(part.strip() for part in message.splitlines() if part.strip())
-    print(f"neuralgaits: {line}", file=sys.stderr)
+    from neuralgaits.cli.as_called import as_called
+
+    print(f"neuralgaits: {as_called(line)}", file=sys.stderr)
     return code

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from neuralgaits.cli.as_called import as_called
 from neuralgaits.runs.commands import PROGRAM
 
 Words = str | Text
@@ -31,7 +32,7 @@ def show_sentence(*parts: Words, indent: int = 0, hang: int = 0) -> None:
 
     A word too long stands whole, and so does what stands between backticks: it is to be copied.
     """
-    console, text = Console(highlight=False), Text.assemble(*parts)
+    console, text = Console(highlight=False), Text.assemble(*map(_as_called, parts))
     lines: list[tuple[int, int]] = []
     for word in re.finditer(r"(?:`[^`]*`|\S)+", text.plain):
         room = console.width - indent - (hang if len(lines) > 1 else 0)
@@ -51,7 +52,9 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
     Nothing is printed without a row.
     """
     console = Console(highlight=False)
-    cells = [[cell if isinstance(cell, Text) else Text(cell) for cell in row] for row in rows]
+    cells = [
+        [cell if isinstance(cell, Text) else Text(as_called(cell)) for cell in row] for row in rows
+    ]
     if not cells:
         return
     columns = [
@@ -86,7 +89,8 @@ def show_facts(facts: Iterable[tuple[str, Any]]) -> None:
     width = max((len(label) for label, _ in pairs), default=0) + _GAP
     for label, value in pairs:
         if str(value).startswith(f"{PROGRAM} "):
-            Console(highlight=False).print(Text(f"{label.ljust(width)}{value}"), soft_wrap=True)
+            line = Text(f"{label.ljust(width)}{as_called(str(value))}")
+            Console(highlight=False).print(line, soft_wrap=True)
         else:
             show_sentence(label.ljust(width), value, hang=width)
 
@@ -103,6 +107,10 @@ def number(value: Any) -> str:
 def verdict(word: str) -> Text:
     """A verdict in its colour."""
     return Text(word, COLOURS[word])
+
+
+def _as_called(part: Words) -> Words:
+    return part if isinstance(part, Text) else as_called(part)
 
 
 def _longest_word(text: Text) -> int:

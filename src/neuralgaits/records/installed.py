@@ -55,6 +55,11 @@ class Machine(Record):
     opengl: Finding
     video: Finding
     compiler: Finding
+    hzd: Finding
+    drake: Finding
+    onnx: Finding
+    gym: Finding
+    ray: Finding
 
     @property
     def findings(self) -> Mapping[str, Finding]:

@@ -41,6 +41,17 @@ def resolve(run: str | Path, root: Path = RUNS_ROOT, *, finished: bool = True) -
     return folder
 
 
+def through_latest(file: Path) -> Path:
+    """A file that is named by way of the pointer, as in `runs/latest/certificate/proof.json`.
+
+    Raises: RunError if the pointer names no run.
+    """
+    for place in file.parents:
+        if place.name == LATEST and place.is_file():
+            return resolve(LATEST, place.parent).path / file.relative_to(place)
+    return file
+
+
 def unfinished(folder: RunFolder) -> str:
     """Why a run has no summary, as a clause about its training that says what to do."""
     if folder.ended_in_nan:

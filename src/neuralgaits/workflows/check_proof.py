@@ -29,6 +29,7 @@ from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.errors import RunError
 from neuralgaits.records.checked import Checked
 from neuralgaits.runs import resolve
+from neuralgaits.runs.latest import through_latest
 
 Progress = Callable[[int, int], None]
 
@@ -39,7 +40,7 @@ def check_proof(
     """Check a proof file.
 
     Args:
-        file: the proof file.
+        file: the proof file; `runs/latest` in its path stands for the run that it names.
         run: a run folder or `latest`, which the proof must be about. A run's own spec is code, and
             is run in a process of its own.
         progress: called with (leaves done, leaves) now and then.
@@ -51,7 +52,8 @@ def check_proof(
     Raises: InputError in one line if the file is no proof file; RunError if there is no such run.
     """
     began = time.perf_counter()
-    claims = read_claims(Path(file))
+    file = through_latest(Path(file))
+    claims = read_claims(file)
     folder = None if run is None else resolve(run).path
     wrong = [] if folder is None else differences(claims, folder)
     report = _rejected(claims, wrong) if wrong else check(claims, progress)

@@ -15,16 +15,27 @@ _RENDER = "from neuralgaits.simulation.video import trial; trial()"
 _RENDER_TIMEOUT_S = 60.0
 _WITHOUT_SCREEN = ("egl", "osmesa")
 """Values of MUJOCO_GL that need no window."""
+_EXTRAS = {
+    "video": ("imageio_ffmpeg", "imageio-ffmpeg", "videos"),
+    "hzd": ("casadi", "CasADi", "`optimise`"),
+    "drake": ("pydrake", "Drake", "`simulate --simulator drake`"),
+    "onnx": ("onnxruntime", "ONNX Runtime", "`export --format onnx`"),
+    "gym": ("gymnasium", "Gymnasium", "`neuralgaits.gym_env`"),
+    "ray": ("ray", "Ray", "`--ray`"),
+}
+"""Extras that only some verbs want: the module that they bring, its name, and what for."""
 
 
 def doctor() -> Machine:
     """Look at the machine.
 
     Returns: a mapping of what `doctor --json` prints: `ok` (everything needed is there),
-        `neuralgaits` (version) and python, device, x64, opengl, video, compiler: {ok, needed,
-        found, fix} each.
+        `neuralgaits` (version) and python, device, x64, opengl, video, compiler, hzd, drake, onnx,
+        gym, ray: {ok, needed, found, fix} each.
     """
-    findings = (_python(), _device(), _double_precision(), _opengl(), _video(), _compiler())
+    basic = (_python(), _device(), _double_precision(), _opengl())
+    video, *others = (_extra(name, *about) for name, about in _EXTRAS.items())
+    findings = (*basic, video, _compiler(), *others)
     ready = all(finding.ok for finding in findings if finding.needed)
     return Machine(ready, __version__, *findings)
 
@@ -87,10 +98,10 @@ def _renders(backend: str | None = None) -> bool:
     return trial.returncode == 0
 
 
-def _video() -> Finding:
-    there = importlib.util.find_spec("imageio_ffmpeg") is not None
-    fix = "for videos, pip install 'neuralgaits[video]'"
-    return _finding(there, f"imageio-ffmpeg is {'' if there else 'not '}there", fix, needed=False)
+def _extra(name: str, module: str, package: str, what: str) -> Finding:
+    there = importlib.util.find_spec(module) is not None
+    fix = f"for {what}, pip install 'neuralgaits[{name}]'"
+    return _finding(there, f"{package} is {'' if there else 'not '}there", fix, needed=False)
 
 
 def _compiler() -> Finding:
