@@ -12,6 +12,7 @@ import pytest
 
 from neuralgaits.certificate.reading import hashes
 from neuralgaits.cli.words import read as read_words
+from neuralgaits.records.asked import Given
 from neuralgaits.report.drawing.drawn import Missing
 from neuralgaits.report.page import words
 from neuralgaits.report.page.answer import answer
@@ -285,6 +286,48 @@ def test_a_run_of_a_spec_in_no_file_is_not_said_to_be_made_again(contents, shipp
     said = reproduction(contents(shipped))
     assert "its spec, my own, was made in Python and is in no file" in said
     assert "neuralgaits train" not in said
+
+
+def test_a_proof_of_many_robots_is_not_given_up_for_one(contents):
+    """What is missing asks for no level that would take the place of the box's proof."""
+    saved = contents().saved
+    assert ["--level 4" in line for _, line in missing_parts(contents())].count(True) == 1
+    box = {"mass": 0.01, "floor": 0.002}
+    page = contents(saved=replace(saved, certificate=replace(saved.certificate, parameters=box)))
+    assert not any("certify" in line for _, line in missing_parts(page))
+    assert "ends as soon as something is to spare" in answer(page)
+    assert "--level 3 --parameters mass=0.01,floor=0.002m" in reproduction(page)
+    lower = replace(page.saved.certificate, levels=page.saved.certificate.levels[:1])
+    lines = [line for _, line in missing_parts(contents(saved=replace(saved, certificate=lower)))]
+    assert any("--level 3 --parameters mass=0.01,floor=0.002m" in line for line in lines)
+
+
+def test_robots_that_were_drawn_are_said_to_be(contents, shipped):
+    box = {"mass": 0.02, "floor": 0.002, "friction": 0.5}
+    disturb = {"floor_height": 0.002, "friction": 0.5, "delay_ms": 3.0}
+    _simulated(shipped, parameters=box, disturb=disturb, errors={"mass of shin": [0.01] * 3})
+    page = contents(shipped)
+    said = simulations(page.saved)
+    drawn = "robots drawn from the box mass=2%,floor=2mm,friction=0.5, torques late by 3 ms"
+    assert f"changed: {drawn}," in said and "floor uneven" not in said
+    assert "drawn from the box mass=2%,floor=2mm,friction=0.5" in answer(page)
+
+
+def test_of_a_gait_that_was_given_nothing_is_said_to_be_trained(contents, shipped):
+    saved = contents().saved
+    given = replace(saved.asked, given=Given("optimise", 5, 0.7))
+    broken = contents(saved=replace(saved, asked=given, certificate=None)).saved
+    page = contents(saved=replace(saved, asked=given))
+    whole = document(page)
+    for word in ("network", "What was trained", "was trained so that", "gait was trained"):
+        assert word not in whole, word
+    assert "What was made" in whole and "How the policy was made" in whole
+    summary = broken.summary
+    worse = replace(summary.conditions["knee"], max_violation=0.1, min_margin=-0.1)
+    summary = replace(summary, conditions=dict(summary.conditions) | {"knee": worse})
+    found = dict(missing_parts(contents(saved=replace(broken, summary=summary))))
+    assert not any("more steps" in what for what in found)
+    assert any("one that is trained need not" in what for what in found)
 
 
 def test_missing_figures_stand_with_their_commands(contents, shipped):

@@ -136,6 +136,8 @@ def show_walks(result: Simulated) -> None:
     told = [f"{name}={number(value)}" for name, value in (result.command or {}).items()]
     if told or result.commands is not None:
         facts.append(("told", ", ".join(told) or str(result.commands)))
+    if result.drawn_from is not None:
+        facts.append(("robots", f"one a walk, drawn from {result.drawn_from}"))
     show_facts([*facts, *([("disturb", ", ".join(changed))] if changed else [])])
 
 
@@ -236,5 +238,4 @@ def _disturbed(result: Simulated) -> Iterable[tuple[str, Any]]:
     from neuralgaits.simulation.setup.disturbance import Disturbance
 
     usual = vars(Disturbance())
-    disturb = result.disturb or {}
-    return [(name, value) for name, value in disturb.items() if value != usual.get(name)]
+    return [(name, value) for name, value in result.changed.items() if value != usual.get(name)]

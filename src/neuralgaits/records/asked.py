@@ -142,8 +142,9 @@ class Asked(Record):
 
     @property
     def last_level(self) -> int:
-        """The highest that a certificate can reach: 4 and 5 are about one gait of one robot."""
-        return 3 if self.commands or self.described.get("parameters") else 5
+        """The highest that a certificate can reach: 4 and 5 are of one gait, robot and floor."""
+        many = self.described.get("parameters") or self.described.get("ground")
+        return 3 if self.commands or many else 5
 
     @property
     def learning_rate(self) -> float | None:

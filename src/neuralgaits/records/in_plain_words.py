@@ -12,13 +12,15 @@ LEVELS = {
 }
 """What each level states, as in docs/guarantees.md."""
 LAST_LEVEL, ORBIT, FULL_ORDER = max(LEVELS), 3, 4
+_FOR_EVER = (
+    "as long as the joints are exactly where the gait wants them, the robot walks for ever from "
+    "every state of the walking set"
+)
 PROVED = {
     1: "every condition holds at every state of its region. That is about single states: nothing "
     "follows yet for whole walks.",
-    2: "as long as the joints follow the network exactly, the robot walks for ever from every "
-    "state of the walking set.",
-    3: "as long as the joints follow the network exactly, the robot walks for ever from every "
-    "state of the walking set, and comes nearer and nearer to one motion that repeats.",
+    2: f"{_FOR_EVER}.",
+    3: f"{_FOR_EVER}, and comes nearer and nearer to one motion that repeats.",
     4: "as long as the motors do at once exactly what the controller asks, the whole robot walks "
     "for ever from every state of a set in which joints may be a little off their targets. With "
     "joints exactly on target, it comes nearer and nearer to one motion that repeats.",
@@ -35,11 +37,9 @@ _TOLD = {
 }
 """What a level states of a gait that takes commands, where it differs from `LEVELS`."""
 _PROVED_TOLD = {
-    2: "as long as the joints follow the network exactly, the robot walks for ever from every "
-    "state of the walking set, whatever it is told within its bounds.",
-    3: "as long as the joints follow the network exactly, the robot walks for ever from every "
-    "state of the walking set, whatever it is told within its bounds, and walks that are told the "
-    "same come nearer and nearer to each other.",
+    2: f"{_FOR_EVER}, whatever it is told within its bounds.",
+    3: f"{_FOR_EVER}, whatever it is told within its bounds, and walks that are told the same come "
+    "nearer and nearer to each other.",
 }
 """The same for `PROVED`."""
 _OWN_ORBITS = "one periodic orbit attracts the whole walking set, of each robot its own"
@@ -50,18 +50,18 @@ _UNEVEN = (
 )
 """The same with footholds higher or lower than meant."""
 _PROVED_UNEVEN = (
-    "as long as the joints follow the network exactly, the robot walks for ever from every state "
-    "of the walking set. Any two walks{of_one} whose footholds lie equally high, step by step, "
+    f"{_FOR_EVER}. "
+    "Any two walks{of_one} whose footholds lie equally high, step by step, "
     "come nearer and nearer to each other; where all lie as meant, to one motion that "
     "repeats{own}."
 )
 """The same for `PROVED`."""
 _RIGID = (
     "links are rigid; the foot on the ground is a point that neither slips nor rolls; an impact is "
-    "sudden and without bounce; {robot}; the network's weights are those stored in the run"
+    "sudden and without bounce; {robot}; the gait's numbers are those stored in the run"
 )
 _ONE_ROBOT = "masses and lengths are those of the robot file"
-_EXACT = "joints are exactly where the network wants them"
+_EXACT = "joints are exactly where the gait wants them"
 _LINEARISED = (
     "motors do without delay exactly what the controller asks (exact input-output linearisation in "
     "continuous time)"
@@ -139,10 +139,17 @@ def proved(found: Certified, told: bool) -> str:
         robots = f", of every robot within {found.robots} of the file's{own}"
     if found.ground:
         robots += f", on every floor with {found.ground}"
+    more = ""
+    if found.robots:
+        # The search ends where the sign is known: see docs/robust.md.
+        more = (
+            " For so many robots the search ends as soon as something is to spare, and does not "
+            "look for how much."
+        )
     return (
         f"Proved, to level {level} of {LAST_LEVEL}{robots}: {meant} Every one of the "
         f"{count} conditions was shown at every state of its region, rounding errors included, "
-        f"with at least {_least(found)} of its typical size to spare."
+        f"with at least {_least(found)} of its typical size to spare.{more}"
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.record import Count, Disturb, Record, Texts
 
 FOLDER = "simulation"
@@ -11,6 +12,8 @@ SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER
 MUJOCO = "mujoco"
 LOCKSTEP = "lock-step"
 """How a controller's process is reached where it is waited for."""
+_OF_FLOOR = {"floor": "floor_height", "friction": "friction"}
+"""Kinds of a box that a walk has from its floor, and what they change there."""
 _SHOWN = (
     ("speed_m_s", "speed", "m/s"),
     ("step_time_s", "time of a step", "s"),
@@ -232,6 +235,17 @@ class Simulated(WalkFigures, WalkSettings):
     def stepped_by(self) -> str:
         """The simulator as a sentence names it."""
         return {MUJOCO: "MuJoCo", "drake": "Drake"}.get(self.simulator, self.simulator)
+
+    @property
+    def drawn_from(self) -> str | None:
+        """The box that the robot of each walk was drawn from, in words; None for one robot."""
+        return box_in_words(self.parameters) or None
+
+    @property
+    def changed(self) -> dict[str, Any]:
+        """What was changed of the plant beside that: the floor of a box is said with the box."""
+        of_box = {_OF_FLOOR[kind] for kind in self.parameters if kind in _OF_FLOOR}
+        return {name: value for name, value in (self.disturb or {}).items() if name not in of_box}
 
     def unsaid(self) -> Collection[str]:
         """No link, commands, terrain, estimates and quadratic program where there were none."""

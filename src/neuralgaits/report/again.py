@@ -191,10 +191,7 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
         line += ["--parameters", box(done.parameters)]
     if done.terrain is not None:
         line += ["--terrain", done.terrain]
-    changed = words.disturbances(done.disturb)
-    for kind, name in (("floor", "floor_height"), ("friction", "friction")):
-        if kind in done.parameters:
-            changed.pop(name, None)
+    changed = words.disturbances(done.changed)
     if changed:
         line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
     return command(*line)

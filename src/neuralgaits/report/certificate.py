@@ -39,6 +39,7 @@ def certificate_of(run: Run) -> Certificate:
         shape,
         reason,
         found.map_fits,
+        bool(found.summary.parameters),
     )
 
 

@@ -111,15 +111,13 @@ def _margins_region(source: Source) -> Made:
 
 
 def _certificate_map(source: Source) -> Made:
-    path = source.run.path / MAP
-    if source.run.asked.parameters:
-        line = again.certifying(source.run.path, 1, parameters={})
-        raise Absent("boxes of states of many robots have too many sides to be drawn", line)
-    if source.certificate.reason is not None or not source.certificate.map_fits:
-        missing = f"{path.name} is missing in the certificate, or another one's"
-        reason = source.certificate.reason or missing
-        raise Absent(reason, command("certify", source.path))
-    return certificate_map.CAPTION, certificate_map.draw_saved(path)
+    path, certificate = source.run.path / MAP, source.certificate
+    if certificate.reason is None and certificate.map_fits:
+        return certificate_map.CAPTION, certificate_map.draw_saved(path)
+    if certificate.of_a_box or source.run.asked.parameters:
+        raise _of_a_box(source, 1, "the map is of states of one robot")
+    missing = f"{path.name} is missing in the certificate, or another one's"
+    raise Absent(certificate.reason or missing, command("certify", source.path))
 
 
 def _return_map(source: Source) -> Made:
@@ -132,12 +130,21 @@ def _full_order_set(source: Source) -> Made:
     if source.run.asked.commands:
         line = again.certifying(source.run.path, source.run.asked.last_level)
         raise Absent("level 4 is not about gaits with commands", line)
-    if source.run.asked.parameters:
-        line = again.certifying(source.run.path, 4, parameters={})
-        raise Absent("level 4 is about one robot, and the run's proof about a box of them", line)
-    if certificate.full is None:
-        raise Absent(certificate.no_full, again.certifying(source.run.path, 4))
-    return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
+    if certificate.full is not None:
+        return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
+    if certificate.of_a_box or source.run.asked.parameters:
+        raise _of_a_box(source, 4, "level 4 is about one robot on the floor as meant")
+    raise Absent(certificate.no_full, again.certifying(source.run.path, 4))
+
+
+def _of_a_box(source: Source, level: int, reason: str) -> Absent:
+    """What a proof for many robots or floors does not show, and what that of one would cost."""
+    if source.certificate.of_a_box:
+        reason += (
+            ", and the run's proof about a box of them; the command proves the file's robot alone, "
+            "and its proof takes the place of the box's: copy the run's folder first to have both"
+        )
+    return Absent(reason, again.certifying(source.run.path, level, parameters={}))
 
 
 def _stride(source: Source) -> Made:

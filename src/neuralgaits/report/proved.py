@@ -19,6 +19,7 @@ class Certificate:
         full: the set of level 4; None likewise.
         no_full: why there is none.
         map_fits: whether the map of boxes was made with the proof.
+        of_a_box: whether it is about a box of robots or floors, and not the file's robot alone.
     """
 
     reason: str | None = None
@@ -28,3 +29,4 @@ class Certificate:
     full: FullOrderSet | None = None
     no_full: str = "level 4 is not proved yet"
     map_fits: bool = False
+    of_a_box: bool = False

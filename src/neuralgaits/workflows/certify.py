@@ -283,7 +283,8 @@ def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
     if box and level > LEVEL:
         raise InputError(
             f"expected level 1, 2 or 3 for a box of robots, found {level}: the theorem of full "
-            "order is about one robot; leave --level out, or give --parameters none"
+            "order is about one robot; leave --level out, or give --parameters none, whose proof "
+            "takes the place of the box's"
         )
     if "floor" in box and level < 2:
         raise InputError(

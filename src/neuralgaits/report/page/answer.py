@@ -73,7 +73,9 @@ def _walked(saved: Saved, shown: ShownWalk | None) -> str:
 
 
 def _where(done: Simulated) -> str:
-    changed = words.changes(done.disturb)
+    changed = words.changes(done.changed)
+    if done.drawn_from is not None:
+        changed.insert(0, f"each walk of another robot, drawn from the box {done.drawn_from}")
     if done.push:
         changed.append(f"a push of {number(done.push)} N s")
     return f" ({'; '.join(changed)})" if changed else ""

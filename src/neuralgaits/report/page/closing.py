@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from neuralgaits.records import in_plain_words
+from neuralgaits.records.certified import Certified
+from neuralgaits.records.in_plain_words import ORBIT
 from neuralgaits.report import again
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import markup as html
@@ -104,14 +106,19 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
     unprovable = bool(saved.failing or saved.asked.not_provable_because)
     if saved.failing:
         names = ", ".join(saved.failing[:_NAMED]) + (", …" if len(saved.failing) > _NAMED else "")
-        what = f"a gait that can be proved: some states break {names}, which more steps may mend"
-        yield what, again.longer(saved.folder)
+        what = f"a gait that can be proved: some states break {names}, which"
+        if saved.asked.as_given is None:
+            yield f"{what} more steps may mend", again.longer(saved.folder)
+        else:
+            anew = command("train", again.robot_word(saved.folder))
+            yield f"{what} one that is trained need not", anew
     elif unprovable:
         pass
     elif saved.certificate is None:
         yield "a certificate", command("certify", saved.name)
-    elif (level := saved.certificate.proved_level) < saved.asked.last_level:
-        line = again.certifying(saved.folder.path, level + 1)
+    elif (level := saved.certificate.proved_level) < _last_level(saved, saved.certificate):
+        other = _other_box(saved, saved.certificate)
+        line = again.certifying(saved.folder.path, level + 1, parameters=other)
         stated = in_plain_words.states(level + 1, bool(saved.asked.commands), saved.certificate)
         yield f"level {level + 1}: {stated}", line
     for figure in contents.figures:
@@ -119,6 +126,16 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         proof = isinstance(figure, Missing) and figure.command.startswith(command("certify"))
         if isinstance(figure, Missing) and not (proof and unprovable):
             yield f"figure “{figure.title}”: {figure.reason}", figure.command
+
+
+def _other_box(saved: Saved, found: Certified) -> Mapping[str, float] | None:
+    """The box that a proof is about; None if it is the one that the run is meant for."""
+    return None if found.parameters == saved.asked.parameters else found.parameters
+
+
+def _last_level(saved: Saved, found: Certified) -> int:
+    """The highest that can be asked for without giving up what is proved: 4 is about one robot."""
+    return min(saved.asked.last_level, ORBIT) if found.parameters else saved.asked.last_level
 
 
 def reproduction(contents: Contents) -> Html:
@@ -131,8 +148,7 @@ def reproduction(contents: Contents) -> Html:
     lines = ["" if trained is None else trained]
     if saved.certificate is not None:
         level = saved.certificate.level
-        within, own = saved.certificate.within, saved.certificate.parameters
-        other = None if own == saved.asked.parameters else own
+        within, other = saved.certificate.within, _other_box(saved, saved.certificate)
         lines.append(again.certifying(copy, level, saved.disturbance, within, other))
     if saved.simulation is not None:
         lines.append(again.simulating(saved.folder, saved.simulation, copy) or "")
@@ -160,7 +176,7 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
         )
         return [html.paragraph(f"No command makes this run again: {lost}.")]
     said = (
-        "On the same machine and the same versions these commands give the same weights, bit for "
+        "On the same machine and the same versions these commands give the same gait, bit for "
         "bit; elsewhere, a gait that differs in its last digits. They write to a folder beside "
         "this run, which must be new."
     )

@@ -10,7 +10,7 @@ from neuralgaits.report.page.learning import learning
 from neuralgaits.report.page.markup import Html, tag
 from neuralgaits.report.page.proof import certificate
 from neuralgaits.report.page.saved import Contents
-from neuralgaits.report.page.training import training
+from neuralgaits.report.page.training import heading, training
 from neuralgaits.report.page.walking import animation, simulations
 from neuralgaits.report.page.whole import inline_image, whole
 
@@ -22,7 +22,7 @@ _SCRIPTS = ("hints.js", "scene.js", "player.js")
 _CONTENTS = (
     ("answer", "The answer"),
     ("walk", "The walk"),
-    ("training", "What was trained"),
+    ("training", "What was made"),
     ("told", "What it is told"),
     ("figures", "Figures"),
     ("certificate", "The certificate"),
@@ -50,15 +50,17 @@ def document(contents: Contents) -> str:
             learning(contents.saved),
         ]
     parts += [failures(contents), missing(contents), reproduction(contents), glossary()]
-    header = tag("header", title(contents.saved), answer(contents), _list_of_contents(parts))
+    header = tag(
+        "header", title(contents.saved), answer(contents), _list_of_contents(contents, parts)
+    )
     name = f"A walking gait for {contents.saved.robot}"
     return whole(name, header, tag("main", *parts), "the files of the run", _SCRIPTS)
 
 
-def _list_of_contents(parts: list[Html]) -> Html:
-    present = "".join(parts)
+def _list_of_contents(contents: Contents, parts: list[Html]) -> Html:
+    present, own = "".join(parts), {"training": heading(contents.saved)}
     links = [
-        tag("li", tag("a", words, href=f"#{name}"))
+        tag("li", tag("a", own.get(name, words), href=f"#{name}"))
         for name, words in _CONTENTS
         if name == "answer" or f'<h2 id="{name}">' in present
     ]

@@ -19,17 +19,23 @@ from neuralgaits.runs.commands import resuming
 def training(contents: Contents) -> Html:
     """Robot, settings, and every condition with what was measured of it."""
     saved = contents.saved
+    given = saved.asked.as_given is not None
     return html.section(
         "training",
-        "What was trained",
+        heading(saved),
         _state(saved),
         html.tag("h3", "The robot"),
         *_robot(contents.robot),
         html.tag("h3", "The settings"),
-        html.facts("How the policy was trained", _settings(saved)),
+        html.facts(f"How the policy was {'made' if given else 'trained'}", _settings(saved)),
         html.tag("h3", "The conditions"),
         *_conditions(saved),
     )
+
+
+def heading(saved: Saved) -> str:
+    """Of this part."""
+    return "What was trained" if saved.asked.as_given is None else "What was made"
 
 
 def _state(saved: Saved) -> Html:
@@ -151,7 +157,7 @@ TIGHTEST = 5
 def _conditions(saved: Saved) -> list[Html]:
     measured, asked = saved.measured, saved.asked.conditions
     if not asked:
-        return [html.paragraph("The run does not say which conditions it was trained for.")]
+        return [html.paragraph("The run does not say which conditions it is meant for.")]
     broken = [name for name, entry in measured.items() if entry.broken]
     unseen = " that training has not seen" if saved.asked.as_given is None else ""
     if not measured:

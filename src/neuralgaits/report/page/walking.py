@@ -151,7 +151,8 @@ def simulations(saved: Saved) -> Html:
         told = f"{html.number(orbit.multiplier)}, computed in float64; not the proved enclosure"
         rows.append(("multiplier of the model's orbit", told))
         rows.append(("length of a step on that orbit", f"{html.number(orbit.step_length_m)} m"))
-    changed = ", ".join(words.changes(done.disturb)) or "nothing"
+    drawn = [] if done.drawn_from is None else [f"robots drawn from the box {done.drawn_from}"]
+    changed = ", ".join([*drawn, *words.changes(done.changed)]) or "nothing"
     push = f", push {html.number(done.push)} N s" if done.push else ""
     ground = "" if done.terrain is None else f", terrain {done.terrain}"
     off = done.foothold_error_m

@@ -45,7 +45,7 @@ GLOSSARY = (
     ),
     (
         "Policy",
-        "the trained function that says, for these two numbers, where every joint should be. There "
+        "the function that says, for these two numbers, where every joint should be. There "
         "is no clock in it: if the robot is held up, the gait waits.",
     ),
     ("Stance and swing", "the leg that stands on the ground, and the one that moves forward."),
@@ -56,7 +56,7 @@ GLOSSARY = (
     ),
     (
         "Region, tube",
-        "the set of states for which the gait was trained: from the start of a step (phase 0) to "
+        "the set of states that the gait is meant for: from the start of a step (phase 0) to "
         "touchdown (phase 1), between a slow and a fast edge, its fences.",
     ),
     (
