@@ -9,9 +9,12 @@ import pytest
 
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
+from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.simulated import ModelOrbit, Simulated
 from neuralgaits.records.trained import Trained, Violations
 from neuralgaits.runs import to_json
+from neuralgaits.runs.shape import complaint
+from neuralgaits.workflows.certify import HIGHEST
 
 WALKED = {
     "run": "runs/a",
@@ -113,3 +116,14 @@ def test_records_are_read_without_jax() -> None:
     lines = [f"import neuralgaits.records.{name}" for name in rooms.split()]
     code = "; ".join([*lines, "import sys; assert 'jax' not in sys.modules"])
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_summary_of_every_level_is_read_again():
+    """What `certify` can be asked is what a report can read."""
+    for level in range(1, HIGHEST + 1):
+        found = _certified(
+            {"a": _verdict("proved", 0.1)}, dict.fromkeys(range(2, level + 1), "proved")
+        )
+        found = replace(found, level=level)
+        assert complaint(json.loads(to_json(found)), shape_of(Certified)) is None
+        assert build(Certified, json.loads(to_json(found))).proved_level == level

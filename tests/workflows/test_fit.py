@@ -135,6 +135,16 @@ def test_too_little_data_is_refused_and_nothing_written(
     assert sorted(path.name for path in brief_run.path.rglob("*")) == before
 
 
+def test_a_walk_that_is_none_of_the_gait_is_not_asked_to_be_longer(
+    brief_run, planted_logs, tmp_path
+):
+    """As of a hip whose sign is wrong: joints are far from what the gait asks."""
+    asked = planted_logs[0].qd + 0.6
+    logs.write(tmp_path / "off.csv", replace(planted_logs[0], qd=asked))
+    with pytest.raises(InputError, match=r"rows are left out, because .* a sign, a zero or a unit"):
+        fit(brief_run, [tmp_path / "off.csv"])
+
+
 @pytest.mark.parametrize(
     ("words", "found"),
     [({"optimizer": "sgd"}, "unknown optimizer 'sgd'"), ({"seed": -1}, "expected a seed from 0")],

@@ -11,7 +11,9 @@ from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
 PROOF = f"{FOLDER}/proof.json"
-LEVELS = (1, 2, 3, 4)
+LEVELS = (1, 2, 3, 4, 5)
+FULL_ORDER = 4
+"""The level that brings files and constants of its own."""
 GROUND = "floor", "friction"
 """Of a box, what is not the robot's."""
 
@@ -85,7 +87,7 @@ class Conclusion:
     """The answer for one level.
 
     Attributes:
-        level: 2, 3 or 4.
+        level: 2 to 5.
         verdict: proved, or undecided with a reason; "consistent" if it follows from statements of
             which it is not known what they are about.
         reason: what is missing; None if proved.
@@ -94,7 +96,7 @@ class Conclusion:
         constants: the same with units and in words, of a level that has many; else empty.
     """
 
-    level: Annotated[int, one_of(2, 3, 4)]
+    level: Annotated[int, one_of(*LEVELS[1:])]
     verdict: Literal["proved", "consistent", "undecided"]
     reason: str | None
     words: Texts = ()
@@ -151,7 +153,7 @@ class Certified(Record):
         unsaid = [] if self.parameters else ["parameters"]
         if self.within is None:
             unsaid.append("within")
-        if any(entry.level == max(LEVELS) for entry in self.levels):
+        if any(entry.level >= FULL_ORDER for entry in self.levels):
             return unsaid
         known = ("map", "reason", "full_order_proof")
         return [*unsaid, *(n for n in known if getattr(self, n) is None)]

@@ -2,7 +2,7 @@
 
 import hashlib
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -84,7 +84,7 @@ def fit(
     cut = walks.cut(read, trained.robot)
     long, short = _long_enough(cut.strides)
     zd = ZeroDynamics(trained.robot, policy)
-    parts = _dealt(long, seed)
+    parts = _dealt(long, seed, cut.left_out, sum(map(len, read)))
     scale = _scale(trained, long)
     train, validation = _windows(parts.train), _windows(parts.validation)
     fitter = Fitter.build(zd, train, validation, scale, config=config, seed=seed)
@@ -130,12 +130,23 @@ def _long_enough(strides: Sequence[Stride]) -> tuple[list[Stride], int]:
     return long, sum(stride.t.size for stride in strides) - sum(stride.t.size for stride in long)
 
 
-def _dealt(strides: Sequence[Stride], seed: int) -> Split:
+_LEFT_OUT = {
+    "falling": "joints are far from what the gait asks, or the hip far from above the foot: it "
+    "falls there, or a sign, a zero or a unit is not the robot file's",
+    "standing": "one leg stands for longer than a step: the robot stands still there, or contacts "
+    "do not tell one leg from the other",
+}
+
+
+def _dealt(strides: Sequence[Stride], seed: int, left_out: Mapping[str, int], rows: int) -> Split:
     if len(strides) < 3:
+        remedy = "walk longer or give more logs"
+        for why, meaning in _LEFT_OUT.items():
+            if 2 * left_out[why] > rows:
+                remedy = f"{left_out[why]} of {rows} rows are left out, because {meaning}"
         raise InputError(
             f"logs: expected at least 3 strides of {STEP_S * (JUDGED_SAMPLES - 1):.2g} s or more, "
-            f"one each to learn from, to choose by and to report on, found {len(strides)}: walk "
-            "longer or give more logs"
+            f"one each to learn from, to choose by and to report on, found {len(strides)}: {remedy}"
         )
     return walks.split(strides, seed=seed)
 

@@ -48,15 +48,15 @@ def animation(contents: Contents) -> Html:
         pictures,
         _controls(walk),
         html.paragraph(
-            "Drag to turn, wheel or pinch to zoom; with the keyboard, arrows and + −. Left: the "
+            "Drag to turn, wheel or pinch to zoom; with the keyboard, arrows and + −. First the "
             "robot",
             " and the force of the ground on its standing foot (the mean over "
             f"{html.number(walk.frame_s)} s)"
             if walk.force_n
             else "",
-            ". Right: the same moment as a point of the zero dynamics, the two numbers that no "
-            "motor acts on. The green area is the gait's region. Along a step the point moves to "
-            "the right; at touchdown it jumps back to the left, and the next step begins.",
+            ". Beside or below it the same moment as a point of the zero dynamics, the two numbers "
+            "that no motor acts on. The green area is the gait's region. Along a step the point "
+            "moves to the right; at touchdown it jumps back to the left, and the next step begins.",
             class_="quiet",
         ),
         html.paragraph(
