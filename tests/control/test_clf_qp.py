@@ -9,7 +9,7 @@ from scipy.optimize import nnls
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits.control import ClfQp, Fblin
 from neuralgaits.control.interior_point import Program, minimise
-from neuralgaits.control.law import Reading
+from neuralgaits.control.law import Demand, Reading
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait import BezierPolicy
 
@@ -75,7 +75,7 @@ def test_rows_say_what_torques_do_to_outputs_and_to_the_floor(robot, rng):
     def look(q, dq, torque):
         reading = reading_of(robot, q, dq)
         desired = law.desired(robot, policy, reading)
-        program = law.program(robot, reading, desired, torque, limit)
+        program = law.program(robot, Demand(reading, desired, torque, limit))
         ddq = robot.acceleration(q, dq, torque)
         force = robot.ground_reaction_force(q, dq, ddq) / weight
         return program, jax.jvp(size, (q, dq), (dq, ddq)), force
@@ -103,7 +103,7 @@ def test_it_is_fblin_where_that_is_possible_and_says_where_it_is_not(amber, rng)
     def limited(robot, limit):
         desired = law.desired(robot, policy, reading)
         wanted = fblin.torque(robot, reading, desired)
-        found = law.within(robot, reading, desired, wanted, jnp.full(4, limit))
+        found = law.within(robot, Demand(reading, desired, wanted, jnp.full(4, limit)))
         ddq = robot.acceleration(q, dq, found.torque)
         return wanted, found, robot.ground_reaction_force(q, dq, ddq)
 

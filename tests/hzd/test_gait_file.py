@@ -86,7 +86,7 @@ def test_rows_in_another_order_and_convention(amber, file):
         ),
         ({"gaits": {"walk": one()}}, "wal", "did you mean walk"),
         ({"gaits": {"walk": 3}}, "walk", "expected an object for gait 'walk', found 3"),
-        ("{", None, "expected JSON, found a damaged file"),
+        ("{", None, "expected a JSON object, found a damaged file"),
         ("[1]", None, "expected a JSON object, found list"),
     ],
 )

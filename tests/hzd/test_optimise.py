@@ -7,7 +7,7 @@ from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.hzd import solver
 from neuralgaits.hzd.collocation import nodes
 from neuralgaits.records.asked import Given
-from neuralgaits.workflows.given_run import given_run
+from neuralgaits.workflows.parts.given_run import given_run
 from support import published_gaits
 
 

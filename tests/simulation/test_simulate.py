@@ -11,7 +11,7 @@ from neuralgaits.barriers import Gait, Tube, specs
 from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.runs import RunFolder, to_json
 from neuralgaits.simulation import video as films
-from neuralgaits.workflows import simulate as workflow
+from neuralgaits.simulation.trained_walks import TrainedWalks
 from neuralgaits.workflows.simulate import simulate
 
 FIELDS = {
@@ -79,7 +79,7 @@ def _no_walk(*arguments, **settings):
 
 def test_outputs_that_cannot_be_written_are_refused_before_the_walk(run, tmp_path, monkeypatch):
     pytest.importorskip("imageio_ffmpeg")
-    monkeypatch.setattr(workflow, "walk", _no_walk)
+    monkeypatch.setattr(TrainedWalks, "walk", _no_walk)
     monkeypatch.setattr(films, "_renderer", _no_screen)
     with pytest.raises(InputError, match="video needs OpenGL"):
         simulate(run, steps=1, video=tmp_path / "walk.mp4")

@@ -17,7 +17,7 @@ from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.gradient_steps import GradientSteps
-from neuralgaits.workflows.proof_rounds import HISTORY, REPAIR, Watch
+from neuralgaits.workflows.parts.proof_rounds import HISTORY, REPAIR, Watch
 from neuralgaits.workflows.train import train
 from support import small_spec
 
@@ -101,7 +101,7 @@ import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
 from neuralgaits.training import gradient_steps
-from neuralgaits.workflows.proof_rounds import REPAIR
+from neuralgaits.workflows.parts.proof_rounds import REPAIR
 
 gradient_steps.CHECKPOINT_S = 0.0
 gradient_steps.VALIDATE_EVERY = 25

@@ -11,14 +11,14 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.engine import Processes, Serial
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
+from neuralgaits.simulation import shared_walks
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.orders import orders_of
-from neuralgaits.simulation.trained_walks import TrainedWalks
-from neuralgaits.workflows import shared_walks
+from neuralgaits.simulation.shared_walks import SharedWalks
+from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.workflows import simulate as simulating
-from neuralgaits.workflows.shared_walks import SharedWalks, at_first
 from neuralgaits.workflows.simulate import simulate
 from support import commanded_run
 from support.shipped_run import SHIPPED

@@ -18,7 +18,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.gait import AbstractPolicy, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.records.asked import Asked, asked_of
 from neuralgaits.records.trained import Trained, trained_of
 from neuralgaits.robots import PlanarBiped
@@ -144,7 +144,7 @@ class PolicyOfSteps:
 
     family: CommandedPolicy
     robot: PlanarBiped
-    reset_residual: AbstractResetResidual | None
+    reset_residual: Reset
 
     def at(self, from_: Mapping[str, float], to: Mapping[str, float]) -> AbstractPolicy:
         """The policy of one step.
@@ -164,7 +164,7 @@ def steady_gait(
     family: CommandedGait,
     robot: PlanarBiped,
     command: Mapping[str, float] | None,
-    reset_residual: AbstractResetResidual | None = None,
+    reset_residual: Reset = None,
 ) -> Gait:
     """The gait of a family at a command that stays; None for the middle of its ranges."""
     if command is None:

@@ -12,17 +12,10 @@ import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits.barriers import functions as f
-from neuralgaits.barriers.conditions import (
-    AbstractCondition,
-    Barrier,
-    Equality,
-    Fence,
-    Inlet,
-    Pointwise,
-)
-from neuralgaits.barriers.regions import Box, Gait, Tube
+from neuralgaits.barriers.conditions import Barrier, Equality, Fence, Inlet, Pointwise
+from neuralgaits.barriers.regions import Gait, Tube
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
-from neuralgaits.barriers.walking import pendulum_height, units
+from neuralgaits.barriers.walking import pendulum_height, regions_of_step, units
 from neuralgaits.gait import BezierPolicy, walking_posture
 
 if TYPE_CHECKING:
@@ -50,16 +43,7 @@ def hzd(robot: "PlanarBiped", degree: int) -> GaitSpec:
         robot: whose limits they are.
         degree: of the polynomials.
     """
-    everywhere, ends = (0.0, 1.0), ((0.0, 0.0), (1.0, 1.0))
-    regions = {
-        "tube": (_box(everywhere, everywhere),),
-        "lift-off": (_box((0.0, LIFT_OFF), everywhere),),
-        "swing": (_box((LIFT_OFF, LANDING), everywhere),),
-        "landing": (_box((LANDING, 1.0), everywhere),),
-        "fence-lower": (_box(everywhere, ends[0]),),
-        "fence-upper": (_box(everywhere, ends[1]),),
-        "guard": (_box(ends[1], everywhere),),
-    }
+    regions = regions_of_step(LIFT_OFF, LANDING)
     recipe = Recipe(
         steps=1400,
         samples={name: 48 if name == "tube" else 16 for name in regions},
@@ -72,10 +56,6 @@ def hzd(robot: "PlanarBiped", degree: int) -> GaitSpec:
     )
     conditions = (*_stance(robot), *_swing_foot(robot), *_tube(), *_guard(robot))
     return GaitSpec(NAME, conditions, regions, partial(_new_gait, robot, degree), recipe)
-
-
-def _box(phases: tuple[float, float], levels: tuple[float, float]) -> Box:
-    return Box((phases[0], levels[0]), (phases[1], levels[1]))
 
 
 def _new_gait(
@@ -104,11 +84,11 @@ def empty_tube(robot: "PlanarBiped", span: tuple[float, float]) -> Tube:
     return Tube(none, none.copy(), np.asarray(unit), np.asarray(span, np.float64), trained=True)
 
 
-def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
+def _stance(robot: "PlanarBiped") -> list[Barrier | Pointwise]:
     """Contact, torques, joint ranges and progress on the whole tube."""
     unit = units(robot)
     weight, speed, cone = unit.weight_n, unit.speed, float(robot.friction)
-    conditions: list[AbstractCondition] = []
+    conditions: list[Barrier | Pointwise] = []
     if robot.torso is not None:
         alpha, scale = ALPHA / unit.time, 3.3 / unit.time
         conditions += [
@@ -131,7 +111,7 @@ def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
     ]
 
 
-def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
+def _swing_foot(robot: "PlanarBiped") -> list[Pointwise]:
     """Rise, stay above the ground, fall."""
     unit = units(robot)
     speed, height = 0.5 * unit.speed, 0.05 * unit.length
@@ -143,7 +123,7 @@ def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
     ]
 
 
-def _tube() -> list[AbstractCondition]:
+def _tube() -> list[Fence | Inlet]:
     """The flow stays between the fences, and so does the reset."""
     return [
         Fence("flow-above-lower-fence", "fence-lower", 1.0, "lower"),
@@ -153,7 +133,7 @@ def _tube() -> list[AbstractCondition]:
     ]
 
 
-def _guard(robot: "PlanarBiped") -> list[AbstractCondition]:
+def _guard(robot: "PlanarBiped") -> list[Pointwise | Equality]:
     """An impact that a floor can give, after which the old foot leaves, outputs near zero."""
     unit = units(robot)
     push, cone = 5.0 * unit.mass_kg * unit.speed / 21.5562, float(robot.friction)

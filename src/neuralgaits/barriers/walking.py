@@ -66,6 +66,25 @@ def pendulum_height(robot: "PlanarBiped") -> float:
     return 1.03 * robot.leg_length
 
 
+def regions_of_step(lift_off: float, landing: float) -> dict[str, tuple[Box, ...]]:
+    """Regions of the tube, in phase and level, of which conditions of a step speak.
+
+    Args:
+        lift_off: phase up to which the swing foot may be on the ground.
+        landing: phase from which it may be there again.
+    """
+    everywhere, ends = (0.0, 1.0), ((0.0, 0.0), (1.0, 1.0))
+    return {
+        "tube": (_box(everywhere, everywhere),),
+        "lift-off": (_box((0.0, lift_off), everywhere),),
+        "swing": (_box((lift_off, landing), everywhere),),
+        "landing": (_box((landing, 1.0), everywhere),),
+        "fence-lower": (_box(everywhere, ends[0]),),
+        "fence-upper": (_box(everywhere, ends[1]),),
+        "guard": (_box(ends[1], everywhere),),
+    }
+
+
 def walking(
     robot: "PlanarBiped",
     policy: Literal["hybrid-invariant", "mlp"] = "hybrid-invariant",
@@ -93,16 +112,7 @@ def walking(
     free = policy == "mlp"
     if free:
         conditions += _match(robot)
-    everywhere, ends = (0.0, 1.0), ((0.0, 0.0), (1.0, 1.0))
-    regions = {
-        "tube": (_box(everywhere, everywhere),),
-        "lift-off": (_box((0.0, LIFT_OFF), everywhere),),
-        "swing": (_box((LIFT_OFF, LANDING), everywhere),),
-        "landing": (_box((LANDING, 1.0), everywhere),),
-        "fence-lower": (_box(everywhere, ends[0]),),
-        "fence-upper": (_box(everywhere, ends[1]),),
-        "guard": (_box(ends[1], everywhere),),
-    }
+    regions = regions_of_step(LIFT_OFF, LANDING)
     samples = {
         "tube": 48,
         "lift-off": 12,

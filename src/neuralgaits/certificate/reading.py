@@ -164,7 +164,8 @@ def _other_spec(model: Mapping[str, Any] | None, described: Mapping[str, Any]) -
     """What differs between the spec of a proof's model and that of the run's config; None."""
     if model is None:
         return None
-    rows = {row["name"]: {k: v for k, v in row.items() if k != "name"} for row in _rows(described)}
+    own = described["conditions"]
+    rows = {row["name"]: {k: v for k, v in row.items() if k != "name"} for row in own}
     if rows != model["conditions"]:
         return "its conditions have other numbers than those of config.json"
     told = [
@@ -174,10 +175,6 @@ def _other_spec(model: Mapping[str, Any] | None, described: Mapping[str, Any]) -
     if told != [dict(row) for row in described.get("commands", ())]:
         return "it is about other commands than those of config.json"
     return None
-
-
-def _rows(described: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
-    return described["conditions"]
 
 
 def _part(

@@ -27,7 +27,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
 def carry_out_refine(verb: Refine) -> Outcome:
     """Run `refine`. Undecided if a proof was asked for and not found."""
     from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.workflows.proof_rounds import Watch
+    from neuralgaits.workflows.parts.proof_rounds import Watch
     from neuralgaits.workflows.refine import refine
 
     given = verb.disturbance

@@ -123,7 +123,7 @@ def _train(verb: Train) -> Outcome:
         given = {"resume": _unfinished(verb.resume, given, verb.output.json)}
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot
-    from neuralgaits.workflows.proof_rounds import Watch
+    from neuralgaits.workflows.parts.proof_rounds import Watch
     from neuralgaits.workflows.train import train
 
     robot = None if verb.robot is None else load_robot(verb.robot)

@@ -8,45 +8,27 @@ from typing import Any
 import tyro
 
 from neuralgaits._version import __version__
-from neuralgaits.cli.arguments import (
-    Certify,
-    CheckProof,
-    Demo,
-    Doctor,
-    Episodes,
-    Export,
-    Fit,
-    ImportGait,
-    Inspect,
-    Optimise,
-    Refine,
-    Report,
-    Robots,
-    Simulate,
-    Sweep,
-    Train,
-    View,
-)
+from neuralgaits.cli import arguments as of
 from neuralgaits.cli.misspelt import refuse_misspelt
 
 Verb = (
-    Train
-    | Simulate
-    | Certify
-    | CheckProof
-    | Fit
-    | Refine
-    | Episodes
-    | Sweep
-    | Optimise
-    | ImportGait
-    | Export
-    | Report
-    | View
-    | Demo
-    | Inspect
-    | Robots
-    | Doctor
+    of.Train
+    | of.Simulate
+    | of.Certify
+    | of.CheckProof
+    | of.Fit
+    | of.Refine
+    | of.Episodes
+    | of.Sweep
+    | of.Optimise
+    | of.ImportGait
+    | of.Export
+    | of.Report
+    | of.View
+    | of.Demo
+    | of.Inspect
+    | of.Robots
+    | of.Doctor
 )
 """One subcommand each: the class name in lower case, with hyphens."""
 _VERBS = {

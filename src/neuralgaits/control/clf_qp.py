@@ -18,7 +18,7 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
 from neuralgaits.control.fblin import Fblin
 from neuralgaits.control.interior_point import Program, minimise
-from neuralgaits.control.law import AbstractLaw, Desired, Limited, Outputs, Reading, errors
+from neuralgaits.control.law import AbstractLaw, Demand, Desired, Limited, Outputs, Reading, errors
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import ground_reaction_force
 from neuralgaits.robots.linear import solve
@@ -78,17 +78,11 @@ class ClfQp(AbstractLaw):
         """Linearising torques. Returns: [m] (N m)."""
         return self.linearising.torque(robot, reading, desired)
 
-    def within(
-        self,
-        robot: PlanarBiped,
-        reading: Reading,
-        desired: Desired,
-        torque: Actuated,
-        limit: Actuated,
-    ) -> Limited:
+    def within(self, robot: PlanarBiped, demand: Demand) -> Limited:
         """Solve the program. Returns: `Limited`."""
+        torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
-        found = minimise(self.program(robot, reading, desired, torque, limit))
+        found = minimise(self.program(robot, demand))
         given_up = found.x[m:] > np.array([SLOWER, OUT_OF_CONE])
         # A program without a solution in numbers: motors without torque.
         within = jnp.where(found.converged, unit * found.x[:m], torque)
@@ -96,18 +90,12 @@ class ClfQp(AbstractLaw):
         at_limit = jnp.any(jnp.abs(within) >= (1.0 - AT_LIMIT) * limit)
         return Limited(within, at_limit, given_up | ~found.converged)
 
-    def program(
-        self,
-        robot: PlanarBiped,
-        reading: Reading,
-        desired: Desired,
-        torque: Actuated,
-        limit: Actuated,
-    ) -> Program:
+    def program(self, robot: PlanarBiped, demand: Demand) -> Program:
         """The program of one state. Torques are in units of the largest limit.
 
         Returns: `Program` of x = (u/unit, delta, sigma).
         """
+        reading, desired, torque, limit = demand
         m, unit = robot.n - 1, jnp.max(limit)
         free = accelerations(robot, reading)
         slope, rest = self._decrease(robot, reading, desired, free)

@@ -13,7 +13,7 @@ import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
 from neuralgaits.control import stance, told
-from neuralgaits.control.law import AbstractLaw, Desired, Reading
+from neuralgaits.control.law import AbstractLaw, Demand, Desired, Reading
 from neuralgaits.control.measurement import (
     Measurement,
     coordinates,
@@ -26,7 +26,7 @@ from neuralgaits.control.stance import StanceConfig, StanceState
 from neuralgaits.control.told import Told
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Limits
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 
 
@@ -51,7 +51,7 @@ class Controller(eqx.Module):
     torque_limit: Float[Array, " m"]
     stance: StanceConfig = eqx.field(static=True)
     period_s: float = eqx.field(static=True)
-    reset_residual: AbstractResetResidual | None = None
+    reset_residual: Reset = None
 
     @classmethod
     def init(
@@ -64,7 +64,7 @@ class Controller(eqx.Module):
         torque_limit: Actuated | None = None,
         stance: StanceConfig | None = None,
         period_s: float = 1e-3,
-        reset_residual: AbstractResetResidual | None = None,
+        reset_residual: Reset = None,
     ) -> "Controller":
         """Put a controller together, bounds and limits taken from policy and robot.
 
@@ -95,10 +95,7 @@ class Controller(eqx.Module):
 
 @eqx.filter_jit
 def _numbers(
-    robot: PlanarBiped,
-    policy: AbstractPolicy,
-    command: Float[Array, " p"],
-    reset_residual: AbstractResetResidual | None,
+    robot: PlanarBiped, policy: AbstractPolicy, command: Float[Array, " p"], reset_residual: Reset
 ) -> Float[Array, " s"]:
     return told.steady(robot, policy, command, reset_residual).numbers
 
@@ -201,7 +198,7 @@ def step(
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
     wanted = law.torque(robot, reading, held)
-    limited = law.within(robot, reading, held, wanted, controller.torque_limit)
+    limited = law.within(robot, Demand(reading, held, wanted, controller.torque_limit))
     torque = limited.torque
     command = Command(
         torque=leg_joints(robot, torque, standing.leg),

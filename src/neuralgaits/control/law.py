@@ -42,6 +42,17 @@ class Desired(NamedTuple):
     """Desired accelerations that ddz1 = 0 would leave [rad/s^2]; zero likewise. [m]"""
 
 
+class Demand(NamedTuple):
+    """Torques that a law asks for, in the state in which it does."""
+
+    reading: Reading
+    desired: Desired
+    torque: Actuated
+    """[N m]. [m]"""
+    limit: Actuated
+    """Of every motor [N m]. [m]"""
+
+
 class Limited(NamedTuple):
     """Torques within limits."""
 
@@ -76,16 +87,9 @@ class AbstractLaw(eqx.Module):
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
 
-    def within(
-        self,
-        robot: PlanarBiped,
-        reading: Reading,
-        desired: Desired,
-        torque: Actuated,
-        limit: Actuated,
-    ) -> Limited:
+    def within(self, robot: PlanarBiped, demand: Demand) -> Limited:
         """What is done of the law's torques: they are clipped. Returns: `Limited`."""
-        clipped, saturated = saturate(torque, limit)
+        clipped, saturated = saturate(demand.torque, demand.limit)
         return Limited(clipped, saturated, jnp.zeros(2, bool))
 
 

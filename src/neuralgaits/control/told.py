@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Bool, Float
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, Limits, Pair
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def steady(
     robot: PlanarBiped,
     policy: AbstractPolicy,
     command: Float[Array, " p"],
-    reset_residual: AbstractResetResidual | None = None,
+    reset_residual: Reset = None,
 ) -> Told:
     """A command that has been the same for long."""
     one = jnp.asarray(command, dtype=float)

@@ -10,7 +10,7 @@ from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.export.facts import Design
 from neuralgaits.gait import AbstractPolicy, ZeroDynamics
 from neuralgaits.gait.commands import Command, Limits, Pair, coordinates_of
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 
 _AT_ONCE = 2048
@@ -44,10 +44,7 @@ def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
 
 @quick_filter_jit
 def _of_steps(
-    policy: AbstractPolicy,
-    robot: PlanarBiped,
-    residual: AbstractResetResidual | None,
-    pairs: Pair,
+    policy: AbstractPolicy, robot: PlanarBiped, residual: Reset, pairs: Pair
 ) -> Float[Array, "N s"]:
     """Numbers of many steps: of one number of them, so that it is compiled once."""
     return jax.vmap(lambda told: policy.step_numbers(robot, told, residual))(pairs)
@@ -96,7 +93,7 @@ def _lift(
     gait: AnyGait,
     commands: tuple[Command, ...],
     robot: PlanarBiped,
-    residual: AbstractResetResidual | None,
+    residual: Reset,
     cases: list[np.ndarray],
 ) -> tuple[Array, Array, Array, Array]:
     """Of one number of cases, so that it is compiled once.

@@ -44,6 +44,10 @@ class AbstractResetResidual(eqx.Module):
         """State before the impact that stands for all: where a policy is matched to it. [2]."""
 
 
+Reset = AbstractResetResidual | None
+"""What corrects the reset map; None for nothing."""
+
+
 class ResetResidual(AbstractResetResidual):
     """Corrections bound * tanh(W (z / scale - shift) + b), per unit of z2 before the impact.
 
@@ -83,7 +87,7 @@ class Residuals(NamedTuple):
 
     flow: Callable[[ZeroState], ZeroState] | None = None
     """What is added to dz: z -> [2] (m/s, N m)."""
-    reset: AbstractResetResidual | None = None
+    reset: Reset = None
     """What is added to the state after an impact."""
 
 

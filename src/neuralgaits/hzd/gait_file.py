@@ -24,7 +24,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import BezierPolicy
 from neuralgaits.records.asked import HIGHEST_DEGREE
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import from_json, to_json
+from neuralgaits.runs import object_from_json, to_json
 
 _FIELDS = {
     "joints": "names of the actuated joints",
@@ -118,14 +118,9 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
 
 def _read(file: Path) -> Mapping[str, Any]:
     try:
-        found = from_json(file.read_bytes())
+        return object_from_json(file.read_bytes())
     except ValueError as error:
-        raise InputError(
-            f"{file}: expected JSON, found a damaged file ({error}): mend it"
-        ) from None
-    if not isinstance(found, dict):
-        raise InputError(f"{file}: expected a JSON object, found {type(found).__name__}: mend it")
-    return found
+        raise InputError(f"{file}: expected a JSON object, found {error}: mend it") from None
 
 
 def _chosen(file: Path, found: Mapping[str, Any], name: str | None) -> Mapping[str, Any]:

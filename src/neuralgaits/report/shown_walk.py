@@ -25,11 +25,12 @@ from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import plain
 from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.simulation.native_walk import engine_of_run
+from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
-from neuralgaits.simulation.setup.starts import full_states, momentum_range
-from neuralgaits.simulation.walk import LAWS, Walk, walk
+from neuralgaits.simulation.trained_walks import TrainedWalks
+from neuralgaits.simulation.walk import LAWS, Walk
 
 STEPS = 12
 """Steps shown where nothing asks for more: some six seconds."""
@@ -164,29 +165,21 @@ def _key(run: Run, asked: Asked) -> str:
 
 
 def _walked(run: Run, asked: Asked) -> Walk:
-    starts = full_states(
-        run.zero_dynamics,
-        run.gait,
-        asked.start,
-        seed=asked.seed,
-        episodes=1,
-        first=asked.episode,
-    )
-    return walk(
-        run.robot,
-        run.gait.policy,
-        starts,
+    # Of a family, the gait at the command alone.
+    one = replace(run, trained=run.gait)
+    walks = TrainedWalks(
+        run=one,
+        library=engine_of_trained(one).library,
         plant=asked.plant,
         controller=asked.law,
         steps=asked.steps,
-        z2_range=momentum_range(run.gait),
-        disturbance=asked.disturbance,
+        start=asked.start,
         push=asked.push,
+        disturbance=asked.disturbance,
         seed=asked.seed,
-        record=True,
-        library=engine_of_run(run).library,
-        first=asked.episode,
+        orders=Orders.constant(()),
     )
+    return walks.walk(asked.episode, 1, record=True)
 
 
 def _shown(run: Run, asked: Asked, walked: Walk, key: str) -> ShownWalk:

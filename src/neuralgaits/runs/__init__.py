@@ -10,7 +10,7 @@ from neuralgaits.runs.arrays import read_arrays, write_arrays
 from neuralgaits.runs.atomic import write_bytes, write_text
 from neuralgaits.runs.folder import FORMAT, RunFolder
 from neuralgaits.runs.latest import RUNS_ROOT, finish, resolve, resolve_unfinished
-from neuralgaits.runs.plain import from_json, plain, to_json
+from neuralgaits.runs.plain import from_json, object_from_json, plain, to_json
 
 if TYPE_CHECKING:
     from neuralgaits.runs.tree import read_tree, write_tree
@@ -21,6 +21,7 @@ __all__ = [
     "RunFolder",
     "finish",
     "from_json",
+    "object_from_json",
     "plain",
     "read_arrays",
     "read_tree",

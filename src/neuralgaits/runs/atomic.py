@@ -4,6 +4,8 @@ import os
 import tempfile
 from pathlib import Path
 
+from neuralgaits.errors import InputError
+
 
 def write_bytes(path: Path, data: bytes) -> None:
     """Write a file so that a reader, or a power cut, meets the old or the new content only.
@@ -30,6 +32,31 @@ def write_bytes(path: Path, data: bytes) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write a UTF-8 text file whole or not at all."""
     write_bytes(path, text.encode())
+
+
+def write_new(path: Path, text: str) -> None:
+    """Write a text file that is not there yet, for a user to go on with.
+
+    Raises: InputError if it is there: it may be the only copy of somebody's work.
+    """
+    if path.exists() or path.is_symlink():
+        raise InputError(f"expected a file to make, found that {path} is there: give another name")
+    write_text(path, text)
+
+
+def refuse_unwritable(path: Path) -> None:
+    """Refuse a file that cannot be written, before anything is computed. Raises: InputError."""
+    if path.is_dir():
+        raise InputError(f"expected a file to write, found a folder at {path}: name a file")
+    # What is missing of the path is made later, in the nearest folder there is.
+    base = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
+    try:
+        with tempfile.TemporaryFile(dir=base):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"expected a file that can be written, found {path}: {error.strerror}; name another"
+        ) from None
 
 
 def _umask() -> int:

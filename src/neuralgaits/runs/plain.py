@@ -56,6 +56,17 @@ def from_json(data: bytes | str) -> Any:
     return value
 
 
+def object_from_json(data: bytes | str) -> dict[str, Any]:
+    """Read a JSON object. Raises: ValueError that says what was found instead."""
+    try:
+        value = from_json(data)
+    except ValueError as error:
+        raise ValueError(f"a damaged file ({error})") from None
+    if not isinstance(value, dict):
+        raise ValueError(type(value).__name__)
+    return value
+
+
 def _number(text: str) -> int | float:
     """A number that float64 can hold; a whole one stays an integer."""
     number = float(text)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs.plain import from_json
+from neuralgaits.runs.plain import object_from_json
 from neuralgaits.runs.shape import Shape, complaint
 
 
@@ -14,14 +14,11 @@ def read_object(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise RunError(f"expected {path}, found none: the run is incomplete")
     try:
-        value = from_json(path.read_bytes())
+        return object_from_json(path.read_bytes())
     except ValueError as error:
         raise RunError(
-            f"expected JSON in {path}, found a damaged file ({error}): restore it or train again"
+            f"expected a JSON object in {path}, found {error}: restore it or train again"
         ) from None
-    if not isinstance(value, dict):
-        raise RunError(f"expected a JSON object in {path}, found {type(value).__name__}")
-    return value
 
 
 def refuse_misshapen(value: Mapping[str, Any], shape: Shape, path: Path) -> None:

@@ -19,7 +19,7 @@ from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Limits, values
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
 from neuralgaits.simulation.native.library import Library
@@ -72,7 +72,7 @@ class LiveWalk:
         z2_range: tuple[float, float] | None = None,
         falls: FallConfig | None = None,
         library: Library | None = None,
-        reset_residual: AbstractResetResidual | None = None,
+        reset_residual: Reset = None,
     ):
         """Put the robot on its left foot at x = 0.
 

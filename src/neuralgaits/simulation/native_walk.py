@@ -27,7 +27,7 @@ from neuralgaits.export import writing
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.programs import ground
 from neuralgaits.export.source import gait_files
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native.library import Library, NativeError
 from neuralgaits.simulation.setup.starts import momentum_range
@@ -66,7 +66,7 @@ def engine_of(
     gait: AnyGait,
     z2_range: tuple[float, float],
     choice: Choice | None = None,
-    reset_residual: AbstractResetResidual | None = None,
+    reset_residual: Reset = None,
 ) -> Engine:
     """What to walk a gait with.
 
@@ -117,10 +117,7 @@ def compiler() -> list[str] | None:
 
 
 def _design(
-    robot: PlanarBiped,
-    gait: AnyGait,
-    z2_range: tuple[float, float],
-    reset_residual: AbstractResetResidual | None = None,
+    robot: PlanarBiped, gait: AnyGait, z2_range: tuple[float, float], reset_residual: Reset = None
 ) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")

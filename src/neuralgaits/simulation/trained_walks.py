@@ -12,6 +12,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.native.scene import knows
 from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
@@ -60,7 +61,15 @@ class TrainedWalks:
     threads: int | None = None
     simulator: Simulator = MUJOCO
 
-    def walk(self, first: int, count: int, *, record: bool = False, longest: int = 0) -> Walk:
+    def walk(
+        self,
+        first: int,
+        count: int,
+        *,
+        record: bool = False,
+        longest: int = 0,
+        remote: Remote | None = None,
+    ) -> Walk:
         """Walks number `first` to `first + count - 1`. Raises: InputError, NonFiniteError.
 
         Args:
@@ -68,6 +77,7 @@ class TrainedWalks:
             count: of them.
             record: keep records and states of the first.
             longest: keep records of the first so many ticks of every walk.
+            remote: asked for the torques in the law's place.
         """
         run, gait = self.run, self.run.gait
         return walk(
@@ -91,9 +101,18 @@ class TrainedWalks:
             reset_residual=run.residuals.reset,
             courses=self.courses,
             threads=self.threads,
+            remote=remote,
             first=first,
             simulator=self.simulator,
         )
+
+
+def at_first(run: Run, first: Any) -> Run:
+    """A family at what it is told first: where its walks start is a state of that gait."""
+    commands = run.trained.commands
+    if not commands:
+        return run
+    return run.at(**dict(zip((c.name for c in commands), map(float, first), strict=True)))
 
 
 def engine_for(

@@ -22,7 +22,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import Residuals
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of
 from neuralgaits.training.compiled import VALIDATION_SAMPLES, make_evaluate, make_steps
@@ -287,7 +287,5 @@ def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTrans
 
 
 @quick_filter_jit
-def _matched(
-    gait: AnyGait, robot: PlanarBiped, reset_residual: AbstractResetResidual | None
-) -> AnyGait:
+def _matched(gait: AnyGait, robot: PlanarBiped, reset_residual: Reset) -> AnyGait:
     return gait.matched(robot, reset_residual)

@@ -62,20 +62,16 @@ def check_proof(
         report = against(claims, folder, report)
         own_spec = (OWN_SPEC,) if ".py:" in claims.spec[0] else ()
     assumed = (*own_spec, *ASSUMPTIONS) if folder is not None else (DERIVED_ELSEWHERE, *ASSUMPTIONS)
+    found = {name: value for name, value in vars(report).items() if name != "holds"}
     return Checked(
         proof=str(file),
         run=None if run is None else str(run),
         robot=claims.robot[0],
         spec=claims.spec[0],
         weights_sha256=claims.weights_sha256,
-        verdict=report.verdict,
-        reason=report.reason,
-        statements=report.statements,
-        levels=report.levels,
-        unclaimed=report.unclaimed,
-        boxes=report.boxes,
         assumptions=assumed,
         wall_s=time.perf_counter() - began,
+        **found,
     )
 
 

@@ -10,7 +10,7 @@ from neuralgaits.hzd.solver import DEGREE, Optimiser
 from neuralgaits.records.asked import HIGHEST_DEGREE, Given
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT
-from neuralgaits.workflows.given_run import given_run
+from neuralgaits.workflows.parts.given_run import given_run
 
 LOWEST_DEGREE = 3
 """Rates at both ends are fixed by the impact: fewer control points leave nothing to choose."""

@@ -7,8 +7,8 @@ from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import load_robot, registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.robots.mjcf.planarise import planarise
+from neuralgaits.runs.atomic import write_new
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.robot_file import write_robot_file
 
 
 def planarise_file(source: str | Path, out: Path) -> RobotFacts:
@@ -24,7 +24,7 @@ def planarise_file(source: str | Path, out: Path) -> RobotFacts:
     """
     text, name = robot_text(source)
     made = planarise(text, name)
-    write_robot_file(out, made.text)
+    write_new(out, made.text)
     changes = (*_resolved(source, text), *made.changes)
     return replace(inspect(load_robot(out)), written=str(out), changes=changes)
 

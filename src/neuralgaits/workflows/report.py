@@ -1,6 +1,5 @@
 """Everything about a run in one file: read it, show a walk, draw the figures, write the page."""
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from neuralgaits.report.page.saved import Contents, Saved, read
 from neuralgaits.report.shown_walk import shown_walk
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, resolve, write_text
+from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.inspect import inspect
@@ -53,7 +53,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     """
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
-    _check_writable(path)
+    refuse_unwritable(path)
     saved = saved_of(folder)
     robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
     with ThreadPoolExecutor(1) as beside:
@@ -95,19 +95,6 @@ def saved_of(folder: RunFolder) -> Saved:
         assert walking is not None  # It is claimed.
         disturbance = walking.disturbance if any(walking.disturbance) else ()
     return read(folder, found.summary, found.reason, disturbance, part_of(found))
-
-
-def _check_writable(path: Path) -> None:
-    """Refuse a file that cannot be written, before anything is computed."""
-    if path.is_dir():
-        raise InputError(f"expected a file to write, found a folder at {path}: name a file")
-    # What is missing of the path is made later, in the nearest folder there is.
-    base = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
-    if not (base.is_dir() and os.access(base, os.W_OK | os.X_OK)):
-        raise InputError(
-            f"expected a file that can be written, found {path}, and {base} does not let it: name "
-            "another with --out"
-        )
 
 
 def _walk(run: Run | str | Path, folder: RunFolder) -> tuple[ShownWalk | None, str | None]:

@@ -8,8 +8,8 @@ from neuralgaits.errors import InputError
 from neuralgaits.records.installed import BuiltIn, Named
 from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.commands import command
-from neuralgaits.workflows.robot_file import write_robot_file
 
 
 def robots() -> BuiltIn:
@@ -33,6 +33,6 @@ def write_built_in(name: str, out: Path | None) -> BuiltIn:
     if out is None:
         line = command("robots", name, "--out", f"{name}.xml")
         raise InputError(f"expected a file to write {name} to, found none: write `{line}`")
-    write_robot_file(out, text)
+    write_new(out, text)
     one = Named(name, registry.describe(name))
     return replace(robots(), robots=(one,), specs=(), written=str(out))

@@ -1,7 +1,5 @@
 """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -19,6 +17,7 @@ from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSetting
 from neuralgaits.robots import load_robot, registry
 from neuralgaits.robots.parameters import checked_box
 from neuralgaits.runs import write_text
+from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
@@ -31,13 +30,13 @@ from neuralgaits.simulation.setup.disturbance import Disturbance, parse
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import on_slope, orders_of, parsed
 from neuralgaits.simulation.setup.sensing import name_of, sensed
-from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
+from neuralgaits.simulation.setup.starts import periodic_orbit
 from neuralgaits.simulation.setup.terrains import courses_of, told_by
+from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
-from neuralgaits.simulation.trained_walks import TrainedWalks, engine_for
-from neuralgaits.simulation.walk import Walk, walk
+from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, engine_for
+from neuralgaits.simulation.walk import Walk
 from neuralgaits.workflows.export import design_of
-from neuralgaits.workflows.shared_walks import SharedWalks, at_first
 
 _ALL = 2**31 - 1
 """Ticks of a log: all there are."""
@@ -167,52 +166,32 @@ def simulate(
         gait = trained.gait
     files = [] if log is None else log_files(Path(log), episodes)
     walks = _engine(trained, controller, engine, simulator)
+    course = TrainedWalks(
+        run=trained,
+        library=walks.library,
+        plant=None if plant is None else load_robot(plant),
+        controller=controller if wire is None else wire.law,
+        steps=steps,
+        start=start,
+        push=0.0 if push is None else push,
+        disturbance=disturbance,
+        seed=seed,
+        orders=orders,
+        courses=courses,
+        simulator=simulator,
+        drawn=drawn,
+    )
     remote = None
-    if wire is None:
-        course = TrainedWalks(
-            run=trained,
-            library=walks.library,
-            plant=None if plant is None else load_robot(plant),
-            controller=controller,
-            steps=steps,
-            start=start,
-            push=0.0 if push is None else push,
-            disturbance=disturbance,
-            seed=seed,
-            orders=orders,
-            courses=courses,
-            simulator=simulator,
-            drawn=drawn,
-        )
-        if shared:
-            command_told = trained.command if told and commands is None else None
-            parts = SharedWalks(course, engine, command_told, _text(commands))
-            with engine_of_workers(workers, ray) as at_work:
-                walked = parts.on(at_work, episodes)
-        else:
-            longest = _ALL if files else 0
-            walked = course.walk(0, episodes, record=video is not None, longest=longest)
-    else:
+    record, longest = video is not None, _ALL if files else 0
+    if wire is not None:
         with connected(design_of(trained), wire, episodes, seed) as remote:
-            walked = walk(
-                robot,
-                trained.trained.policy,
-                full_states(trained.zero_dynamics, gait, start, seed=seed, episodes=episodes),
-                plant=None if plant is None else load_robot(plant),
-                controller=wire.law,
-                steps=steps,
-                z2_range=momentum_range(trained.trained),
-                disturbance=disturbance,
-                push=0.0 if push is None else push,
-                seed=seed,
-                record=video is not None,
-                longest=_ALL if files else 0,
-                remote=remote,
-                orders=orders,
-                reset_residual=trained.residuals.reset,
-                courses=courses,
-                simulator=simulator,
-            )
+            walked = course.walk(0, episodes, record=record, longest=longest, remote=remote)
+    elif shared:
+        parts = SharedWalks(course, engine, kept, _text(commands))
+        with engine_of_workers(workers, ray) as at_work:
+            walked = parts.on(at_work, episodes)
+    else:
+        walked = course.walk(0, episodes, record=record, longest=longest)
     settings = WalkSettings(
         run=str(trained.path),
         plant=walked.plant.robot.name,
@@ -396,20 +375,6 @@ def _check_outputs(log: str | Path | None, film: str | Path | None) -> None:
     """Refuse outputs that cannot be written, before the walk."""
     for path in (log, film):
         if path is not None:
-            _check_writable(Path(path))
+            refuse_unwritable(Path(path))
     if film is not None:
         films.check(Path(film))
-
-
-def _check_writable(path: Path) -> None:
-    if path.is_dir():
-        raise InputError(f"expected a file to write, found a folder at {path}: name a file")
-    # What is missing of the path is made later, in the nearest folder there is.
-    base = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
-    try:
-        with tempfile.TemporaryFile(dir=base):
-            pass
-    except OSError as error:
-        raise InputError(
-            f"expected a file that can be written, found {path}: {error.strerror}; name another"
-        ) from None

@@ -37,7 +37,7 @@ from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_sam
 from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
 from neuralgaits.sweeps.table import to_csv
 from neuralgaits.workflows.certify import HIGHEST
-from neuralgaits.workflows.sweep_row import carry_out, row_of
+from neuralgaits.workflows.parts.sweep_row import carry_out, row_of
 
 WALKS, WALK_STEPS = 4, 25
 """Walks under each disturbance, from anywhere in the region, and the steps asked of each."""

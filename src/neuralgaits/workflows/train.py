@@ -34,7 +34,7 @@ from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import Session, take_all_steps
-from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
+from neuralgaits.workflows.parts.proof_rounds import ProofRounds, Watch
 
 FRESH_SAMPLES_SEED = 2**31
 """Seed of the samples the summary is measured on; no run can have it."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from neuralgaits._types import Float, Int
-from neuralgaits.certificate.search.halving import Corners, halves, wide_axes
+from neuralgaits.certificate.search.halving import Corners, PerCondition, halves, wide_axes
 
 NEAR = 0.7
 """Of axes that cost so much of what the costliest does, the one that was halved least is halved."""
@@ -37,8 +37,8 @@ class BoxTree:
     first: Int[np.ndarray, " B"]
     axis: Int[np.ndarray, " B"]
     cuts: Int[np.ndarray, "B n"]
-    lower: Float[np.ndarray, "B C"]
-    upper: Float[np.ndarray, "B C"]
+    lower: PerCondition
+    upper: PerCondition
     alone: Float[np.ndarray, "B n"]
 
     @classmethod

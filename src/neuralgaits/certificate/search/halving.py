@@ -12,6 +12,8 @@ from neuralgaits._types import Float, Int
 
 Corners = Float[np.ndarray, "B n"]
 """One corner of each of B boxes in n dimensions."""
+PerCondition = Float[np.ndarray, "B C"]
+"""Of each of C conditions, in its scale, or bounds on them: a row for every box or point."""
 LEAF, DIGITS = "-", "0123456789abcdef"
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.certificate.levels.chart import Near
-from neuralgaits.certificate.search.halving import Corners, wide_axes
+from neuralgaits.certificate.search.halving import Corners, PerCondition, wide_axes
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra
 from neuralgaits.programs.algebras.taylor_model import terms
@@ -79,9 +79,7 @@ class Problem:
         one = terms(self.degree, len(self.low)) * largest * np.dtype(np.float64).itemsize
         return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
 
-    def bounds(
-        self, low: Corners, high: Corners
-    ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
+    def bounds(self, low: Corners, high: Corners) -> tuple[PerCondition, PerCondition]:
         """Bounds on each condition's smallest margin over boxes, in scales; NaN if unbounded."""
         if self._compiled is not None:
             lower, upper = self._compiled.bounds(low, high)
@@ -96,7 +94,7 @@ class Problem:
             [r[1] for r in ranges], low
         )
 
-    def values(self, u: Corners) -> Float[np.ndarray, "B C"]:
+    def values(self, u: Corners) -> PerCondition:
         """Each condition's smallest margin at points, in scales, in plain float64.
 
         A second input is zero.
@@ -164,7 +162,7 @@ class Problem:
         rows = [np.broadcast_to(e.min(axis=0), len(boxes)) for e in elements]
         return self._from_least(np.stack(rows, axis=1))
 
-    def _from_least(self, margins: Float[np.ndarray, "B C"]) -> Float[np.ndarray, "B C"]:
+    def _from_least(self, margins: PerCondition) -> PerCondition:
         """Margins counted from what each condition must reach, in scales."""
         return margins / np.array(self.scales) - np.array(self.least or (0.0,))
 

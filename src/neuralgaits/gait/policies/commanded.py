@@ -41,7 +41,7 @@ from neuralgaits.gait.policies.step_ends import (
 from neuralgaits.gait.policies.step_policy import NumberedStep
 from neuralgaits.gait.policy import NetworkPolicy
 from neuralgaits.gait.posture import Posture, frame_of, walking_posture
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots.dynamics import swing_foot
 
 if TYPE_CHECKING:
@@ -183,7 +183,7 @@ class CommandedPolicy(NetworkPolicy):
         self,
         robot: "PlanarBiped",
         pair: Pair,
-        reset_residual: AbstractResetResidual | None = None,
+        reset_residual: Reset = None,
         *,
         exact: bool = False,
         bounded: bool = False,
@@ -222,10 +222,7 @@ class CommandedPolicy(NetworkPolicy):
         return 2 + 4 * len(self.lower) + len(self.network.biases[0])
 
     def step_numbers(
-        self,
-        robot: "PlanarBiped",
-        pair: Pair,
-        reset_residual: AbstractResetResidual | None = None,
+        self, robot: "PlanarBiped", pair: Pair, reset_residual: Reset = None
     ) -> Float[Array, " s"]:
         """`StepPolicy.numbers` of the exact policy of a step, see `at`."""
         return self.at(robot, pair, reset_residual, exact=True).numbers

@@ -21,10 +21,9 @@ from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.orders import on_slope, orders_of
-from neuralgaits.simulation.trained_walks import TrainedWalks
+from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.sweeps.grid import speed_of
 from neuralgaits.workflows.certify import certify
-from neuralgaits.workflows.shared_walks import at_first
 from neuralgaits.workflows.simulate import simulate
 from neuralgaits.workflows.train import train
 

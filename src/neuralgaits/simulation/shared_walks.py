@@ -12,7 +12,7 @@ from typing import Any
 
 import safetensors.numpy
 
-from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.analysis.run import open_run
 from neuralgaits.engine import Engine, Files, Job, Settings
 from neuralgaits.errors import InputError
 from neuralgaits.robots.mjcf.loader import robot_from_text
@@ -25,6 +25,7 @@ from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import RANDOM, orders_of
 from neuralgaits.simulation.trained_walks import (
     TrainedWalks,
+    at_first,
     engine_for,
     from_arrays,
     to_arrays,
@@ -159,11 +160,3 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         threads=1,
         simulator=told["simulator"],
     )
-
-
-def at_first(run: Run, first: Any) -> Run:
-    """A family at what it is told first: where its walks start is a state of that gait."""
-    commands = run.trained.commands
-    if not commands:
-        return run
-    return run.at(**dict(zip((c.name for c in commands), map(float, first), strict=True)))

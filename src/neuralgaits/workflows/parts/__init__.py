@@ -1,0 +1,1 @@
+"""What several verbs are put together from, or each row of a sweep."""
