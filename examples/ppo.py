@@ -34,6 +34,8 @@ SPEED = 0.7
 """Asked for in the trials [m/s]."""
 SPEEDS = (0.5, 0.6, 0.7, 0.8, 0.9)
 """Asked for at the end [m/s]."""
+DISTURBED_STEPS = 25
+"""Of a trial under a disturbance."""
 ENVIRONMENTS = 8
 GAMMA = 0.99
 SETTINGS = {
@@ -76,17 +78,13 @@ class Learning(BaseCallback):
         if self.num_timesteps >= self._next:
             self._next += self._asked.every
             act = acting(self.model, self._scaled)
-            found = trials(self._env, act, speed=SPEED, steps=self._asked.steps, count=self.count)
+            asked = self._asked
+            found = trials(self._env, act, speed=SPEED, steps=asked.steps, count=asked.trials)
             point |= {"walked": found.walked}
             said = f"{point['samples']:8d} samples, {point['processor_s']:6.0f} s of a processor"
             print(f"{said}: {found}", flush=True)
         self.curve.append(point)
         self._spent += time.process_time() - paused
-
-    @property
-    def count(self) -> int:
-        """Trials at a time."""
-        return self._asked.trials
 
 
 def learned(
@@ -129,14 +127,17 @@ def main() -> None:
         curve = json.loads(kept.read_text())["curve"]
     act = acting(model, envs)
 
-    def tried(name: str, speed: float = SPEED, **plant: Any) -> Trials:
+    def tried(name: str, speed: float, steps: int, **plant: Any) -> Trials:
         env = BipedEnv(action=asked.action, **plant)
-        found = trials(env, act, speed=speed, steps=asked.steps, count=asked.trials)
+        found = trials(env, act, speed=speed, steps=steps, count=asked.trials)
         print(f"{name:28s} {found}", flush=True)
         return found
 
-    speeds = {speed: asdict(tried(f"{speed:g} m/s", speed)) for speed in SPEEDS}
-    disturbed = {name: asdict(tried(name, disturb=d)) for name, d in DISTURBANCE_SET.items()}
+    speeds = {v: asdict(tried(f"{v:g} m/s", v, asked.steps)) for v in SPEEDS}
+    disturbed = {
+        name: asdict(tried(name, SPEED, DISTURBED_STEPS, disturb=disturbance))
+        for name, disturbance in DISTURBANCE_SET.items()
+    }
     found = {"seed": asked.seed, "curve": curve, "speeds": speeds, "disturbed": disturbed}
     kept.write_text(json.dumps(found))
 
