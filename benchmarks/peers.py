@@ -6,12 +6,13 @@
 
 Every row is found by running it here; what cannot be run is a row that says why. Falls are counted
 as `sweep` counts them: WALKS walks (4) of 25 steps under each of the eighteen disturbances.
-Times are of a processor, waiting left out.
+Times are of a processor, waiting left out. PPO learns with SEEDS seeds (1); `ppo` reads those that
+are in runs/bench/peers/ppo already and learns the others.
 """
 
 import json
 import os
-import re
+import shutil
 import subprocess
 import sys
 import time
@@ -23,12 +24,15 @@ from typing import Any
 import numpy as np
 from clf_qp import tick_times
 from common import ROOT
+from ppo_row import row as row_of_seeds
 
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import NeuralGaitsError
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.workflows.certify import certify
+from neuralgaits.workflows.demo import TOLD
 from neuralgaits.workflows.simulate import simulate
 from neuralgaits.workflows.train import train
 
@@ -36,20 +40,23 @@ ROBOT, STEPS = "amber3m", 25
 WALKS, SEED = int(os.environ.get("WALKS", 4)), int(os.environ.get("SEED", 0))
 SAMPLES = int(os.environ.get("SAMPLES", 400_000))
 """Environment steps of PPO, of 20 ms each."""
-SHARE = int(os.environ.get("SHARE", 16))
+SEEDS = int(os.environ.get("SEEDS", 1))
+SHARES = {"paper-walks": int(os.environ.get("SHARE", 16)), "authors": 8}
 """The paper's batch of 4096 is divided by this: the whole takes minutes of a processor."""
 FEWER = """from dataclasses import replace
 
 from neuralgaits.barriers import specs
 
 
-def paper_walks(robot):
-    spec = specs.paper_walks(robot)
+def fewer(robot):
+    spec = specs.load("{spec}", robot)
     samples = {{name: count // {share} for name, count in spec.recipe.samples.items()}}
     return replace(spec, recipe=replace(spec.recipe, samples=samples))
 """
 PLACE = ROOT / "peers"
 PPO = Path(__file__).parents[1] / "examples" / "ppo.py"
+ASKED = 0.7
+"""Of PPO's policy, in the trials of its script [m/s]."""
 NOTHING = "-"
 
 
@@ -98,8 +105,7 @@ def of_gait(
         first = simulate(run, controller=controller, steps=STEPS)
         kept.write_text(json.dumps([time.process_time() - before, first.summary.stayed]))
     learn_s, stayed = json.loads(kept.read_text())
-    recipe = run.spec.recipe
-    points = sum(recipe.samples.values()) * run.summary.steps
+    points = sum(run.spec.recipe.samples.values()) * run.summary.steps
     row = walked(run, controller)
     proved = NOTHING if level is None else proved_of(run, level)
     command = f"simulate latest --controller {controller} --disturb ..."
@@ -112,15 +118,14 @@ def of_gait(
     )
 
 
-def of_paper() -> Row:
-    """The paper's Table 1 and the one condition that it lacks, under the paper's law."""
-    spec = "paper-walks"
-    if SHARE != 1:
-        file = PLACE / "fewer.py"
-        file.write_text(FEWER.format(share=SHARE))
-        spec = f"{file}:paper_walks"
-    row = of_gait(f"train {ROBOT} --spec {spec}", "paper", None, "paper-walks", spec=spec)
-    return replace(row, note=f"{row.note}; 1/{SHARE} of the paper's batch")
+def of_paper(spec: str) -> Row:
+    """The paper's Table 1 and the one condition that it lacks, or its code; under its law."""
+    share = SHARES[spec]
+    file = PLACE / f"fewer_{spec.replace('-', '_')}.py"
+    file.write_text(FEWER.format(spec=spec, share=share))
+    line = f"train {ROBOT} --spec {spec}"
+    row = of_gait(line, "paper", None, spec, spec=f"{file}:fewer")
+    return replace(row, note=f"{row.note}; 1/{share} of the paper's batch")
 
 
 def of_optimised(controller: str) -> Row:
@@ -157,7 +162,6 @@ def walked(run: Run, controller: str) -> dict[str, Any]:
         simulate(run, disturb=disturbance, **settings).summary
         for disturbance in DISTURBANCE_SET.values()
     ]
-    told = run.summary.commands
     try:
         tick = tuple(float(t) for t in np.percentile(tick_times(run, controller), [50, 99]))
     except (AssertionError, NeuralGaitsError):
@@ -168,9 +172,42 @@ def walked(run: Run, controller: str) -> dict[str, Any]:
         "fell": sum(sum(one.fell) for one in found),
         "walks": sum(len(one.fell) for one in found),
         "undisturbed": f"{sum(free.fell)} of {len(free.fell)}",
-        "range": ", ".join(f"{name} {c.low:g} to {c.high:g}" for name, c in told.items()) or "none",
+        "range": commanded(run, controller),
         "tick_us": tick,
     }
+
+
+def commanded(run: Run, controller: str) -> str:
+    """Ranges of what it may be told, and the mean speeds of walks that are told their ends."""
+    texts = []
+    for name, command in run.summary.commands.items():
+        ends = [
+            simulate(run, controller=controller, steps=STEPS, seed=SEED, command={name: end})
+            for end in (command.low, command.high)
+        ]
+        speeds = [shown(end.summary.speed_m_s, "{:.2f}") for end in ends]
+        texts.append(
+            f"{name} {command.low:g} to {command.high:g}: {' to '.join(speeds)} m/s walked"
+        )
+    return "; ".join(texts) or "none"
+
+
+def of_shipped() -> Row:
+    """The gait that is told its speed, as it comes with the package: what `demo --speed` shows."""
+    folder = PLACE / TOLD.name
+    if not folder.is_dir():
+        shutil.copytree(TOLD, folder)
+    run, controller = open_run(folder), "pd"
+    points = sum(run.spec.recipe.samples.values()) * run.summary.steps
+    proof = read_certificate(run.folder).summary
+    low, high = next((c.low, c.high) for c in run.summary.commands.values())
+    return Row(
+        commands=(f"train {ROBOT} --speed {low:g}:{high:g}", "certify latest --level 3"),
+        samples=f"{points / 1e6:.2g} M points of the region",
+        proved=f"level {proof.proved_level}, shipped" if proof else "nothing",
+        note="not trained here: the run of `demo --speed`",
+        **walked(run, controller),
+    )
 
 
 def proved_of(run: Run, level: int) -> str:
@@ -183,46 +220,22 @@ def proved_of(run: Run, level: int) -> str:
 
 
 def of_ppo() -> Row:
-    """Reinforcement learning, from what `examples/ppo.py` prints."""
-    line = f"examples/ppo.py --samples {SAMPLES} --steps {STEPS} --seed {SEED}"
-    words = [sys.executable, str(PPO), *line.split()[1:], "--out", str(PLACE / "ppo")]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        said = (done.stderr.strip().splitlines() or ["it failed"])[-1]
-        return Row((line,), note=f"not made: {said[:120]}")
-    trials = re.compile(
-        r"(\d+) of (\d+) walked \d+ steps, up ([\d.]+) s on average"
-        r"(?:, (\S+) m/s, cost of transport (\S+))?"
-    )
-    learned_s, first, free, fell, walks = 0.0, None, None, 0, 0
-    for text in done.stdout.splitlines():
-        found = trials.search(text)
-        if found is None:
-            continue
-        stayed, count = int(found[1]), int(found[2])
-        if (begun := re.match(r"\s*(\d+) samples,\s+(\d+) s of a processor", text)) is not None:
-            learned_s = float(begun[2])
-            if first is None and stayed:
-                first = learned_s
-        elif text.startswith("none "):
-            free = found
-        else:
-            fell, walks = fell + count - stayed, walks + count
-    if free is None:
-        return Row((line,), note="not made: it printed no trials")
-    stayed, count, up = int(free[1]), int(free[2]), float(free[3])
-    return Row(
-        commands=(line,),
-        learn_s=first,
-        samples=f"{SAMPLES / 1e6:.2g} M environment steps of 20 ms",
-        speed=None if free[4] is None else float(free[4]),
-        cost=None if free[5] is None else float(free[5]),
-        fell=fell,
-        walks=walks,
-        undisturbed=f"{count - stayed} of {count}",
-        range="speed 0.5 to 0.9 m/s in training",
-        note=f"learned for {learned_s:.0f} s; up for {up:.1f} s on average, from its own starts",
-    )
+    """Reinforcement learning, as `examples/ppo.py` finds it."""
+    line = f"examples/ppo.py --samples {SAMPLES} --seed {SEED}"
+    if SEEDS > 1:
+        line += f", and seeds to {SEED + SEEDS - 1}"
+    place, found = PLACE / "ppo", []
+    for seed in range(SEED, SEED + SEEDS):
+        file = place / f"learned-{seed}.json"
+        if not file.is_file():
+            words = [sys.executable, str(PPO), "--samples", str(SAMPLES), "--seed", str(seed)]
+            words += ["--trials", str(WALKS), "--out", str(place)]
+            done = subprocess.run(words, capture_output=True, text=True, check=False)
+            if done.returncode != 0:
+                said = (done.stderr.strip().splitlines() or ["it failed"])[-1]
+                return Row((line,), note=f"not made: {said[:120]}")
+        found.append(json.loads(file.read_text()))
+    return Row((line,), **row_of_seeds(found, asked=ASKED, steps=STEPS))
 
 
 def verb(*words: str) -> subprocess.CompletedProcess[str]:
@@ -241,10 +254,9 @@ ROWS: dict[str, Callable[[], Row]] = {
     "walking": lambda: of_gait(f"train {ROBOT}", "pd", 3),
     "walking-fblin": lambda: of_gait(f"train {ROBOT}", "fblin", 3),
     "walking-clf-qp": lambda: of_gait(f"train {ROBOT}", "clf-qp", 3),
-    "speed": lambda: of_gait(
-        f"train {ROBOT} --speed 0.55:0.90", "pd", None, "speed", speed=(0.55, 0.90)
-    ),
-    "paper-walks": of_paper,
+    "speed": of_shipped,
+    "paper-walks": lambda: of_paper("paper-walks"),
+    "authors": lambda: of_paper("authors"),
     "hzd-pd": lambda: of_optimised("pd"),
     "hzd-clf-qp": lambda: of_optimised("clf-qp"),
     "ppo": of_ppo,

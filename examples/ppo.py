@@ -5,13 +5,18 @@ Needs the `gym` extra and stable-baselines3:
     pip install 'neuralgaits[gym]' stable-baselines3
     python examples/ppo.py --samples 400000 --seed 0
 
-Prints, now and then while it learns, how ten episodes at one speed end, and at the end the same
-under each of the 18 disturbances of the package. Nothing of the package's own policies is in it.
+Prints, now and then while it learns, how episodes at one speed end; at the end the same at other
+speeds and under each of the 18 disturbances of the package. `learned-SEED.json` has all of it and
+the curve of learning. Nothing of the package's own policies is in it.
 """
 
 import argparse
+import json
 import time
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -22,106 +27,77 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from neuralgaits.gym_env import ID, BipedEnv
+from neuralgaits.gym_env import ID, BipedEnv, Trials, trials
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 
 SPEED = 0.7
 """Asked for in the trials [m/s]."""
-TRIALS = 10
-LONGEST = 1500
-"""Decisions of a trial: 30 s."""
+SPEEDS = (0.5, 0.6, 0.7, 0.8, 0.9)
+"""Asked for at the end [m/s]."""
+DISTURBED_STEPS = 25
+"""Of a trial under a disturbance."""
 ENVIRONMENTS = 8
+GAMMA = 0.99
+SETTINGS = {
+    "n_steps": 256,
+    "batch_size": 64,
+    "n_epochs": 10,
+    "learning_rate": 5e-4,
+    "gamma": GAMMA,
+    "ent_coef": 0.0,
+    "policy_kwargs": {"log_std_init": -2.0, "net_arch": [64, 64]},
+}
 
 
-def trials(
-    model: BaseAlgorithm, scaled: VecNormalize, env: BipedEnv, steps: int
-) -> dict[str, float]:
-    """Ten episodes of the mean action.
-
-    Returns: how many had `steps` steps without a fall, and of those the mean speed (m/s) and cost
-    of transport, mechanical; how long all of them were up on average (s), 30 s at most.
-    """
-    done, speeds, costs, times = 0, [], [], []
-    for seed in range(TRIALS):
-        seen, info = env.reset(seed=seed, options={"speed": SPEED})
-        begun = env.body.hip[0]
-        for _ in range(LONGEST):
-            action, _ = model.predict(scaled.normalize_obs(seen), deterministic=True)
-            seen, _, fell, _, info = env.step(action)
-            if fell or info["steps"] >= steps:
-                break
-        times.append(env.body.data.time)
-        if info["steps"] >= steps and info["ending"] is None:
-            distance, body = env.body.hip[0] - begun, env.body
-            done += 1
-            speeds.append(distance / body.data.time)
-            weight = env.body.weight
-            costs.append(body.work / (weight * distance))
-    return {"walked": done, "speed": _mean(speeds), "cost": _mean(costs), "up": _mean(times)}
+def acting(model: BaseAlgorithm, scaled: VecNormalize) -> Callable[[np.ndarray], np.ndarray]:
+    """The mean action."""
+    return lambda seen: model.predict(scaled.normalize_obs(seen), deterministic=True)[0]
 
 
-def _mean(values: list[float]) -> float:
-    return float(np.mean(values)) if values else float("nan")
-
-
-def words(found: dict[str, float], steps: int) -> str:
-    """Trials in a line."""
-    text = f"{found['walked']} of {TRIALS} walked {steps} steps, up {found['up']:.1f} s on average"
-    if found["walked"]:
-        text += f", {found['speed']:.2f} m/s, cost of transport {found['cost']:.3f}"
-    return text
-
-
-def save(model: BaseAlgorithm, scaled: VecNormalize, out: Path, seed: int) -> None:
-    """Keep a policy and the scales of what it observes."""
-    out.mkdir(parents=True, exist_ok=True)
-    model.save(out / f"policy-{seed}.zip")
-    scaled.save(str(out / f"scales-{seed}.pkl"))
-
-
-class Trials(BaseCallback):
-    """Prints what trials say, and keeps the policy, every so many samples."""
+class Learning(BaseCallback):
+    """The curve: episodes since the last policy, and every so many samples what trials say."""
 
     def __init__(self, scaled: VecNormalize, asked: argparse.Namespace):
         super().__init__()
         self._scaled, self._asked, self._next = scaled, asked, asked.every
         self._env = BipedEnv(speed=SPEED, action=asked.action)
         self._began, self._spent = time.process_time(), 0.0
+        self.curve: list[dict[str, Any]] = []
 
     def _on_step(self) -> bool:
-        if self.num_timesteps >= self._next:
-            self._next += self._asked.every
-            paused = time.process_time()
-            found = trials(self.model, self._scaled, self._env, self._asked.steps)
-            learned = paused - self._began - self._spent
-            save(self.model, self._scaled, self._asked.out, self._asked.seed)
-            self._spent += time.process_time() - paused
-            what = words(found, self._asked.steps)
-            print(
-                f"{self.num_timesteps:8d} samples, {learned:6.0f} s of a processor: {what}",
-                flush=True,
-            )
         return True
 
+    def _on_rollout_end(self) -> None:
+        paused = time.process_time()
+        lengths = [episode["l"] for episode in self.model.ep_info_buffer or ()]
+        point = {
+            "samples": self.num_timesteps,
+            "processor_s": paused - self._began - self._spent,
+            "episode_decisions": float(np.mean(lengths)) if lengths else None,
+        }
+        if self.num_timesteps >= self._next:
+            self._next += self._asked.every
+            act = acting(self.model, self._scaled)
+            asked = self._asked
+            found = trials(self._env, act, speed=SPEED, steps=asked.steps, count=asked.trials)
+            point |= {"walked": found.walked}
+            said = f"{point['samples']:8d} samples, {point['processor_s']:6.0f} s of a processor"
+            print(f"{said}: {found}", flush=True)
+        self.curve.append(point)
+        self._spent += time.process_time() - paused
 
-def learned(made: VecEnv, asked: argparse.Namespace) -> tuple[BaseAlgorithm, VecNormalize]:
-    """A policy, and the scales of what it observes. Both are kept."""
-    envs = VecNormalize(made)
-    model = PPO(
-        "MlpPolicy",
-        envs,
-        n_steps=512,
-        batch_size=256,
-        learning_rate=3e-4,
-        gamma=0.98,
-        ent_coef=0.0,
-        policy_kwargs={"log_std_init": -1.5},
-        seed=asked.seed,
-        device="cpu",
-    )
-    model.learn(asked.samples, callback=Trials(envs, asked))
-    save(model, envs, asked.out, asked.seed)
-    return model, envs
+
+def learned(
+    made: VecEnv, asked: argparse.Namespace
+) -> tuple[BaseAlgorithm, VecNormalize, list[dict[str, Any]]]:
+    """A policy, the scales of what it observes, and the curve. The first two are kept."""
+    envs = VecNormalize(made, gamma=GAMMA)
+    model = PPO("MlpPolicy", envs, **SETTINGS, seed=asked.seed, device="cpu")
+    learning = Learning(envs, asked)
+    model.learn(asked.samples, callback=learning)
+    model.save(asked.out / f"policy-{asked.seed}.zip")
+    envs.save(str(asked.out / f"scales-{asked.seed}.pkl"))
+    return model, envs, learning.curve
 
 
 def main() -> None:
@@ -130,25 +106,40 @@ def main() -> None:
     parser.add_argument(
         "--samples", type=int, default=400_000, help="0 tries the policy that is kept"
     )
-    parser.add_argument("--every", type=int, default=50_000)
+    parser.add_argument("--every", type=int, default=20_000, help="samples between trials")
     parser.add_argument("--steps", type=int, default=50, help="steps that a trial has to walk")
+    parser.add_argument("--trials", type=int, default=4, help="episodes of each kind")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--action", default="target", choices=("target", "torque"))
     parser.add_argument("--out", type=Path, default=Path("runs/ppo"))
     asked = parser.parse_args()
     torch.set_num_threads(1)
+    asked.out.mkdir(parents=True, exist_ok=True)
+    kept = asked.out / f"learned-{asked.seed}.json"
     made = make_vec_env(
         lambda: gymnasium.make(ID, action=asked.action), ENVIRONMENTS, seed=asked.seed
     )
     if asked.samples:
-        model, envs = learned(made, asked)
+        model, envs, curve = learned(made, asked)
     else:
         model = PPO.load(asked.out / f"policy-{asked.seed}.zip", device="cpu")
         envs = VecNormalize.load(str(asked.out / f"scales-{asked.seed}.pkl"), made)
-    for name, disturbance in {"none": None, **DISTURBANCE_SET}.items():
-        env = BipedEnv(speed=SPEED, disturb=disturbance, action=asked.action)
-        found = trials(model, envs, env, asked.steps)
-        print(f"{name:28s} {words(found, asked.steps)}", flush=True)
+        curve = json.loads(kept.read_text())["curve"]
+    act = acting(model, envs)
+
+    def tried(name: str, speed: float, steps: int, **plant: Any) -> Trials:
+        env = BipedEnv(action=asked.action, **plant)
+        found = trials(env, act, speed=speed, steps=steps, count=asked.trials)
+        print(f"{name:28s} {found}", flush=True)
+        return found
+
+    speeds = {v: asdict(tried(f"{v:g} m/s", v, asked.steps)) for v in SPEEDS}
+    disturbed = {
+        name: asdict(tried(name, SPEED, DISTURBED_STEPS, disturb=disturbance))
+        for name, disturbance in DISTURBANCE_SET.items()
+    }
+    found = {"seed": asked.seed, "curve": curve, "speeds": speeds, "disturbed": disturbed}
+    kept.write_text(json.dumps(found))
 
 
 if __name__ == "__main__":

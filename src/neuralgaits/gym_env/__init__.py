@@ -17,8 +17,9 @@ from gymnasium.envs.registration import register, registry
 
 from neuralgaits.gym_env.biped_env import BipedEnv
 from neuralgaits.gym_env.reward import Reward
+from neuralgaits.gym_env.trials import Trials, trials
 
-__all__ = ["ID", "BipedEnv", "Reward"]
+__all__ = ["ID", "BipedEnv", "Reward", "Trials", "trials"]
 
 ID = "neuralgaits/Biped-v0"
 EPISODE_STEPS = 500

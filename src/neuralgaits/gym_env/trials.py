@@ -1,0 +1,95 @@
+"""What becomes of a policy in walks: any function from what is observed to an action."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from neuralgaits.errors import InputError
+from neuralgaits.gym_env.biped_env import BipedEnv
+
+LONGEST_S = 30.0
+"""A trial that has neither fallen nor walked its steps by then has not walked."""
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Episodes of one policy at one speed.
+
+    Attributes:
+        steps: that each had to walk.
+        walked: touchdowns in each, at most `steps`. [B]
+        up_s: how long each was up [s]. [B]
+        endings: why each fell; None of one that walked its steps, or ran out of time. [B]
+        speed_m_s: mean of those that walked their steps [m/s]; None if none did.
+        cost_of_transport: mechanical, mean of the same [1]; None if none did.
+    """
+
+    steps: int
+    walked: tuple[int, ...]
+    up_s: tuple[float, ...]
+    endings: tuple[str | None, ...]
+    speed_m_s: float | None
+    cost_of_transport: float | None
+
+    @property
+    def done(self) -> int:
+        """How many walked all their steps."""
+        return sum(count >= self.steps for count in self.walked)
+
+    def __str__(self) -> str:
+        """Return one line."""
+        text = f"{self.done} of {len(self.walked)} walked {self.steps} steps, "
+        text += f"up {np.mean(self.up_s):.1f} s on average"
+        if self.speed_m_s is not None and self.cost_of_transport is not None:
+            text += f", {self.speed_m_s:.2f} m/s, cost of transport {self.cost_of_transport:.3f}"
+        return text
+
+
+def trials(
+    env: BipedEnv,
+    act: Callable[[np.ndarray], np.ndarray],
+    *,
+    speed: float,
+    steps: int = 50,
+    count: int = 10,
+) -> Trials:
+    """Let a policy walk, from starts of seeds 0 to `count` - 1.
+
+    Args:
+        env: without a time limit, as the class makes it.
+        act: from an observation to an action, see `BipedEnv`.
+        speed: asked for (m/s).
+        steps: touchdowns to walk.
+        count: of episodes.
+
+    Raises: InputError for fewer than one step or episode.
+    """
+    for name, given in (("steps", steps), ("count", count)):
+        if given < 1:
+            raise InputError(f"{name}: expected at least 1, found {given}")
+    walked, up, endings, speeds, costs = [], [], [], [], []
+    for seed in range(count):
+        seen, info = env.reset(seed=seed, options={"speed": speed})
+        body, begun = env.body, env.body.hip[0]
+        while info["steps"] < steps and body.data.time < LONGEST_S:
+            seen, _, fell, _, info = env.step(act(seen))
+            if fell:
+                break
+        # A fall in the decision of the last touchdown is a fall.
+        fell = info["ending"] is not None
+        walked.append(min(info["steps"], steps - 1 if fell else steps))
+        up.append(float(body.data.time))
+        endings.append(info["ending"])
+        if walked[-1] == steps:
+            distance = float(body.hip[0] - begun)
+            speeds.append(distance / up[-1])
+            costs.append(body.work / (body.weight * distance))
+    return Trials(
+        steps=steps,
+        walked=tuple(walked),
+        up_s=tuple(up),
+        endings=tuple(endings),
+        speed_m_s=float(np.mean(speeds)) if speeds else None,
+        cost_of_transport=float(np.mean(costs)) if costs else None,
+    )
