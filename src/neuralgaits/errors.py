@@ -3,6 +3,12 @@
 A message is one line and says what was expected, what came, and what to do.
 """
 
+import errno
+import os
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+"""What a system says of a disk, or a user's share of it, that is full."""
+
 
 class NeuralGaitsError(Exception):
     """Root of all errors raised on purpose by this package."""
@@ -32,6 +38,13 @@ def reason(error: Exception) -> str:
     """Why a file could not be used, without the number and the path that Python puts beside it."""
     said = error.strerror if isinstance(error, OSError) else None
     return said or str(error)
+
+
+def is_full(error: BaseException) -> bool:
+    """Whether the disk had no room for what was written, whichever library says so."""
+    if isinstance(error, OSError):
+        return error.errno in _FULL
+    return os.strerror(errno.ENOSPC) in str(error)
 
 
 class Interrupted(KeyboardInterrupt):

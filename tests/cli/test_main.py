@@ -1,5 +1,6 @@
 """One result or one line, on the right stream, with the right exit code."""
 
+import errno
 import inspect
 import json
 import os
@@ -90,6 +91,7 @@ def test_bad_usage_is_one_line_and_2(capfd: Captured, arguments: list[str], foun
         (errors.RunError("expected a run"), 2),
         (errors.NonFiniteError("loss is NaN"), 1),
         (PermissionError(13, "Permission denied", "runs"), 2),
+        (OSError(errno.ENOSPC, "No space left on device"), 2),
         (ZeroDivisionError("division by zero"), 70),
         (KeyboardInterrupt(), 130),
     ],
@@ -145,6 +147,16 @@ def test_an_error_keeps_the_blanks_of_a_path(capfd: Captured, answer: Any) -> No
     answer(_raise(errors.RunError("expected a run\n   in `two  blanks`")))
     assert main(["robots"]) == 2
     assert _only_line(capfd) == "neuralgaits: expected a run in `two  blanks`\n"
+
+
+@pytest.mark.parametrize(("place", "told"), [(None, ""), ("runs/x", " at runs/x")])
+def test_a_full_disk_is_named_with_what_to_do(
+    capfd: Captured, answer: Any, place: str | None, told: str
+) -> None:
+    answer(_raise(OSError(errno.ENOSPC, "No space left on device", place)))
+    assert main(["robots"]) == 2
+    line = f"neuralgaits: expected room to write{told}, found none (No space left on device): "
+    assert _only_line(capfd).startswith(line + "free some")
 
 
 @pytest.mark.parametrize(("good", "code"), [(True, 0), (False, 1)])

@@ -103,6 +103,12 @@ def test_a_task_that_wants_more_memory_than_its_worker_may_have_says_so() -> Non
     assert done[1].files == {"bytes": str(2**20).encode()}
 
 
+def test_a_full_disk_is_the_fault_of_a_worker_and_not_of_the_task(engine: Engine) -> None:
+    for done in engine.map(tasks.fills_disk, _jobs(2)):
+        assert done.failure is not None and done.failure.kind == "lost"
+        assert "a worker found its disk full" in done.failure.reason
+
+
 def test_a_map_that_is_closed_early_ends_what_is_under_way(tmp_path: Path) -> None:
     jobs = [Job("quick", {"began": str(tmp_path / "a"), "seconds": 0.0})]
     jobs += [Job("for ever", {"began": str(tmp_path / "b"), "seconds": 1e6})]
@@ -155,3 +161,17 @@ def test_a_local_ray_is_a_new_one_whatever_runs_here(monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(sys.modules, "ray", SimpleNamespace(init=lambda **how: asked.update(how)))
     OnRay("local", 2)
     assert (asked["address"], asked["num_cpus"]) == ("local", 2)
+
+
+def test_a_local_ray_that_does_not_start_is_not_told_to_try_another_address(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def init(**how: object) -> None:
+        raise RuntimeError("The current node timed out\nduring startup")
+
+    monkeypatch.setitem(sys.modules, "ray", SimpleNamespace(init=init))
+    line = (
+        r"^expected a Ray of this machine to start, found .*timed out during startup\): try again"
+    )
+    with pytest.raises(InputError, match=line):
+        OnRay("local", 2)

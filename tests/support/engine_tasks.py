@@ -1,5 +1,6 @@
 """Tasks for the tests of engines. Workers import them: the folder of tests is on their path."""
 
+import errno
 import os
 import signal
 import time
@@ -7,7 +8,7 @@ from pathlib import Path
 
 from neuralgaits._environment import cores
 from neuralgaits.engine import Files, Settings
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, RunError
 
 
 def echo(settings: Settings, files: Files) -> Files:
@@ -38,6 +39,12 @@ def dies(settings: Settings, files: Files) -> Files:
 def hungry(settings: Settings, files: Files) -> Files:
     """Takes as much memory as it is told."""
     return {"bytes": str(len(bytearray(settings["bytes"]))).encode()}
+
+
+def fills_disk(settings: Settings, files: Files) -> Files:
+    """What a full disk makes of a task: the system's error, or a library's that has its words."""
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    raise full if settings["n"] == 0 else RunError(f"expected a file, found {full}")
 
 
 def about_itself(settings: Settings, files: Files) -> Files:

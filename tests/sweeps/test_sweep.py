@@ -1,5 +1,6 @@
 """Sweeps: the same table however they are carried out and stopped, and what they refuse."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -13,6 +14,8 @@ import pytest
 from neuralgaits.cli.main import main
 from neuralgaits.engine import Processes, Serial
 from neuralgaits.errors import InputError, Interrupted
+from neuralgaits.runs import write_bytes
+from neuralgaits.sweeps import folder
 from neuralgaits.sweeps.disturbances import disturbances_of
 from neuralgaits.workflows import sweep as workflow
 from neuralgaits.workflows.sweep import sweep
@@ -107,6 +110,25 @@ def test_a_sweep_that_is_killed_goes_on_to_the_same_table(table: bytes, tmp_path
     hold.unlink()
     done = sweep(engine=Serial(), out=out, resume=True).summary
     assert done.before >= 1
+    assert Path(done.table).read_bytes() == table
+
+
+def test_a_full_disk_ends_a_sweep_that_goes_on_to_the_same_table(
+    table: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "s"
+
+    def full(path: Path, content: bytes) -> None:
+        if len(list(out.glob("rows/[!.]*"))) == 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write_bytes(path, content)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(folder, "write_bytes", full)
+        with pytest.raises(OSError, match="No space"):
+            sweep(["amber3m"], engine=Serial(), out=out, **ASKED)
+    done = sweep(engine=Serial(), out=out, resume=True).summary
+    assert done.before == 2
     assert Path(done.table).read_bytes() == table
 
 

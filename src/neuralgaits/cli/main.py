@@ -23,6 +23,7 @@ from neuralgaits.errors import (
     MismatchError,
     NeuralGaitsError,
     NonFiniteError,
+    is_full,
     reason,
 )
 
@@ -111,6 +112,12 @@ def _answer(arguments: list[str]) -> int:
 
 def _of_system(error: OSError) -> str:
     """What the system would not do, in a line that says where a path goes wrong."""
+    if is_full(error):
+        where = f" at {error.filename}" if isinstance(error.filename, str) else ""
+        return (
+            f"expected room to write{where}, found none ({reason(error)}): free some, then give "
+            "the command again; what takes --resume goes on from what is there"
+        )
     if not isinstance(error.filename, str):
         return str(error)
     path = Path(error.filename)

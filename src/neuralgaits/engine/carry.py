@@ -11,7 +11,7 @@ from typing import Any
 
 from neuralgaits._version import __version__
 from neuralgaits.engine.task import Failure, Files, Job, Task
-from neuralgaits.errors import NeuralGaitsError
+from neuralgaits.errors import NeuralGaitsError, is_full
 
 _DECIDE = ("jax", "jaxlib", "mujoco", "numpy")
 """Libraries whose version decides over digits of results."""
@@ -25,13 +25,15 @@ def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None
     failure = None
     try:
         files = _found(task)(job.settings, {**common, **job.files})
-    except NeuralGaitsError as error:
-        failure = Failure("refused", _line(str(error)))
     except MemoryError:
         failure = Failure("lost", "a worker ran out of memory")
     except Exception as error:
         if "RESOURCE_EXHAUSTED" in str(error):
             failure = Failure("lost", "a worker ran out of memory")
+        elif is_full(error):
+            failure = Failure("lost", f"a worker found its disk full ({_line(str(error))})")
+        elif isinstance(error, NeuralGaitsError):
+            failure = Failure("refused", _line(str(error)))
         else:
             failure = Failure("defect", f"{type(error).__name__}: {_line(str(error))}{_at(error)}")
     return files, failure, time.perf_counter() - began

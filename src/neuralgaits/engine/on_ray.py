@@ -62,6 +62,11 @@ class OnRay(Engine):
             ray.init(**where, log_to_driver=False, logging_level=logging.CRITICAL)
         except Exception as error:
             said = " ".join(str(error).split())[:300]
+            if address == LOCAL:
+                raise InputError(
+                    f"expected a Ray of this machine to start, found that it did not ({said}): "
+                    "try again when the machine is less busy, or leave --ray out for processes"
+                ) from None
             raise InputError(
                 f"expected a Ray cluster at {address}, found that it cannot be joined ({said}): "
                 "give HOST:PORT as `ray start --head` prints it, or --ray local"

@@ -9,7 +9,7 @@ from typing import Any
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.engine import Files, Settings
-from neuralgaits.errors import NeuralGaitsError
+from neuralgaits.errors import NeuralGaitsError, is_full
 from neuralgaits.records.record import build
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.records.swept import ROW, UNDISTURBED, RowTimes, RowWalks, SweepRow
@@ -80,6 +80,9 @@ class _Row:
             part = "walk"
             self._timed("walk", lambda: self._walk(trained))
         except NeuralGaitsError as error:
+            if is_full(error):
+                # The machine's fault, not the row's: it may come out well elsewhere.
+                raise
             line = " ".join(str(error).replace(str(self.base), "").split())
             self.known |= {"failure": "refused", "reason": f"{part}: {line}"}
         return SweepRow(**self.known, wall_s=RowTimes(**self.times))
