@@ -9,7 +9,7 @@ import pytest
 from neuralgaits.viewer import page, panel
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
-from neuralgaits.viewer.walker import Limits
+from neuralgaits.viewer.walker import Limits, Told
 
 FRICTION = Limits(0.05, 1.5, 0.6)
 
@@ -63,3 +63,41 @@ def test_a_number_within_the_limits_stays(built, monkeypatch):
     typed(sliders["friction"], 0.25)
     frame(made)
     assert sliders["friction"].value == 0.25
+
+
+def test_sliders_and_keys_tell_the_robot_and_lay_stones():
+    """Two keys a slider, up and down by a tenth of its range, cut to it."""
+    server, asked, heard = page.open_server("test"), [], []
+    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=asked.append)
+    walker: Any = SimpleNamespace(
+        tell=lambda name, value: heard.append(("tell", name, value)),
+        resize=lambda name, value: heard.append(("resize", name, value)),
+    )
+    try:
+        Panel(
+            server,
+            player,
+            title="x",
+            settings={},
+            conditions=(),
+            restarted=lambda: None,
+            commands={"speed": Told(Limits(0.5, 0.9, 0.7), "m/s")},
+            sizes={"rise": Told(Limits(-0.05, 0.05, 0.05), "m")},
+        )
+        keys = {handle.hotkey: handle for handle in server.gui._command_handle_from_uuid.values()}
+        assert set(keys) == {"U", "J", "I", "K"}
+        for key in ("U", "J", "I", "K"):
+            for callback in keys[key]._impl.trigger_cb:
+                callback(None)
+        for wish in asked:
+            wish(walker)
+    finally:
+        with page.quiet():
+            server.stop()
+    said = [(verb, name, round(value, 9)) for verb, name, value in dict.fromkeys(heard)]
+    assert said == [
+        ("tell", "speed", 0.74),
+        ("tell", "speed", 0.7),
+        ("resize", "rise", 0.05),
+        ("resize", "rise", 0.04),
+    ]

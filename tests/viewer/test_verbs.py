@@ -8,6 +8,7 @@ import pytest
 from neuralgaits.cli.arguments import Page
 from neuralgaits.cli.main import main
 from neuralgaits.cli.viewer_verbs import _served
+from neuralgaits.workflows.demo import FOLDER, TOLD
 
 
 def served(host, wait=None):
@@ -59,6 +60,10 @@ def test_the_page_is_closed_when_it_is_left():
     [
         (["view", "no-such-run"], "expected a run folder at no-such-run, found nothing"),
         (["view"], "RUN"),
+        (["view", str(FOLDER), "--terrain", "stones"], "found one that is told none: train one"),
+        (["view", str(TOLD), "--terrain", "stairs"], "told step_length and step_height on stairs"),
+        (["view", str(TOLD), "--terrain", "slopes"], "train one with --slope A:B"),
+        (["view", str(TOLD), "--terrain", "hills"], "no such kind and no such file"),
         (["demo", "--port", "0"], "--port from 1 to 65535"),
         (["demo", "--port", "many"], "'many'"),
         (["demo", "--host", "no.such.host.invalid"], "--host as an address of this machine"),

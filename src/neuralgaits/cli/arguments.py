@@ -362,6 +362,9 @@ class View:
 
     run: Run
     """Run folder, or latest."""
+    terrain: Annotated[str | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")] = None
+    """Solid blocks in place of the floor, as in simulate: stones, stairs, slopes, or a file of
+    stones. For a gait that is told step lengths, or slopes."""
     page: Annotated[Page, arg(name="")] = Page()
     output: Annotated[Output, arg(name="")] = Output()
 

@@ -17,7 +17,7 @@ def carry_out_view(verb: View) -> Outcome:
     from neuralgaits.workflows.view import view
 
     with waiting("putting the robot onto its feet", quiet=verb.output.json):
-        live = view(verb.run, **_place(verb.page))
+        live = view(verb.run, terrain=verb.terrain, **_place(verb.page))
     return _served(live, verb.page)
 
 

@@ -8,8 +8,8 @@ clocks, threads or screens: time passes only in `tick`.
 # MuJoCo ships no type stubs.
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -21,10 +21,15 @@ from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Limits, values
 from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
 from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.setup.course import Course
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, build
 from neuralgaits.simulation.setup.push import DURATION_S
+from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.tick import Record, Verdict
 
@@ -32,23 +37,10 @@ PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Time that passes in a tick [s]."""
 CHANGEABLE = ("friction", "torque_limit", "slope_deg", "mass_scale")
 """Disturbances that may change while the robot walks."""
-TILT_DEG_S = 20.0
-"""How fast the floor tilts [deg/s]: a swing foot ahead of the robot is met at 0.1 m/s or so."""
+CHANGEABLE_ON_BLOCKS = ("friction", "torque_limit", "mass_scale")
+"""The same on a course of blocks."""
 _TILT_TICKS = 10
 """Ticks between two small turns of the floor."""
-
-
-class Floor(NamedTuple):
-    """A plane through (0, level), the same under both feet."""
-
-    slope: float
-    """Rise per metre forward."""
-    level: float
-    """Height at x = 0 [m]."""
-
-    def height(self, x: float) -> float:
-        """Height at x (m)."""
-        return self.level + self.slope * x
 
 
 class LiveWalk:
@@ -73,20 +65,24 @@ class LiveWalk:
         falls: FallConfig | None = None,
         library: Library | None = None,
         reset_residual: Reset = None,
+        ground: LiveCourse | None = None,
     ):
         """Put the robot on its left foot at x = 0.
 
         Args:
             robot: the model the controller believes in, and what walks.
-            policy: desired outputs, or a family of them, told the middle of its ranges at first.
+            policy: desired outputs, or a family of them, told the middle of its ranges at first, or
+                what the ground says.
             law: of control.
             start: x = (q, dq) (rad, rad/s). [2n]
             z2_range: momenta the policy was trained on (kg m^2/s).
             falls: thresholds.
             library: compiled for robot and policy; else ticks are JAX.
             reset_residual: corrects the impact that the steps of a family begin with.
+            ground: of blocks in place of a floor, which the robot is told by.
         """
-        self.plant = build(robot)
+        self._ground = ground
+        self.plant = build(robot, None, self.course)
         self.data = mujoco.MjData(self.plant.model)
         self.floor = Floor(0.0, 0.0)
         self.verdict: Verdict | None = None
@@ -103,12 +99,15 @@ class LiveWalk:
         self._commands = policy.commands
         falls = FallConfig() if falls is None else falls
         self._limit = np.asarray(controller.torque_limit)
+        middle = Limits.of(self._commands).middle
+        self._first = middle if ground is None else np.array(ground.courses.orders.first)
         self._tick: LiveTick = (
-            JaxTick(self.plant, controller, falls)
+            JaxTick(self.plant, controller, falls, self._first)
             if library is None
-            else NativeTick(library, self.plant, controller, falls)
+            else NativeTick(library, self.plant, controller, falls, self._first)
         )
-        self._wanted = Limits.of(self._commands).middle
+        self._wanted = np.array(self._first)
+        self._levels = np.zeros((1, 2))
         self._ticks = 0
         self._push_ticks = 0
         self._force = np.zeros(2)
@@ -118,6 +117,20 @@ class LiveWalk:
     def compile(self) -> None:
         """Compile the control tick; until then `tick` waits for it itself."""
         self._tick.compile()
+
+    @property
+    def course(self) -> Course | None:
+        """Blocks that it walks on; None on a floor."""
+        return None if self._ground is None else self._ground.course
+
+    @property
+    def sizes(self) -> Mapping[str, Size]:
+        """Sizes of these that may change while it walks."""
+        return {} if self._ground is None else self._ground.sizes
+
+    def height(self, x: float) -> float:
+        """Of the floor at a place, or of the line through the middles of stones (m)."""
+        return self.floor.height(x) if self.course is None else self.course.line(x)
 
     @property
     def time(self) -> float:
@@ -151,9 +164,11 @@ class LiveWalk:
         if self._ticks % _TILT_TICKS == 0:
             self._tilt()
         self._ticks += 1
-        self.verdict = verdict = self._tick.decide(self.data, self.floor.level)
+        self.verdict = verdict = self._tick.decide(self.data, self._levels[0])
         if self.ending.fell:
             return False
+        if self._ground is not None and self._walk_on(self._ground, verdict):
+            return True
         self.data.ctrl[:] = verdict.controls[0]
         self.data.qfrc_applied[self.plant.wires.root[:2]] = self.pushing
         # As in an episode, where every tick is a rollout of its own: the walk is the same to a bit.
@@ -176,15 +191,41 @@ class LiveWalk:
         self._push_ticks = round(DURATION_S / PERIOD_S)
         self._force = impulse / (self._push_ticks * PERIOD_S)
 
+    def _walk_on(self, ground: LiveCourse, verdict: Verdict) -> bool:
+        """Tell the robot what it sees. Returns: whether it was put back: the course had ended."""
+        steps, feet = int(verdict.steps[0]), np.asarray(verdict.feet)
+        if ground.course.ends(steps, float(feet[0, 0, 0])):
+            ground.draw_anew()
+            self.reset()
+            return True
+        ground.courses.look(self._wanted, 0, steps, feet[0, 1])
+        self._tick.tell(self._wanted)
+        down, leg = np.asarray(verdict.touchdown), np.asarray(verdict.leg)
+        ground.courses.stand(self._levels, down, leg, feet)
+        return False
+
     def disturb(self, **changes: float | None) -> None:
         """Change the plant under the walking robot; see `Disturbance` and `CHANGEABLE`.
 
         The floor turns about the stance foot, at `TILT_DEG_S`; the rest changes at once.
         Raises: InputError for a disturbance that cannot change now or is out of its range.
         """
-        if stray := sorted(set(changes) - set(CHANGEABLE)):
-            raise InputError(f"expected changes of {', '.join(CHANGEABLE)}, found {stray}")
-        plant = build(self._robot, replace(self.plant.disturbance, **changes))
+        changeable = CHANGEABLE if self._ground is None else CHANGEABLE_ON_BLOCKS
+        if stray := sorted(set(changes) - set(changeable)):
+            raise InputError(f"expected changes of {', '.join(changeable)}, found {stray}")
+        self._rebuild(replace(self.plant.disturbance, **changes))
+
+    def resize(self, name: str, size: float) -> None:
+        """Change a size of the blocks ahead (m). Raises: InputError if it has none or it is out."""
+        if self._ground is None:
+            raise InputError(f"expected a course of blocks to change the {name} of, found a floor")
+        steps = 0 if self.verdict is None else int(self.verdict.steps[0])
+        self._ground.resize(name, size, steps)
+        self._rebuild(self.plant.disturbance)
+
+    def _rebuild(self, disturbance: Disturbance) -> None:
+        """Go on in a plant that is compiled anew."""
+        plant = build(self._robot, disturbance, self.course)
         fresh = mujoco.MjData(plant.model)
         fresh.time = self.data.time
         for name in ("qpos", "qvel", "ctrl", "sensordata"):
@@ -199,27 +240,35 @@ class LiveWalk:
         A change that is too fast for one step is spread over several.
         Raises: InputError for another name, or a value outside of its range.
         """
-        now = dict(zip((c.name for c in self._commands), self._wanted.tolist(), strict=True))
-        self._wanted = values(self._commands, now | commands)
+        # What the ground says may be out of range: it is clamped where it is latched.
+        known = dict(zip((c.name for c in self._commands), self._first.tolist(), strict=True))
+        checked = values(self._commands, known | commands)
+        given = [name in commands for name in known]
+        self._wanted[given] = checked[given]
         self._tick.tell(self._wanted)
 
     @property
     def told(self) -> Float[np.ndarray, "2 p"]:
         """What the robot was told, of the step before and of this one. [2, p]."""
         if self.record is None:
-            middle = Limits.of(self._commands).middle
-            return np.stack([middle, middle])
+            return np.stack([self._first, self._first])
         return np.asarray(self.record.command.told)[0]
 
     def place(self, x: Float[np.ndarray, " two_n"]) -> None:
         """Start anew from a full state on leg 0 (rad, rad/s), where the robot is. [2n].
 
+        On a course: on its first foothold, told of it as at first.
         Raises: InputError for another shape or numbers that are not finite.
         """
         x = np.asarray(x, dtype=np.float64)
         n = self._robot.n
         if x.shape != (2 * n,) or not np.all(np.isfinite(x)):
             raise InputError(f"expected a finite full state of {2 * n} numbers, found {x}")
+        if self._ground is not None:
+            self._ground.again()
+            self._rebuild(self.plant.disturbance)
+            self._stand(x, 0.0)
+            return
         wires = self.plant.wires
         base = float(wires.sensors(*wires.to_mjcf(x[:n], x[n:], 0)).base[0])
         self._stand(x, float(self.hip[0]) - base)
@@ -239,31 +288,26 @@ class LiveWalk:
         self.verdict = None
         self._tick.restart()
         self._push_ticks = 0
+        if self._ground is not None:
+            self._levels[:] = self._ground.courses.first_levels()
         self._lay(self.floor)
 
     def _tilt(self) -> None:
         """Turn the floor a little towards the slope asked for, about the stance foot."""
-        wanted = self.plant.slope
-        if self.floor.slope == wanted:
+        if self.floor.slope == self.plant.slope:
             return
-        reach = math.radians(TILT_DEG_S * _TILT_TICKS * PERIOD_S)
-        angle = math.atan(self.floor.slope)
-        way = math.atan(wanted) - angle
-        slope = wanted if abs(way) <= reach else math.tan(angle + math.copysign(reach, way))
         leg = 0 if self.verdict is None else int(self.verdict.leg[0])
         wires = self.plant.wires
         foot, _ = wires.foot(leg, wires.sensors(self.data.qpos, self.data.qvel))
-        # The gap between sphere and plane stays, so no contact is pressed or torn apart.
-        higher = math.hypot(1.0, slope) - math.hypot(1.0, self.floor.slope)
-        beneath = self.floor.height(float(foot[0])) - float(self._robot.foot_radius) * higher
-        level = beneath - slope * float(foot[0])
-        self._lay(Floor(slope, float(level)))
+        radius, passed = float(self._robot.foot_radius), _TILT_TICKS * PERIOD_S
+        self._lay(self.floor.turned(self.plant.slope, float(foot[0]), radius, passed))
 
     def _lay(self, floor: Floor) -> None:
-        """Put both planes there, and tell the control tick."""
+        """Put both planes there, if there are any, and tell the control tick."""
         self.floor = floor
-        levels = np.full((1, 2), floor.level)
-        self.data.mocap_pos[:] = self.plant.floor_positions(levels).reshape(-1, 3)
-        half = 0.5 * math.atan(floor.slope)
-        self.data.mocap_quat[:] = (math.cos(half), 0.0, -math.sin(half), 0.0)
+        if self._ground is None:
+            self._levels[:] = floor.level
+            self.data.mocap_pos[:] = self.plant.floor_positions(self._levels).reshape(-1, 3)
+            half = 0.5 * math.atan(floor.slope)
+            self.data.mocap_quat[:] = (math.cos(half), 0.0, -math.sin(half), 0.0)
         self._tick.change(self.plant, self._limit, floor.slope)

@@ -10,7 +10,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import Limits
 from neuralgaits.simulation.native.layout import pointer
 from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.native.records import record_of
@@ -46,8 +45,11 @@ class LiveTick(ABC):
         """Go on with another plant, limits of the controller (N m) and slope of the floor."""
 
     @abstractmethod
-    def decide(self, data: Any, level: float) -> Verdict:
-        """One tick at a state of MuJoCo, the floor at a level (m). Leaves have an axis of one."""
+    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
+        """One tick at a state of MuJoCo. Leaves have an axis of one.
+
+        `levels` are those of the floor, or of the foothold that each foot had last (m).
+        """
 
     @property
     @abstractmethod
@@ -58,9 +60,16 @@ class LiveTick(ABC):
 class JaxTick(LiveTick):
     """The tick of an episode, a batch of one."""
 
-    def __init__(self, plant: Plant, controller: Controller, falls: FallConfig):
-        """Nothing is compiled yet."""
-        self._scene = Scene.of(plant, controller, ENDLESS, falls)
+    def __init__(
+        self,
+        plant: Plant,
+        controller: Controller,
+        falls: FallConfig,
+        first: Float[np.ndarray, " p"],
+    ):
+        """Nothing is compiled yet. `first` is told of the first step. [p]."""
+        gap_depth = np.inf if plant.course is None else plant.course.gap_depth
+        self._scene = Scene.of(plant, controller, ENDLESS, falls, first, gap_depth)
         self._batch: Batch | None = None
         self._noise = np.zeros((1, 2, 1 + plant.wires.joints.size))
         self._wanted = np.array(self._scene.first)
@@ -89,15 +98,15 @@ class JaxTick(LiveTick):
         if self._batch is not None:
             self._arrays = numbers(self._scene)
 
-    def decide(self, data: Any, level: float) -> Verdict:
+    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
         """One tick."""
         if self._batch is None:
             self.compile()
         assert self._batch is not None
         state = np.concatenate([[data.time], data.qpos, data.qvel])
-        floors = np.full((1, 2), level)
         wanted = self._wanted[None]
-        reading = Reading(state[None], data.sensordata[None, -2:], floors, self._noise, wanted)
+        touch = data.sensordata[None, -2:]
+        reading = Reading(state[None], touch, levels[None], self._noise, wanted)
         carry = self._batch.carry if self._carry is None else self._carry
         self._carry, judged, self._found = self._batch.tick(self._arrays, carry, pack(reading))
         return self._batch.verdict_of(judged)
@@ -113,14 +122,24 @@ class JaxTick(LiveTick):
 class NativeTick(LiveTick):
     """The same in compiled code."""
 
-    def __init__(self, library: Library, plant: Plant, controller: Controller, falls: FallConfig):
-        """Raises: InputError for the library of another gait, or a law that it does not have."""
+    def __init__(
+        self,
+        library: Library,
+        plant: Plant,
+        controller: Controller,
+        falls: FallConfig,
+        first: Float[np.ndarray, " p"],
+    ):
+        """`first` is told of the first step. [p].
+
+        Raises: InputError for the library of another gait, or a law that it does not have.
+        """
         if not library.fits(controller):
             raise InputError("expected the compiled walk of this controller, found another one's")
         self._library, self._controller, self._falls = library, controller, falls
         self._walk = library.layout.walk()
         self._row = np.zeros(1, library.layout.record)
-        self._wanted = np.array(Limits.of(controller.policy.commands).middle)
+        self._first, self._wanted = np.array(first, dtype=np.float64), np.array(first)
         self.change(plant, np.asarray(controller.torque_limit), plant.slope)
         self.restart()
 
@@ -129,7 +148,7 @@ class NativeTick(LiveTick):
 
     def restart(self) -> None:
         """Forget what was."""
-        self._library.start(byref(self._walk), 0, pointer(None))
+        self._library.start(byref(self._walk), 0, pointer(self._first))
         if self._wanted.size:
             self._walk.orders, self._walk.orders_used = pointer(self._wanted), 0
 
@@ -145,7 +164,7 @@ class NativeTick(LiveTick):
         self._scene.slope = slope
         self._plant, self._controls = plant, np.zeros((1, plant.model.nu))
 
-    def decide(self, data: Any, level: float) -> Verdict:
+    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
         """One tick."""
         walk, row = self._walk, self._row
         if self._wanted.size:
@@ -153,7 +172,7 @@ class NativeTick(LiveTick):
         stride = np.zeros((1, width(self._wanted.size)))
         walk.strides, walk.strides_used = pointer(stride), 0
         for leg in (0, 1):
-            walk.floor[leg], walk.touch[leg] = level, data.sensordata[leg - 2]
+            walk.floor[leg], walk.touch[leg] = levels[leg], data.sensordata[leg - 2]
         self._library.tick(
             byref(self._scene), byref(walk), data._address, pointer(self._controls), pointer(row)
         )

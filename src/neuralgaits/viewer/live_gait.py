@@ -9,10 +9,12 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.quantities import ENDS, Chart, Look
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import Limits as Ranges
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.live_course import LiveCourse
+from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.starts import momentum_range
+from neuralgaits.simulation.setup.terrain_kinds import told_by
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import LAWS
 from neuralgaits.viewer.walker import Limits, Margins, Shown, Told
@@ -28,13 +30,35 @@ _LEAST_TORQUE = 0.1
 
 
 class LiveGait:
-    """A `viewer.walker.Walker`."""
+    """A `viewer.walker.Walker`.
+
+    Attributes:
+        run: whose gait walks; of a family, at the command that walks begin with.
+        chart: of its tube.
+        live: the walk.
+    """
 
     period_s = PERIOD_S
 
-    def __init__(self, run: Run):
-        """Put the robot into the middle of its region; nothing is compiled yet."""
-        self._run = run
+    def __init__(self, run: Run, terrain: str | None = None):
+        """Put the robot into the middle of its region; nothing is compiled yet.
+
+        Args:
+            run: of the gait.
+            terrain: blocks in place of the floor, as in `simulate`; a family of gaits is then
+                looked at where its walks begin.
+
+        Raises: InputError if the gait cannot be told what the terrain asks.
+        """
+        ground = None
+        self._on = terrain
+        if terrain is not None:
+            base = Orders.constant(run.trained.commands)
+            ground = LiveCourse(terrain, run.robot, run.gait.policy, base)
+            names = (c.name for c in run.trained.commands)
+            first = map(float, ground.courses.orders.first)
+            run = run.at(**dict(zip(names, first, strict=True)))
+        self.run = run
         self.chart = Chart(run.gait, run.spec)
         zd = run.zero_dynamics
         self._onto = Look(lambda z: {"x": zd.phi_inv(z)})
@@ -48,7 +72,9 @@ class LiveGait:
             z2_range=momentum_range(run.trained),
             library=engine_of_trained(run).library,
             reset_residual=run.residuals.reset,
+            ground=ground,
         )
+        self._first = self.live.told
         self._look: Look | None = None
         self._z = self._middle
 
@@ -59,10 +85,10 @@ class LiveGait:
     @property
     def settings(self) -> Mapping[str, Limits]:
         """What of the plant can be changed, and how far."""
-        robot = self._run.robot
+        robot = self.run.robot
         friction, torque = float(robot.friction), float(np.max(robot.torque_limit))
-        return {
-            "slope_deg": Limits(*SLOPE_DEG, 0.0),
+        turns = {"slope_deg": Limits(*SLOPE_DEG, 0.0)} if self._on is None else {}
+        return turns | {
             "friction": Limits(FRICTION[0], max(FRICTION[1], friction), friction),
             "mass_scale": Limits(*MASS_SCALE, 1.0),
             "torque_limit": Limits(_LEAST_TORQUE * torque, torque, torque),
@@ -70,11 +96,22 @@ class LiveGait:
 
     @property
     def commands(self) -> Mapping[str, Told]:
-        """What the gait is told at each touchdown, and its range."""
+        """What a visitor may tell the gait at each touchdown, and its range."""
+        own = () if self._on is None else told_by(self._on)
         return {
             c.name: Told(Limits(c.low, c.high, 0.5 * (c.low + c.high)), c.unit)
-            for c in self._run.trained.commands
+            for c in self.run.trained.commands
+            if c.name not in own
         }
+
+    @property
+    def sizes(self) -> Mapping[str, Told]:
+        """Sizes of the blocks ahead that a visitor may change, and their range."""
+        return {name: Told(Limits(*size), "m") for name, size in self.live.sizes.items()}
+
+    def resize(self, name: str, size: float) -> None:
+        """Change a size of the blocks that the robot has not heard of yet (m)."""
+        self.live.resize(name, size)
 
     def tell(self, name: str, value: float) -> None:
         """Wish for a command from the next touchdown on."""
@@ -99,12 +136,13 @@ class LiveGait:
             qpos=live.data.qpos.copy(),
             hip=sensors.base,
             slope=live.floor.slope,
-            level=live.floor.level,
+            ground=live.height(float(sensors.base[0])),
             z=self._z,
             steps=0 if verdict is None else int(verdict.steps[0]),
             speed=float(sensors.base_velocity[0]),
             force=live.pushing,
             fall=ending.reason,
+            tops=None if live.course is None else live.course.tops,
         )
 
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
@@ -112,14 +150,14 @@ class LiveGait:
 
         Of a family: of the gait that is drawn, and none while the robot is told something else.
         """
-        conditions = self._run.spec.conditions
+        conditions = self.run.spec.conditions
         with np.errstate(all="ignore"):
             here = np.concatenate(self.chart.chart(np.asarray(z)[None]))
             if self._look is None or self._elsewhere or not np.all(np.isfinite(here)):
                 # Far outside, the fences' series have no meaning.
                 nothing = np.full(len(conditions), np.nan)
                 return Margins(nothing, np.zeros(len(conditions), dtype=bool))
-            asked = [_nearest(here, self._run.spec.regions[c.region]) for c in conditions]
+            asked = [_nearest(here, self.run.spec.regions[c.region]) for c in conditions]
             points = np.unique(np.array(asked), axis=0)
             states = self.chart.z(points[:, 0], points[:, 1])
             # The state itself, not its image in the chart: it may lie outside of it.
@@ -137,8 +175,7 @@ class LiveGait:
     @property
     def _elsewhere(self) -> bool:
         """Whether the robot is told something else than what is drawn."""
-        told = self.live.told
-        return not np.allclose(told, Ranges.of(self._run.trained.commands).middle, atol=1e-9)
+        return not np.allclose(self.live.told, self._first, atol=1e-9)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
         """Push along x and z (N s)."""

@@ -3,6 +3,8 @@
 import html
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Literal
 
 import numpy as np
 import viser
@@ -27,8 +29,13 @@ _SETTINGS = {
     "mass_scale": ("mass ×", 0.01, "factor on all masses and inertias; the controller is not told"),
     "torque_limit": ("torque [N m]", 0.5, "limit of every joint; the controller knows it"),
 }
+Key = Literal["U", "J", "I", "K", "O", "L"]
 _NOTCHES = 70
 """Of the slider of a command: half a centimetre a second of the usual range of speeds."""
+KEYS: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
+"""Up and down, of the sliders of commands and stones in their order: keys below each other."""
+_A_KEY = 0.1
+"""How far a key moves a slider, as a share of it."""
 _ANSWER_FRAMES = 240
 """How long an answer stands: six seconds."""
 TYPED_S = 1.0
@@ -52,6 +59,7 @@ class Panel:
         conditions: Sequence[str],
         restarted: Callable[[], None],
         commands: Mapping[str, Told] | None = None,
+        sizes: Mapping[str, Told] | None = None,
     ):
         """Build the panel.
 
@@ -63,6 +71,7 @@ class Panel:
             conditions: names, in the order of the margins; empty if there are none.
             restarted: called, in the player's thread, when the robot was put back.
             commands: that the gait takes at each touchdown, by name.
+            sizes: of the blocks ahead, by name.
         """
         self._player, self._conditions, self._restarted = player, conditions, restarted
         self._answer, self._answer_left, self._count = "", 0, 0
@@ -73,8 +82,13 @@ class Panel:
         gui.add_markdown(title)
         self._status = gui.add_html(_line("getting ready: compiling the controller", _QUIET))
         self._add_time(gui)
+        self._keys = iter(KEYS)
         if commands:
-            self._add_commands(gui, commands)
+            heard = "heard at the next touchdown; large changes take several steps"
+            self._add_told(gui, "Commands", commands, heard, _tell)
+        if sizes:
+            ahead = "of the stones that the robot has not heard of yet"
+            self._add_told(gui, "Stones ahead", sizes, ahead, _resize)
         self._add_push(gui)
         self._add_plant(gui, settings)
         with gui.add_folder("Margins at the robot's state"):
@@ -169,20 +183,32 @@ class Panel:
             if impulse is not None and way is not None:
                 self._player.ask(lambda walker: walker.push(impulse * np.array(way)))
 
-    def _add_commands(self, gui: viser.GuiApi, commands: Mapping[str, Told]) -> None:
-        """A slider a command: heard at the next touchdown."""
-        with gui.add_folder("Commands"):
-            for name, (limits, unit) in commands.items():
-                step = (limits.high - limits.low) / _NOTCHES
-                hint = "heard at the next touchdown; large changes take several steps"
-                slider = self._slider(gui, f"{name} [{unit}]", limits, step, hint)
-                slider.on_update(lambda _event, name=name, slider=slider: self._tell(name, slider))
+    def _add_told(
+        self,
+        gui: viser.GuiApi,
+        title: str,
+        told: Mapping[str, Told],
+        hint: str,
+        tell: Callable[[Walker, str, float], None],
+    ) -> None:
+        """A slider for each, and two keys while there are any left."""
+        with gui.add_folder(title):
+            for name, (limits, unit) in told.items():
+                notch = (limits.high - limits.low) / _NOTCHES
+                keys = next(self._keys, None)
+                by_key = "" if keys is None else f"; keys {keys[0]} and {keys[1]}"
+                slider = self._slider(gui, f"{name} [{unit}]", limits, notch, hint + by_key)
 
-    def _tell(self, name: str, slider: viser.GuiSliderHandle) -> None:
-        limits = next(limits for one, limits in self._limited if one is slider)
-        value = limits.clip(slider.value)
-        if value is not None:
-            self._player.ask(lambda walker: walker.tell(name, value))
+                def ask(_event: object, step=0.0, name=name, slider=slider, limits=limits):
+                    value = _moved(slider, limits, step)
+                    if value is not None:
+                        self._player.ask(lambda walker: tell(walker, name, value))
+
+                slider.on_update(ask)
+                for key, way in zip(keys or (), (1.0, -1.0), strict=False):
+                    word = f"{name} {'up' if way > 0.0 else 'down'}"
+                    step = way * _A_KEY * (limits.high - limits.low)
+                    gui.add_command(word, hotkey=key).on_trigger(partial(ask, step=step))
 
     def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, Limits]) -> None:
         with gui.add_folder("Robot and floor"):
@@ -242,6 +268,22 @@ class Panel:
 
     def _lags(self, picture: Picture) -> bool:
         return picture.pace < 0.9 * self._player.speed
+
+
+def _moved(slider: viser.GuiSliderHandle, limits: Limits, step: float) -> float | None:
+    """The number of a slider, once it is moved by a step; None if it is none."""
+    value = limits.clip(slider.value)
+    if value is not None and step:
+        slider.value = value = min(max(value + step, limits.low), limits.high)
+    return value
+
+
+def _tell(walker: Walker, name: str, value: float) -> None:
+    walker.tell(name, value)
+
+
+def _resize(walker: Walker, name: str, value: float) -> None:
+    walker.resize(name, value)
 
 
 def _line(text: str, colour: str, *, strong: bool = False) -> str:

@@ -1,7 +1,7 @@
-"""The scene: robot, floor, push, and the phase portrait on a board above them.
+"""The scene: robot, floor or blocks, push, and the phase portrait on a board above them.
 
-The robot stays in the middle and the floor moves under it, so the camera is the visitor's own
-and the board hangs still.
+The robot stays in the middle and the ground moves under it, down as the robot climbs, so the camera
+is the visitor's own and the board hangs still.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -19,6 +19,7 @@ from mjviser import ViserMujocoScene
 from neuralgaits._types import Float
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.bones import THICKNESS, bones
+from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
 from neuralgaits.viewer.walker import Shown
@@ -70,6 +71,7 @@ class Stage:
             shadow_opacity=0.25,
             fade_distance=30.0,
         )
+        self._blocks = Blocks(server)
         self._arrow = server.scene.add_arrows(
             "/push",
             # Until there is a push, where nobody looks.
@@ -97,10 +99,11 @@ class Stage:
             self.restart()
         self._fallen = shown.fall is not None
         x = float(shown.hip[0])
-        ground = shown.level + shown.slope * x
+        ground = shown.ground
         with self._server.atomic():
             self._show_robot(shown, x, ground)
             self._show_floor(shown, x)
+            self._blocks.show(shown.tops, x, ground)
             self._show_push(shown, ground)
             if self._board is not None:
                 self._board.show(shown.z)
@@ -121,6 +124,7 @@ class Stage:
 
     def _show_floor(self, shown: Shown, x: float) -> None:
         """The floor goes through the origin; its lines stay on the ground that they mark."""
+        self._floor.visible = shown.tops is None
         long = math.hypot(1.0, shown.slope)
         behind = math.fmod(x * long, _SECTION)
         self._floor.position = (-behind / long, 0.0, -behind / long * shown.slope)

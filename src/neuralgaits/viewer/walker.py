@@ -18,8 +18,8 @@ class Shown(NamedTuple):
     """Pitch axis of the root, (x, z) [m]."""
     slope: float
     """Rise of the floor per metre forward."""
-    level: float
-    """Height of the floor at x = 0 [m]."""
+    ground: float
+    """Height below the hip of the floor, or of the line between footholds [m]."""
     z: Float[np.ndarray, "2"]
     """Measured state of the zero dynamics (m, kg m^2/s)."""
     steps: int
@@ -30,6 +30,9 @@ class Shown(NamedTuple):
     """Push under way, along x and z [N]."""
     fall: str | None
     """Why the robot fell; None while it walks."""
+    tops: Float[np.ndarray, "K 4"] | None = None
+    """Of the blocks that it walks on, back ends (x, z) and front ends [m]; None on a floor. The
+    array is another one where they have changed."""
 
 
 class Margins(NamedTuple):
@@ -93,6 +96,10 @@ class Walker(Protocol):
 
     def tell(self, name: str, value: float) -> None:
         """Wish for a command from the next touchdown on."""
+        ...
+
+    def resize(self, name: str, size: float) -> None:
+        """Change a size of the blocks ahead (m)."""
         ...
 
     def jump(self, z: Float[np.ndarray, "2"]) -> str | None:

@@ -30,16 +30,17 @@ class LiveView:
         host: it is bound to.
     """
 
-    def __init__(self, run: Run, host: str, port: int | None):
+    def __init__(self, run: Run, host: str, port: int | None, terrain: str | None = None):
         """Serve the page, with the robot standing; `_bring_to_life` does the rest."""
-        self._run = run
+        self._terrain = terrain
         self._closed = threading.Event()
         self._showing = threading.Lock()
         self._server = page.open_server(f"Neural Gaits: {run.robot.name}", host, port)
         try:
             self.host, self.port = host, self._server.get_port()
             self.url = page.url(host, self.port)
-            self.gait = LiveGait(run)
+            self.gait = LiveGait(run, terrain)
+            self._run = self.gait.run
             self.player = Player(self.gait, self._show)
             self._stage = Stage(self._server, run.robot)
             self._stage.show(self.gait.shown())
@@ -54,7 +55,8 @@ class LiveView:
     @property
     def summary(self) -> dict[str, Any]:
         """What `view --json` prints."""
-        return {"url": self.url, "port": self.port, "run": str(self._run.path)}
+        about = {"url": self.url, "port": self.port, "run": str(self._run.path)}
+        return about | {"terrain": self._terrain}
 
     def wait(self) -> None:
         """Until Ctrl-C. Raises: what failed while the robot walked."""
@@ -92,6 +94,7 @@ class LiveView:
             conditions=[condition.name for condition in self._run.spec.conditions],
             restarted=self._stage.restart,
             commands=self.gait.commands,
+            sizes=self.gait.sizes,
         )
 
     def _bring_to_life(self) -> None:
@@ -132,16 +135,23 @@ class LiveView:
         self.player.ask(go)
 
 
-def view(run: Run | str | Path, *, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
+def view(
+    run: Run | str | Path,
+    *,
+    host: str = page.LOOPBACK,
+    port: int | None = None,
+    terrain: str | Path | None = None,
+) -> LiveView:
     """Serve a live page of a run.
 
     Args:
         run: a run, its folder, or `latest`.
         host: address to bind to; other than loopback, other machines reach the page.
         port: exactly this one; None takes a free one.
+        terrain: blocks in place of the floor, as in `simulate`.
 
     Returns: `LiveView`, serving; `wait` until it ends, then `close` it, or use it as a context.
     Raises: InputError, RobotError or RunError with one line.
     """
     page.refuse_no_port(port)
-    return LiveView(open_run(run), host, port)
+    return LiveView(open_run(run), host, port, None if terrain is None else str(terrain))

@@ -22,7 +22,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, NonFiniteError
-from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.native.layout import pointer
 from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.native.records import record_of
@@ -60,12 +59,10 @@ class _Course:
     first: int
 
 
-def _with_its_own(scene: Any, plant: Plant, courses: Courses | None) -> Any:
+def _with_its_own(scene: Any, plant: Plant) -> Any:
     """The scene of one episode, whose plant is its own; the law stays that of the first scene."""
     own = type(scene).from_buffer_copy(scene)
     own.model = plant.model._address
-    if courses is not None:
-        own.course, own.stones, own.gap_depth = 1, int(courses.stones), courses.gap_depth
     return own
 
 
@@ -126,17 +123,13 @@ def run(
         raise InputError("expected the compiled walk of this controller, found another one's")
     scene = scene_of(library, plant, controller, steps, falls, push)
     scene.uneven = int(terrain.uneven)
-    for name in ("length", "height", "slope"):
-        command = name if name == "slope" else f"step_{name}"
-        at = place_of(orders.commands, command)
-        setattr(scene, f"told_{name}", 0 if at is None else at + 1)
     course = _Course(states, terrain, push, orders, seed, noisy, longest, record, courses, first)
     local, stop = threading.local(), threading.Event()
 
     def one(episode: int) -> _Kept:
         if len(plants) == len(states):
             own = plants[episode]
-            its = _with_its_own(scene, own, courses)
+            its = _with_its_own(scene, own)
             return _episode(library, its, own, mujoco.MjData(own.model), course, episode, stop)
         if not hasattr(local, "data"):
             local.data = mujoco.MjData(plant.model)

@@ -8,6 +8,7 @@ import numpy as np
 
 from neuralgaits.control import AbstractLaw, ClfQp, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.native.layout import Layout
 from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.setup.plant import SUBSTEPS, Plant
@@ -56,7 +57,8 @@ def scene_of(
     scene.encoder_step = disturbance.encoder_step
     scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
     scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT
-    scene.gap_depth, scene.foot_radius = np.inf, float(plant.robot.foot_radius)
+    scene.foot_radius = float(plant.robot.foot_radius)
+    _set_ground(scene, plant, controller)
     scene.push_force, scene.push_s, scene.push_after = push.force, DURATION_S, push.steps_before
     scene.steps = min(steps, np.iinfo(np.int32).max)
     scene.lowest_hip = falls.hip_share * leg_length
@@ -68,6 +70,17 @@ def scene_of(
         _set_program(library, scene, controller)
     _set_config(scene, types, controller)
     return scene
+
+
+def _set_ground(scene: Any, plant: Plant, controller: Controller) -> None:
+    """Blocks, if there are any, and which commands are about the ground."""
+    course = plant.course
+    scene.gap_depth = np.inf if course is None else course.gap_depth
+    scene.course, scene.stones = int(course is not None), int(course is not None and course.stones)
+    for name in ("length", "height", "slope"):
+        command = name if name == "slope" else f"step_{name}"
+        at = place_of(controller.policy.commands, command)
+        setattr(scene, f"told_{name}", 0 if at is None else at + 1)
 
 
 def _set_law(law: Any, wanted: AbstractLaw) -> None:

@@ -14,6 +14,8 @@ from neuralgaits.simulation.setup.orders import Orders
 
 GAP_DEPTH_M = 0.03
 """A foot this far below the stones before and behind it has missed them."""
+_BEFORE_END_M = 1.0
+"""Of the last slope, not walked on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +36,26 @@ class Course:
     def height(self, x: float) -> float:
         """Of the ground at a place, or of the line between two blocks over a gap (m)."""
         return float(np.interp(x, self.tops[:, 0::2].ravel(), self.tops[:, 1::2].ravel()))
+
+    def line(self, x: float) -> float:
+        """Of the way at a place: between the middles of stones, or of the ground (m)."""
+        return float(np.interp(x, *self.seen.T)) if self.stones else self.height(x)
+
+    @property
+    def gap_depth(self) -> float:
+        """How far below its stones a foot has missed them [m]; infinite where there are no gaps."""
+        return GAP_DEPTH_M if self.stones else np.inf
+
+    def ends(self, touchdowns: int, foot: float) -> bool:
+        """Whether a robot has come to the last stone, or a metre before the end of a slope.
+
+        Args:
+            touchdowns: so far.
+            foot: x of the standing one (m).
+        """
+        if self.stones:
+            return touchdowns >= len(self.seen) - 1
+        return foot > self.tops[-1, 2] - _BEFORE_END_M
 
     def misses(self, places: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
         """How far feet came down from the middle of their stones, those at touchdowns (m)."""
@@ -64,7 +86,7 @@ class Courses:
     @property
     def gap_depth(self) -> float:
         """How far below its stones a foot has missed them [m]; infinite where there are no gaps."""
-        return GAP_DEPTH_M if self.stones else np.inf
+        return self.each[0].gap_depth
 
     def first_levels(self) -> Float[np.ndarray, "B 2"]:
         """Levels of the first foothold and, under the swing foot, of the one before it (m)."""
@@ -120,3 +142,16 @@ def stones_at(middles: Float[np.ndarray, "K 2"], widths: Float[np.ndarray, " K"]
     half = 0.5 * widths
     x, z = middles.T
     return Course(np.stack([x - half, z, x + half, z], axis=1), middles, stones=True)
+
+
+def joined(course: Course, last: int, more: Course) -> Course:
+    """Stones up to one of them, and in its place the first of others, which go on from there.
+
+    The stone itself stays as wide as it is.
+    """
+    ahead = course.seen[last] - more.seen[0]
+    return Course(
+        tops=np.concatenate([course.tops[: last + 1], more.tops[1:] + np.tile(ahead, 2)]),
+        seen=np.concatenate([course.seen[: last + 1], more.seen[1:] + ahead]),
+        stones=True,
+    )

@@ -1,0 +1,83 @@
+"""The ground of a walk that has no end: laid anew ahead of the robot, and behind its back."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from neuralgaits.errors import InputError
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.setup.course import Course, Courses, joined
+from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.terrain_kinds import Size, endless, resized, sizes_of
+from neuralgaits.simulation.setup.terrains import courses_of
+
+LAID = 600
+"""Steps that are laid at once: five minutes of walking."""
+_KNOWN = 2
+"""Stones ahead of the foot that stands which the robot has heard of."""
+
+
+class LiveCourse:
+    """Ground of a kind as `simulate` lays it, in lengths of `LAID` steps.
+
+    Attributes:
+        courses: of the one robot that walks.
+    """
+
+    def __init__(
+        self, asked: str, robot: PlanarBiped, steady: AbstractPolicy, base: Orders, seed: int = 0
+    ):
+        """Lay the first length; see `terrains.courses_of`. Raises: InputError with one line."""
+        self._asked, self._robot, self._steady, self._base = asked, robot, steady, base
+        self._seed = seed
+        self._sizes: dict[str, float] = {}
+        self.courses = self._laid(asked)
+
+    @property
+    def course(self) -> Course:
+        """What there is to walk on."""
+        return self.courses.each[0]
+
+    @property
+    def sizes(self) -> Mapping[str, Size]:
+        """Sizes of stones or stairs that may change ahead of a robot that walks, as they are."""
+        if not (self.course.stones and endless(self._asked)):
+            return {}
+        return sizes_of(resized(self._asked, self._sizes), self._base.commands)
+
+    def resize(self, name: str, size: float, touchdowns: int) -> None:
+        """Lay other stones beyond those that the robot has heard of.
+
+        Raises: InputError for another name or a size out of its range (m).
+        """
+        if name not in self.sizes:
+            known = ", ".join(self.sizes) or "none here"
+            raise InputError(f"expected a size among {known}, found {name!r}: name one of them")
+        sizes = self._sizes | {name: size}
+        if sizes == self._sizes:
+            return
+        self._lay(resized(self._asked, sizes), touchdowns)
+        self._sizes = sizes
+
+    def again(self) -> None:
+        """Begin at the first foothold, where stones are as they were at first."""
+        self.courses = self._laid(self._asked)
+        if self._sizes:
+            self._lay(resized(self._asked, self._sizes), 0)
+
+    def draw_anew(self) -> None:
+        """Have another ground of the kind when it is next begun."""
+        self._seed += 1
+
+    def _lay(self, asked: str, touchdowns: int) -> None:
+        """Go on with other ground beyond what has been heard of."""
+        last = min(touchdowns + _KNOWN, len(self.course.seen) - 1)
+        self._seed += 1
+        more = self._laid(asked).each[0]
+        self.courses = replace(self.courses, each=(joined(self.course, last, more),))
+
+    def _laid(self, asked: str) -> Courses:
+        steps = LAID if endless(asked) else 1
+        return courses_of(
+            asked, self._robot, self._steady, self._base, steps=steps, seed=self._seed, episodes=1
+        )

@@ -1,0 +1,140 @@
+"""Kinds of ground that a gait with commands can be asked to walk on, and their sizes."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Commands, command_named, place_of
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of ground.
+
+    Attributes:
+        asks: commands that the gait must take.
+        settings: that may be given, and what they are.
+    """
+
+    asks: tuple[str, ...]
+    settings: Mapping[str, str]
+
+
+class Size(NamedTuple):
+    """What a kind of ground can be told of its sizes."""
+
+    low: float
+    """Smallest [m]."""
+    high: float
+    """Largest [m]."""
+    value: float
+    """As it is [m]."""
+
+
+KINDS = {
+    "stones": Kind(("step_length",), {"width": "of a stone [m], 0.1 if not given"}),
+    "stairs": Kind(
+        ("step_length", "step_height"),
+        {
+            "rise": "of a step [m], negative for down, the gait's highest if not given",
+            "run": "depth of a step [m], the middle of the gait's lengths if not given",
+        },
+    ),
+    "slopes": Kind(("slope",), {"length": "mean length of a slope [m], 1 if not given"}),
+}
+
+
+def told_by(asked: str) -> tuple[str, ...]:
+    """Commands that the ground gives, so that nobody else can."""
+    kind, _ = kind_of(asked)
+    return ("slope",) if kind == "slopes" else ("step_length", "step_height", "slope")
+
+
+def endless(asked: str) -> bool:
+    """Whether there is as much of it as is asked for: of a file there is not."""
+    return kind_of(asked)[0] is not None
+
+
+def sizes_of(asked: str, commands: Commands) -> dict[str, Size]:
+    """Sizes of the ground that was asked for, of a gait that can be told of it; none of a file.
+
+    Raises: InputError with one line for a size out of its range.
+    """
+    kind, given = kind_of(asked)
+    if kind is None:
+        return {}
+    found = {}
+    for name, (low, high, usual) in _ranges(kind, commands).items():
+        value = given.get(name, usual)
+        if not low <= value <= high:
+            raise InputError(
+                f"--terrain {kind}: expected {name} between {low:g} and {high:g} "
+                f"({KINDS[kind].settings[name]}), found {value:g}"
+            )
+        found[name] = Size(low, high, value)
+    return found
+
+
+def resized(asked: str, sizes: Mapping[str, float]) -> str:
+    """The same kind of ground with other sizes (m)."""
+    kind, given = kind_of(asked)
+    new = given | dict(sizes)
+    return ",".join([str(kind), *(f"{name}={size!r}" for name, size in new.items())])
+
+
+def _ranges(kind: str, commands: Commands) -> dict[str, Size]:
+    """Sizes that a gait can be told of, each as it is if not given."""
+    if kind == "slopes":
+        return {"length": Size(0.1, 100.0, 1.0)}
+    length, height = command_named(commands, "step_length"), command_named(commands, "step_height")
+    assert length is not None
+    if kind == "stones":
+        return {"width": Size(0.01, length.low, 0.1)}
+    assert height is not None
+    return {
+        "rise": Size(height.low, height.high, height.high),
+        "run": Size(length.low, length.high, 0.5 * (length.low + length.high)),
+    }
+
+
+def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
+    """Kind and what was given of its sizes; None for a file. Raises: InputError."""
+    kind, *given = (part.strip() for part in asked.split(","))
+    if kind not in KINDS:
+        if Path(asked).is_file():
+            return None, {}
+        raise InputError(
+            f"expected --terrain {', '.join(KINDS)} or a CSV file of stones, found {asked!r}: no "
+            "such kind and no such file"
+        )
+    found: dict[str, float] = {}
+    known = KINDS[kind].settings
+    for part in given:
+        name, _, text = (word.strip() for word in part.partition("="))
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if name not in known or name in found or not math.isfinite(value):
+            settings = "; ".join(f"{name}: {about}" for name, about in known.items())
+            raise InputError(
+                f"expected --terrain {kind} with NAME=VALUE, each name once ({settings}), found "
+                f"{part!r}"
+            )
+        found[name] = value
+    return kind, found
+
+
+def check_told(what: str, kind: Kind, commands: Commands) -> None:
+    """Refuse a gait that is not told what the ground asks of it. Raises: InputError."""
+    missing = [name for name in kind.asks if place_of(commands, name) is None]
+    if missing:
+        flags = " ".join(f"--{name.replace('_', '-')} A:B" for name in kind.asks)
+        taken = ", ".join(c.name for c in commands) or "none"
+        raise InputError(
+            f"expected a gait that is told {' and '.join(kind.asks)} on {what}, found one that is "
+            f"told {taken}: train one with {flags}"
+        )

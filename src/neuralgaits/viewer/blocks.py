@@ -1,0 +1,64 @@
+"""Blocks that the robot walks on, in two colours in turn, moved under it all at once."""
+
+import numpy as np
+import viser
+
+from neuralgaits._types import Float, Int
+
+_DEPTH, _SIDE = 0.25, 0.3
+"""How far they are drawn down and to each side [m]."""
+_COLOURS = ((158, 166, 176), (118, 128, 140))
+_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0))
+_ENDS = ((0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6))
+_ROUND = tuple(face for a, b in _EDGES for face in ((a, a + 4, b), (b, a + 4, b + 4)))
+_FACES = np.array(_ENDS + _ROUND)
+"""Of one block: its eight corners, those at the near side first."""
+
+
+class Blocks:
+    """What is drawn of a course; nothing of a floor."""
+
+    def __init__(self, server: viser.ViserServer):
+        """Nothing is drawn yet."""
+        self._server = server
+        self._frame = server.scene.add_frame("/course", show_axes=False)
+        self._nodes: list[viser.MeshHandle] = []
+        self._drawn: Float[np.ndarray, "K 4"] | None = None
+
+    def show(self, tops: Float[np.ndarray, "K 4"] | None, x: float, ground: float) -> None:
+        """Put a place of the course (m) to the middle of the scene."""
+        if tops is None:
+            return
+        if tops is not self._drawn:
+            self._draw(tops)
+        self._frame.position = (-x, 0.0, -ground)
+
+    def _draw(self, tops: Float[np.ndarray, "K 4"]) -> None:
+        for node in self._nodes:
+            node.remove()
+        self._nodes = [
+            self._server.scene.add_mesh_simple(
+                f"/course/{number}",
+                *mesh(part),
+                color=colour,
+                flat_shading=True,
+                cast_shadow=False,
+            )
+            for number, colour in enumerate(_COLOURS)
+            if len(part := tops[number :: len(_COLOURS)])
+        ]
+        self._drawn = tops
+
+
+def mesh(tops: Float[np.ndarray, "K 4"]) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]:
+    """Corners (m) and faces of blocks below these tops; outsides are counter-clockwise."""
+    x0, z0, x1, z1 = tops.T
+    # Around the side of a block, seen from -y.
+    around = np.stack(
+        [np.stack([x0, x1, x1, x0], 1), np.stack([z0 - _DEPTH, z1 - _DEPTH, z1, z0], 1)], axis=-1
+    )
+    sides = np.tile(around, (1, 2, 1))
+    deep = np.broadcast_to(np.repeat([-_SIDE, _SIDE], 4), sides.shape[:2])
+    corners = np.stack([sides[..., 0], deep, sides[..., 1]], axis=-1)
+    faces = _FACES + 8 * np.arange(len(tops))[:, None, None]
+    return corners.reshape(-1, 3).astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
