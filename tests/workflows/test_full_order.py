@@ -294,6 +294,7 @@ def test_the_strips_beyond_a_step_are_looked_at(model):
 
     found = find_full_order(replace(looks, step=steeper), model.names, BANDWIDTH, 0.5)
     plain = find_full_order(looks, model.names, BANDWIDTH, 0.5)
+    assert isinstance(found, FullOrder) and isinstance(plain, FullOrder)
     u = grid(np.linspace(*found.ends, 301), np.linspace(0.0, 1.0, 9))
     seen = steeper(u, np.zeros((len(u), looks.size)))
     for k, of in enumerate(found.barriers):

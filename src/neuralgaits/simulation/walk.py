@@ -14,7 +14,7 @@ from neuralgaits.control import PAPER, AbstractLaw, ClfQp, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
-from neuralgaits.gait.reset_residual import AbstractResetResidual
+from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native import loop as native
@@ -22,6 +22,7 @@ from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.native.scene import knows
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.given import Given
 from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
@@ -30,7 +31,7 @@ from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.ticks import lockstep
 from neuralgaits.simulation.ticks.batch import compile_batch
 from neuralgaits.simulation.ticks.falls import FallConfig
-from neuralgaits.simulation.ticks.lockstep import Episodes, Noise, Watch
+from neuralgaits.simulation.ticks.lockstep import Episodes, Watch
 from neuralgaits.simulation.ticks.tick import Scene
 
 EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
@@ -94,7 +95,7 @@ def walk(
     remote: Remote | None = None,
     library: Library | None = None,
     orders: Orders | None = None,
-    reset_residual: AbstractResetResidual | None = None,
+    reset_residual: Reset = None,
     courses: Courses | None = None,
     first: int = 0,
     simulator: Simulator = MUJOCO,
@@ -150,58 +151,48 @@ def walk(
     ]
     one = controllers[0] if shared else _stacked(controllers)
     falls = FallConfig() if falls is None else falls
-    pushes = Push(push, steps, seed, count, first)
     if courses is not None:
         orders = courses.orders
     orders = Orders.constant(each[0].commands) if orders is None else orders
     height = place_of(orders.commands, "step_height")
     told = None if height is None or courses is not None else float(orders.first[height])
-    terrain = Terrain(field.disturbance.floor_height, seed, count, told, first)
+    given = Given(
+        Terrain(field.disturbance.floor_height, seed, count, told, first),
+        Push(push, steps, seed, count, first),
+        orders,
+        courses,
+        seed=seed,
+        noisy=not _silent(field),
+        first=first,
+        record=record,
+        longest=longest,
+    )
     threads = cores() if threads is None else threads
     states = plant_states(field, starts)
     compiled = shared and remote is None and watch is None and simulator == MUJOCO and knows(law)
     if library is not None and compiled:
+        engine = "native"
         episodes = native.run(
             library,
             field,
             one,
             states,
+            given,
             steps=steps,
             falls=falls,
-            terrain=terrain,
-            push=pushes,
-            orders=orders,
-            seed=seed,
-            noisy=not _silent(field),
             threads=threads,
-            record=record,
-            longest=longest,
-            courses=courses,
             plants=plants,
-            first=first,
         )
-        return Walk(robot, field, one.law, "native", MUJOCO, episodes, orders.commands, courses)
-    gap_depth = np.inf if courses is None else courses.gap_depth
-    scene = Scene.of(field, one, steps, falls, orders.first, gap_depth)
-    batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
-    if remote is not None:
-        batch = remote.batch(scene, batch)
-    noise_shape = (2, 1 + field.wires.joints.size)
-    episodes = lockstep.run(
-        field,
-        batch,
-        world_of(simulator, plants, states, threads),
-        terrain=terrain,
-        push=pushes,
-        noise=Noise(noise_shape, seed, count, silent=_silent(field), first=first),
-        orders=orders,
-        record=record,
-        longest=longest,
-        watch=watch,
-        courses=courses,
-        first=first,
-    )
-    return Walk(robot, field, one.law, "jax", simulator, episodes, orders.commands, courses)
+    else:
+        engine = "jax"
+        gap_depth = np.inf if courses is None else courses.gap_depth
+        scene = Scene.of(field, one, steps, falls, orders.first, gap_depth)
+        batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
+        if remote is not None:
+            batch = remote.batch(scene, batch)
+        world = world_of(simulator, plants, states, threads)
+        episodes = lockstep.run(field, batch, world, given, watch)
+    return Walk(robot, field, one.law, engine, simulator, episodes, orders.commands, courses)
 
 
 def _controller(
@@ -210,7 +201,7 @@ def _controller(
     law: AbstractLaw,
     field: Plant,
     z2_range: tuple[float, float] | None,
-    reset_residual: AbstractResetResidual | None,
+    reset_residual: Reset,
 ) -> Controller:
     return Controller.init(
         robot,

@@ -11,11 +11,11 @@ import numpy as np
 from pydrake.multibody.tree import default_model_instance
 from pydrake.systems.analysis import Simulator
 
-from neuralgaits._types import Float, Int
+from neuralgaits._types import Float
 from neuralgaits.simulation.drake.ground import ContactConfig
 from neuralgaits.simulation.drake.model import DrakePlant, drake_plant
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
-from neuralgaits.simulation.ticks.world import World
+from neuralgaits.simulation.ticks.world import Controls, Some, World
 
 _PERIOD_S = SUBSTEPS * TIMESTEP_S
 
@@ -63,12 +63,7 @@ class DrakeWorld(World):
         for episode, level in zip(self._episodes, levels, strict=True):
             episode.lay_floors(level)
 
-    def advance(
-        self,
-        active: Int[np.ndarray, " a"],
-        controls: Float[np.ndarray, "B u"],
-        force: Float[np.ndarray, " B"],
-    ) -> None:
+    def advance(self, active: Some, controls: Controls, force: Float[np.ndarray, " B"]) -> None:
         """Step the active episodes through one control tick."""
         for i in active:
             self._states[i], self._touch[i] = self._episodes[i].advance(controls[i], force[i])

@@ -12,7 +12,6 @@ import time as clock
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from ctypes import byref
-from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
@@ -26,11 +25,9 @@ from neuralgaits.simulation.native.layout import pointer
 from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.native.records import record_of
 from neuralgaits.simulation.native.scene import scene_of
-from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.simulation.setup.given import Given
 from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.plant import Plant
-from neuralgaits.simulation.setup.push import Push
-from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import Episodes
@@ -41,22 +38,6 @@ _CHUNK = 4096
 _TOUCHDOWNS = _CHUNK // 10
 """More than there can be in as many ticks: a lockout of a tenth of a second follows each."""
 _REFUSED = -1
-
-
-@dataclass(frozen=True)
-class _Course:
-    """What differs between the episodes of a batch."""
-
-    states: Float[np.ndarray, "B s"]
-    terrain: Terrain
-    push: Push
-    orders: Orders
-    seed: int
-    noisy: bool
-    longest: int
-    record: bool
-    courses: Courses | None
-    first: int
 
 
 def _with_its_own(scene: Any, plant: Plant) -> Any:
@@ -81,20 +62,12 @@ def run(
     plant: Plant,
     controller: Controller,
     states: Float[np.ndarray, "B s"],
+    given: Given,
     *,
     steps: int,
     falls: FallConfig,
-    terrain: Terrain,
-    push: Push,
-    orders: Orders,
-    seed: int,
-    noisy: bool,
     threads: int,
-    record: bool = False,
-    longest: int = 0,
-    courses: Courses | None = None,
     plants: Sequence[Plant] = (),
-    first: int = 0,
 ) -> Episodes:
     """Run every episode to its end, as `lockstep.run` does.
 
@@ -103,37 +76,30 @@ def run(
         plant: of all episodes, or of the first one on a course.
         controller: of all episodes.
         states: MuJoCo states to start from (time, qpos, qvel).
+        given: to them.
         steps: touchdowns of a walk.
         falls: thresholds.
-        terrain: before its first tick.
-        push: likewise.
-        orders: what each touchdown is to latch.
-        seed: of the noise.
-        noisy: whether sensors have noise.
         threads: at most this many walk at once.
-        record: keep all ticks of episode 0, with states and floors.
-        longest: keep the first so many ticks of every episode.
-        courses: that they walk on in place of floors, and are told by.
         plants: that of each episode, where they differ; always so on courses.
-        first: number of the first episode, on which what is random depends.
 
     Raises: NonFiniteError if MuJoCo gives up, InputError for the library of another gait.
     """
     if not library.fits(controller):
         raise InputError("expected the compiled walk of this controller, found another one's")
-    scene = scene_of(library, plant, controller, steps, falls, push)
-    scene.uneven = int(terrain.uneven)
-    course = _Course(states, terrain, push, orders, seed, noisy, longest, record, courses, first)
+    scene = scene_of(library, plant, controller, steps, falls, given.push)
+    scene.uneven = int(given.terrain.uneven)
     local, stop = threading.local(), threading.Event()
 
     def one(episode: int) -> _Kept:
         if len(plants) == len(states):
             own = plants[episode]
             its = _with_its_own(scene, own)
-            return _episode(library, its, own, mujoco.MjData(own.model), course, episode, stop)
+            return _episode(
+                library, its, own, mujoco.MjData(own.model), given, states, episode, stop
+            )
         if not hasattr(local, "data"):
             local.data = mujoco.MjData(plant.model)
-        return _episode(library, scene, plant, local.data, course, episode, stop)
+        return _episode(library, scene, plant, local.data, given, states, episode, stop)
 
     began = clock.perf_counter()
     with ThreadPoolExecutor(max(1, min(threads, len(states)))) as pool:
@@ -144,17 +110,17 @@ def run(
             raise
     wall = clock.perf_counter() - began
     whole = kept[0]
-    rows = np.concatenate(whole.records) if record else None
+    rows = np.concatenate(whole.records) if given.record else None
     return Episodes(
         [Ending(found.walk.ending) for found in kept],
         _gauge([found.walk for found in kept]),
         None if rows is None else record_of(rows, plant.robot),
-        np.concatenate(whole.states) if record else np.array([]),
+        np.concatenate(whole.states) if given.record else np.array([]),
         rows["floor"] if rows is not None else np.array([]),
         sum(found.walk.plant_steps for found in kept),
         wall,
-        [record_of(np.concatenate(found.records)[:longest], plant.robot) for found in kept]
-        if longest
+        [record_of(np.concatenate(found.records)[: given.longest], plant.robot) for found in kept]
+        if given.longest
         else [],
         [Strides.of_rows(np.concatenate(found.strides)) for found in kept],
     )
@@ -165,52 +131,53 @@ def _episode(
     scene: Any,
     plant: Plant,
     data: mujoco.MjData,
-    course: _Course,
+    given: Given,
+    states: Float[np.ndarray, "B s"],
     episode: int,
     stop: threading.Event,
 ) -> _Kept:
     """One episode from its start to its end."""
     model, layout = plant.model, library.layout
     mujoco.mj_resetData(model, data)
-    start = course.states[episode]
+    start = states[episode]
     data.time = start[0]
     data.qpos[:], data.qvel[:] = np.split(start[1:], 2)
     walk = layout.walk()
-    first = np.array(course.orders.first, dtype=np.float64)
+    first = np.array(given.orders.first, dtype=np.float64)
     library.start(byref(walk), 0, pointer(first))
-    if course.terrain.told is not None:
-        walk.next_rise, walk.rise_pending = course.terrain.told, 1
-    if course.courses is not None:
-        walk.floor[:] = course.courses.first_levels()[episode]
-        seen = np.ascontiguousarray(course.courses.each[episode].seen)
+    if given.terrain.told is not None:
+        walk.next_rise, walk.rise_pending = given.terrain.told, 1
+    if given.courses is not None:
+        walk.floor[:] = given.courses.first_levels()[episode]
+        seen = np.ascontiguousarray(given.courses.each[episode].seen)
         walk.seen, walk.seen_rows = pointer(seen), len(seen)
-        walk.told[:] = course.orders.first
-    rises, told = np.zeros(0), _Orders(course.orders, course.first + episode)
+        walk.told[:] = given.orders.first
+    rises, told = np.zeros(0), _Orders(given.orders, given.first + episode)
     late = np.zeros((plant.delay_ticks + 1, model.nu))
     walk.late = pointer(late)
     believed = np.zeros(plant.delay_ticks + 1)
     walk.believed = pointer(believed)
-    walk.push_wait, begin = course.push.moments(episode)
+    walk.push_wait, begin = given.push.moments(episode)
     walk.push_start = begin
     kept = _Kept(walk)
-    draws = np.random.default_rng([course.seed, course.first + episode, 3])
+    draws = np.random.default_rng([given.seed, given.first + episode, 3])
     shape = (2, 1 + plant.wires.joints.size)
-    if course.noisy:
+    if given.noisy:
         # The loop in JAX spends one tick's draws on being compiled.
         draws.standard_normal(shape)
-    whole = course.record and episode == 0
+    whole = given.record and episode == 0
     while walk.ending == Ending.RUNNING and not stop.is_set():
-        wanted = whole or walk.ticks < course.longest
+        wanted = whole or walk.ticks < given.longest
         left = rises[walk.rises_used :]
-        if course.terrain.uneven and len(left) < _TOUCHDOWNS:
-            rises = np.concatenate([left, course.terrain.rises(episode, 2 * _TOUCHDOWNS)])
+        if given.terrain.uneven and len(left) < _TOUCHDOWNS:
+            rises = np.concatenate([left, given.terrain.rises(episode, 2 * _TOUCHDOWNS)])
             walk.rises, walk.rises_used = pointer(rises), 0
         told.lay(walk)
-        strides = np.zeros((_TOUCHDOWNS, width(len(course.orders.commands))))
+        strides = np.zeros((_TOUCHDOWNS, width(len(given.orders.commands))))
         walk.strides, walk.strides_used = pointer(strides), 0
-        noise = draws.standard_normal((_CHUNK, *shape)) if course.noisy else None
+        noise = draws.standard_normal((_CHUNK, *shape)) if given.noisy else None
         records = np.zeros(_CHUNK, layout.record) if wanted else None
-        states = np.zeros((_CHUNK, len(start))) if whole else None
+        passed = np.zeros((_CHUNK, len(start))) if whole else None
         done = library.run(
             byref(scene),
             byref(walk),
@@ -218,16 +185,16 @@ def _episode(
             _CHUNK,
             pointer(noise),
             pointer(records),
-            pointer(states),
+            pointer(passed),
         )
         if walk.ending == _REFUSED:
             text = library.complaint().decode(errors="replace")
-            raise NonFiniteError(f"MuJoCo gave up in episode {course.first + episode}: {text}")
+            raise NonFiniteError(f"MuJoCo gave up in episode {given.first + episode}: {text}")
         kept.strides.append(strides[: walk.strides_used])
         if records is not None:
             kept.records.append(records[:done])
-        if states is not None:
-            kept.states.append(states[:done])
+        if passed is not None:
+            kept.states.append(passed[:done])
     return kept
 
 

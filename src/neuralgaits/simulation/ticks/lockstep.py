@@ -12,10 +12,9 @@ import numpy as np
 
 from neuralgaits._types import Float, Int
 from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.simulation.setup.given import Given
 from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
-from neuralgaits.simulation.setup.push import Push
-from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.simulation.ticks.batch import Batch, pack
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Gauge
@@ -76,16 +75,8 @@ def run(
     plant: Plant,
     batch: Batch,
     world: World,
-    *,
-    terrain: Terrain,
-    push: Push,
-    noise: Noise,
-    orders: Orders,
-    record: bool = False,
-    longest: int = 0,
+    given: Given,
     watch: Watch | None = None,
-    courses: Courses | None = None,
-    first: int = 0,
 ) -> Episodes:
     """Run every episode to its end.
 
@@ -93,26 +84,22 @@ def run(
         plant: of all episodes, or of the first one on a course.
         batch: the compiled control tick.
         world: the plants of all episodes at their starts.
-        terrain: floor levels.
-        push: of each robot, at the pitch axis of its root.
-        noise: of the sensors.
-        orders: what each touchdown is to latch.
-        record: keep records and states of episode 0.
-        longest: keep records of the first so many ticks of every episode.
+        given: to them.
         watch: called after each control tick.
-        courses: that they walk on in place of floors, and are told by.
-        first: number of the first episode.
 
     Returns: `Episodes`.
     """
-    count = len(world.states)
+    count, first = len(world.states), given.first
+    terrain, courses, orders = given.terrain, given.courses, given.orders
+    shape = (2, 1 + plant.wires.joints.size)
+    noise = Noise(shape, given.seed, count, silent=not given.noisy, first=first)
     late = _Late(plant.delay_ticks, count, plant.wires.nu)
     time, plant_steps = 0.0, 0
     levels_now = terrain.levels if courses is None else courses.first_levels()
     carry, endings = batch.carry, np.zeros(count, dtype=int)
     kept = np.array(carry)
     records, seen, levels = [], [], []
-    recorder = Recorder(longest) if longest else None
+    recorder = Recorder(given.longest) if given.longest else None
     told = _Told(orders, range(first, first + count), courses)
     strides: list[list[np.ndarray]] = [[] for _ in range(count)]
     # The first call compiles; its result is thrown away.
@@ -131,7 +118,7 @@ def run(
             recorder(batch.record_of(found), active)
         if watch is not None:
             watch(batch.record_of(found), active)
-        if record and endings[0] == Ending.RUNNING:
+        if given.record and endings[0] == Ending.RUNNING:
             records.append(np.asarray(found)[0])
             seen.append(world.states[0].copy())
             levels.append(levels_now[0].copy())
@@ -140,7 +127,7 @@ def run(
             endings[ended] = verdict.ending[ended]
             kept[ended] = np.asarray(carry)[ended]
             active = np.flatnonzero(endings == Ending.RUNNING)
-        force = push.at(time, verdict.touchdown, verdict.steps)
+        force = given.push.at(time, verdict.touchdown, verdict.steps)
         place = (verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
         if courses is not None:
             courses.stand(levels_now, verdict.touchdown, verdict.leg, verdict.feet)
@@ -155,7 +142,7 @@ def run(
     return Episodes(
         [Ending(value) for value in endings],
         batch.carry_of(kept).gauge,
-        batch.record_of(np.array(records)) if record else None,
+        batch.record_of(np.array(records)) if given.record else None,
         np.array(seen),
         np.array(levels),
         plant_steps,

@@ -13,6 +13,10 @@ from mujoco import rollout
 from neuralgaits._types import Float, Int
 from neuralgaits.simulation.setup.plant import CONTROL_SPEC, SUBSTEPS, Plant
 
+Some = Int[np.ndarray, " a"]
+"""Numbers of episodes."""
+Controls = Float[np.ndarray, "B u"]
+"""Of the file's actuators, for every episode."""
 # Episodes below which waking threads costs more than it saves.
 _MIN_EPISODES_PER_THREAD = 16
 
@@ -35,12 +39,7 @@ class World(ABC):
         """Put the floors at these levels at x = 0 (m); nothing on a course."""
 
     @abstractmethod
-    def advance(
-        self,
-        active: Int[np.ndarray, " a"],
-        controls: Float[np.ndarray, "B u"],
-        force: Float[np.ndarray, " B"],
-    ) -> None:
+    def advance(self, active: Some, controls: Controls, force: Float[np.ndarray, " B"]) -> None:
         """Step the active episodes through one control tick.
 
         Args:
@@ -100,12 +99,7 @@ class MujocoWorld(World):
         first = self._plant.model.nu + self._plant.model.nv
         self._inputs[:, :, first:] = self._plant.floor_positions(levels)[:, None]
 
-    def advance(
-        self,
-        active: Int[np.ndarray, " a"],
-        controls: Float[np.ndarray, "B u"],
-        force: Float[np.ndarray, " B"],
-    ) -> None:
+    def advance(self, active: Some, controls: Controls, force: Float[np.ndarray, " B"]) -> None:
         """Step the active episodes through one control tick."""
         model, count = self._plant.model, active.size
         self._inputs[:, :, : model.nu] = controls[:, None]
