@@ -49,6 +49,31 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path not in slow)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def cache_is_measured_once():
+    """JAX adds up its whole cache before it writes an entry: a process does that once.
+
+    Among a thousand entries it takes as long as the compilation that is kept.
+    """
+    measured = []
+    try:
+        from jax._src.lru_cache import LRUCache
+
+        evict = LRUCache._evict_if_needed
+    except (ImportError, AttributeError):
+        yield  # No part of JAX's interface: another version may have none.
+        return
+
+    def once(cache: LRUCache, *, additional_size: int = 0) -> None:
+        if not measured:
+            measured.append(True)
+            evict(cache, additional_size=additional_size)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(LRUCache, "_evict_if_needed", once)
+        yield
+
+
 @pytest.fixture(scope="session")
 def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Maker], Path]:
     """A folder by its name, which the first worker to ask makes and the others wait for."""
