@@ -35,6 +35,27 @@ def found(trained):
     return result
 
 
+def test_the_orbit_is_found_where_the_flow_is_known_in_the_tube_only(trained, found):
+    """On the way to it no state beyond the fences is asked for: there may be no number there."""
+    look = look_at(trained.gait, trained.zero_dynamics)
+    shape = find_set(trained.spec, look)
+    assert not isinstance(shape, str)
+
+    def known(points):
+        level = points[:, 1]
+        beyond = (level < -1e-9) | (level > 1.0 + 1e-9)
+        return {
+            name: np.where(beyond.reshape(-1, *[1] * (value.ndim - 1)), np.nan, value)
+            for name, value in look(points).items()
+        }
+
+    # A tube that turns up and down along the step: a curve of one zeta would leave it.
+    unit = float(trained.gait.tube.unit)
+    result = find_orbit(known, fences_of(trained.gait), unit, shape)
+    assert not isinstance(result, str)
+    np.testing.assert_allclose(result.orbit.lower, found.orbit.lower, rtol=1e-9, atol=1e-9 * unit)
+
+
 @pytest.fixture(scope="module")
 def flow(trained):
     """(from phase, to phase, zeta) to zeta there and the integral of dF/dzeta on the way."""
