@@ -11,7 +11,7 @@ import pytest
 import neuralgaits as ng
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.certificate.levels.orbit import return_map
-from neuralgaits.certificate.levels.orbit.find import find_orbit
+from neuralgaits.certificate.levels.orbit.find import _periodic, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins, thin_gait
 from neuralgaits.certificate.levels.orbit.return_map import slope
 from neuralgaits.certificate.levels.sets import fences_of, look_at
@@ -35,25 +35,30 @@ def found(trained):
     return result
 
 
-def test_the_orbit_is_found_where_the_flow_is_known_in_the_tube_only(trained, found):
-    """On the way to it no state beyond the fences is asked for: there may be no number there."""
-    look = look_at(trained.gait, trained.zero_dynamics)
-    shape = find_set(trained.spec, look)
-    assert not isinstance(shape, str)
+def test_the_orbit_is_found_where_the_flow_is_known_in_the_tube_only():
+    """A tube that a curve of one zeta would leave, and no number beyond its fences."""
 
-    def known(points):
-        level = points[:, 1]
-        beyond = (level < -1e-9) | (level > 1.0 + 1e-9)
-        return {
-            name: np.where(beyond.reshape(-1, *[1] * (value.ndim - 1)), np.nan, value)
-            for name, value in look(points).items()
-        }
+    def middle(phase):
+        return 1.0 + 0.8 * (2.0 * phase - 1.0) ** 2
 
-    # A tube that turns up and down along the step: a curve of one zeta would leave it.
-    unit = float(trained.gait.tube.unit)
-    result = find_orbit(known, fences_of(trained.gait), unit, shape)
-    assert not isinstance(result, str)
-    np.testing.assert_allclose(result.orbit.lower, found.orbit.lower, rtol=1e-9, atol=1e-9 * unit)
+    def fences(phases):
+        return middle(phases)[:, None] + np.array([-0.2, 0.2])
+
+    def look(points):
+        phase, level = points.T
+        away = 0.4 * level - 0.2
+        slope = 3.2 * (2.0 * phase - 1.0) - away
+        known = (level > -1e-9) & (level < 1.0 + 1e-9)
+        after = np.stack([np.zeros_like(phase), middle(phase) + 0.5 * away], axis=1)
+        one = np.ones_like(phase)
+        foot = {"foot": 1.0 - phase, "foot_rate": -one, "pace": one, "after": after}
+        return foot | {"slope": np.where(known, slope, np.nan)}
+
+    nodes = 0.5 * (np.polynomial.chebyshev.chebpts1(25) + 1.0)
+    curve = _periodic(look, fences, 1.0, nodes, 12)
+    assert curve is not None
+    found = np.polynomial.chebyshev.chebval(2.0 * nodes - 1.0, curve.series)
+    np.testing.assert_allclose(found, middle(nodes), atol=1e-9)
 
 
 @pytest.fixture(scope="module")
