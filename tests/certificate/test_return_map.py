@@ -11,7 +11,7 @@ import pytest
 import neuralgaits as ng
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.certificate.levels.orbit import return_map
-from neuralgaits.certificate.levels.orbit.find import find_orbit
+from neuralgaits.certificate.levels.orbit.find import _periodic, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins, thin_gait
 from neuralgaits.certificate.levels.orbit.return_map import slope
 from neuralgaits.certificate.levels.sets import fences_of, look_at
@@ -33,6 +33,32 @@ def found(trained):
     result = find_orbit(look, fences_of(trained.gait), float(tube.unit), shape)
     assert not isinstance(result, str)
     return result
+
+
+def test_the_orbit_is_found_where_the_flow_is_known_in_the_tube_only():
+    """A tube that a curve of one zeta would leave, and no number beyond its fences."""
+
+    def middle(phase):
+        return 1.0 + 0.8 * (2.0 * phase - 1.0) ** 2
+
+    def fences(phases):
+        return middle(phases)[:, None] + np.array([-0.2, 0.2])
+
+    def look(points):
+        phase, level = points.T
+        away = 0.4 * level - 0.2
+        slope = 3.2 * (2.0 * phase - 1.0) - away
+        known = (level > -1e-9) & (level < 1.0 + 1e-9)
+        after = np.stack([np.zeros_like(phase), middle(phase) + 0.5 * away], axis=1)
+        one = np.ones_like(phase)
+        foot = {"foot": 1.0 - phase, "foot_rate": -one, "pace": one, "after": after}
+        return foot | {"slope": np.where(known, slope, np.nan)}
+
+    nodes = 0.5 * (np.polynomial.chebyshev.chebpts1(25) + 1.0)
+    curve = _periodic(look, fences, 1.0, nodes, 12)
+    assert curve is not None
+    found = np.polynomial.chebyshev.chebval(2.0 * nodes - 1.0, curve.series)
+    np.testing.assert_allclose(found, middle(nodes), atol=1e-9)
 
 
 @pytest.fixture(scope="module")

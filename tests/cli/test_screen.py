@@ -1,5 +1,9 @@
 """Tables show what the result holds."""
 
+import json
+import shutil
+from pathlib import Path
+
 import pytest
 
 from neuralgaits.cli import screen
@@ -7,6 +11,7 @@ from neuralgaits.cli.usage import condense
 from neuralgaits.records.installed import BuiltIn, Named
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import Trained, Violations
+from support.shipped_run import SHIPPED
 
 ASKED = {"plant": "amber3m", "controller": "pd", "start": "centre", "seed": 0, "episodes": 2}
 HOLDS = Violations(mean_violation=0.0, max_violation=0.0, min_margin=0.5, scale=2.0)
@@ -88,6 +93,22 @@ def test_a_run_that_fails_says_how_to_train_it_again(
     out = capsys.readouterr().out
     assert "train longer" in out and "--steps 4" in out
     assert "another seed" in out and "--seed 1" in out
+
+
+def test_of_a_gait_that_was_given_no_spec_is_to_be_loosened(
+    tmp_path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`refine` takes no spec."""
+    monkeypatch.setenv("COLUMNS", "400")
+    run = Path(shutil.copytree(SHIPPED, tmp_path / "run"))
+    config = json.loads((run / "config.json").read_text())
+    given = {"by": "optimise", "degree": 5, "speed": 0.7}
+    (run / "config.json").write_text(json.dumps(config | {"given": given}))
+    broken = {"rate-match": Violations(0.0, 0.08, -0.08, 2.0)}
+    screen.show_training(Trained(run=str(run), steps=2, loss=0.0, conditions=broken, wall_s=1.0))
+    out = capsys.readouterr().out
+    assert "or a network" in out and "neuralgaits train amber3m\n" in out
+    assert "or loosen" not in out
 
 
 def test_conditions_that_hold_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,6 +7,8 @@ from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.tables import show_facts, show_sentence
 from neuralgaits.records.reported import Reported
 
+_INDENT = 2
+
 
 def carry_out_report(verb: Report) -> Outcome:
     """Run `report`. Good even if parts are missing: the page says which."""
@@ -25,5 +27,10 @@ def show_report(result: Reported) -> None:
     show_sentence(Text("written", "green"), told)
     facts = [("report", result.report)]
     facts += [("damaged", f"{file}: {reason}") for file, reason in result.damaged.items()]
-    commands = dict.fromkeys(entry.command for entry in result.missing)
-    show_facts([*facts, *(("for more", command) for command in commands)])
+    show_facts(facts)
+    missing: dict[str, list[str]] = {}
+    for entry in result.missing:
+        missing.setdefault(entry.command, []).append(entry.what)
+    for command, what in missing.items():
+        show_sentence(f"not there: {'; '.join(what)}", hang=_INDENT)
+        show_facts([("", command)])

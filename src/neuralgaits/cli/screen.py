@@ -10,6 +10,7 @@ from rich.text import Text
 
 from neuralgaits.cli.tables import ROWS, number, show_facts, show_sentence, show_table, verdict
 from neuralgaits.errors import RunError
+from neuralgaits.records.asked import asked_of
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
 from neuralgaits.records.simulated import LinkFigures, Simulated
@@ -55,6 +56,8 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
     # Imported here: few commands need it.
     from neuralgaits.report import again
 
+    page = "the page 'It did not train: what now'"
+    last = "or loosen", f'without("{worst}") in a spec of your own, see {page}'
     commands: list[tuple[str, str | None]] = []
     try:
         folder = RunFolder.open(Path(result.run))
@@ -62,11 +65,12 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
             ("train longer", again.longer(folder)),
             ("another seed", again.another_seed(folder)),
         ]
+        if asked_of(folder).given is not None:
+            # Its spec is no choice of the user's; a trained policy meets its start as it is made.
+            last = "or a network", command("train", again.robot_word(folder))
     except RunError:
         pass
-    page = "the page 'It did not train: what now'"
-    loosen = f'without("{worst}") in a spec of your own, see {page}'
-    return [(name, line) for name, line in commands if line] + [("or loosen", loosen)]
+    return [*((name, line) for name, line in commands if line), last]
 
 
 def _proof_of_training(proof: TrainingProof) -> Text:

@@ -247,12 +247,17 @@ def _bounds(look: Look, shape: WalkingSet, guard: float) -> tuple[np.ndarray, fl
 def _periodic(
     look: Look, fences: Fences, unit: float, nodes: np.ndarray, degree: int
 ) -> _Curve | None:
-    """Integrate F along the curve, reset, start again there, until it stays."""
+    """Integrate F along the curve, reset, start again there, until it stays.
+
+    On the way a curve may leave the tube, where nothing is known of F: there the fence stands in.
+    """
     constant = np.eye(1, degree + 1)[0]
-    curve = _Curve(constant * float(np.mean(fences(np.zeros(1)))), np.ones((1, 2)))
+    middle = _fit(nodes, np.mean(fences(nodes), axis=1), degree)
+    curve = _Curve(middle, np.array([[1.0, 0.5]]))
     for _ in range(ROUNDS):
         crossing = curve.guard[:, 0]
-        found = look(curve.points(fences, np.concatenate([nodes, crossing])))
+        points = curve.points(fences, np.concatenate([nodes, crossing]))
+        found = look(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
         slope = _antiderivative(_fit(nodes, found["slope"][:-1] / unit, degree - 1))
         phase, zeta = found["after"][-1]
         series = slope + constant * (zeta / unit - _at(slope, np.array([phase]))[0])
