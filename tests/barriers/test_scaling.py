@@ -41,9 +41,9 @@ def scaled(robot, size):
     return robot_from_text(xml, f"{robot.name}-{size}")
 
 
-def relative_margins(robot, policy):
-    """Margins over scales at POINTS, by name."""
-    spec = specs.walking(robot, policy)
+def relative_margins(robot, name):
+    """Margins over scales at POINTS of a gait of that spec, by condition."""
+    spec = specs.load(name, robot)
     gait = spec.new_gait(jax.random.key(3), "random", (6,))
     assert isinstance(gait, Gait)
     zd = ZeroDynamics(robot, gait.policy)
@@ -51,10 +51,10 @@ def relative_margins(robot, policy):
     return {c.name: np.asarray(margins[c.name]) / c.scale for c in spec.conditions}
 
 
-@pytest.mark.parametrize("policy", ["hybrid-invariant", "mlp"])
-def test_margins_do_not_depend_on_size(amber, policy):
-    small = relative_margins(scaled(amber, 0.37), policy)
-    for name, expected in relative_margins(amber, policy).items():
+@pytest.mark.parametrize("spec", ["walking", "walking-mlp", "rugged"])
+def test_margins_do_not_depend_on_size(amber, spec):
+    small = relative_margins(scaled(amber, 0.37), spec)
+    for name, expected in relative_margins(amber, spec).items():
         size = max(1.0, float(np.max(np.abs(expected))))
         np.testing.assert_allclose(small[name], expected, rtol=0, atol=1e-8 * size, err_msg=name)
 

@@ -89,7 +89,8 @@ def test_built_in_specs_load_by_name(amber, name):
     [
         (
             "runing",
-            "expected one of walking, walking-mlp, paper, paper-walks, authors, or FILE.py:NAME",
+            "expected one of walking, walking-mlp, rugged, paper, paper-walks, authors, "
+            "or FILE.py:NAME",
         ),
         ("walkin", "unknown spec 'walkin': did you mean walking. expected one of"),
         ("spec.py", r"unknown spec 'spec\.py': .* as in spec\.py:spec"),
@@ -142,6 +143,23 @@ def test_a_spec_of_ones_own(amber, gait, zd, tmp_path):
 def test_specs_for_five_links_say_so(legs, name):
     with pytest.raises(SpecError, match="five links with a torso; 'legs' has 4 links: use --spec"):
         specs.load(name, legs)
+
+
+def test_rugged_asks_for_more(amber, gait, zd):
+    """In mid-step and at the guard: of three conditions more, of the others the same."""
+    rugged, plain = specs.rugged(amber), specs.at_speed(amber, 1.0)
+
+    @jax.jit
+    @jax.vmap
+    def both(u):
+        return rugged.margins(gait, zd, u), plain.margins(gait, zd, u)
+
+    more, less = both(np.array([[0.5, 0.5], [1.0, 0.5]]))
+    harder = {n for n in less if np.max(np.asarray(less[n]) - np.asarray(more[n])) > 0}
+    assert harder == {"foot-clears", "guard-transversal", "tube-width"}
+    assert set(more) == set(less)
+    with pytest.raises(SpecError, match="found 'rugged'"):
+        specs.load("rugged", amber, speed=0.8)
 
 
 def test_an_unknown_policy_is_refused(amber):

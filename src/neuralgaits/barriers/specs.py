@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING
 from neuralgaits._names import meant
 from neuralgaits.barriers import hzd as _hzd
 from neuralgaits.barriers import paper as _paper
+from neuralgaits.barriers import rugged as _rugged
 from neuralgaits.barriers import user_code
 from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.commanded import at_speed, commanded
 from neuralgaits.barriers.hzd import hzd
 from neuralgaits.barriers.paper import authors, paper, paper_walks
 from neuralgaits.barriers.robust import robust
+from neuralgaits.barriers.rugged import rugged
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.user_code import PREFIX
 from neuralgaits.barriers.walking import walking
@@ -38,6 +40,7 @@ __all__ = [
     "paper",
     "paper_walks",
     "robust",
+    "rugged",
     "source_path",
     "walking",
 ]
@@ -45,6 +48,7 @@ __all__ = [
 _BUILT_IN = {
     "walking": walking,
     "walking-mlp": partial(walking, policy="mlp"),
+    "rugged": rugged,
     "paper": paper,
     "paper-walks": paper_walks,
     "authors": authors,
@@ -52,6 +56,7 @@ _BUILT_IN = {
 DESCRIPTIONS = {
     "walking": "default: walks physically, provable; hybrid invariance by construction",
     "walking-mlp": "the same for a free network, which learns to match through the impact",
+    "rugged": "faster, with lifted feet: for pushes, slopes and floors it is not told of",
     "paper": "Table 1 of the paper, the paper's optimiser settings (ReLU, not provable)",
     "paper-walks": "Table 1, and the least that makes it walk (ReLU, not provable)",
     "authors": "conditions and schedule of the authors' code (ReLU, not provable)",
@@ -158,6 +163,8 @@ def source_path(name: str) -> Path:
     if name == GIVEN:
         return Path(str(_hzd.__file__))
     if name in _BUILT_IN:
+        if name == _rugged.NAME:
+            return Path(str(_rugged.__file__))
         module = _walking if name.startswith("walking") else _paper
         return Path(str(module.__file__))
     return Path(name.rpartition(":")[0])

@@ -52,8 +52,8 @@ class Train:
     robot: OwnRobot = None
     """Name of a built-in robot, or path of an MJCF file; the run's own with --resume."""
     spec: Annotated[str | None, arg(metavar="SPEC")] = None
-    """What the gait must satisfy: walking (if not given), walking-mlp, paper, paper-walks,
-    authors, or FILE.py:NAME."""
+    """What the gait must satisfy: walking (if not given), walking-mlp, rugged (faster,
+    for pushes and uneven floors), paper, paper-walks, authors, or FILE.py:NAME."""
     init: Annotated[Literal["posture", "random"] | None, arg(metavar="{posture,random}")] = None
     """Start from a walking posture (if not given), or from random weights as the paper does."""
     hidden: Annotated[str | None, arg(metavar="N,N")] = None

@@ -1,0 +1,70 @@
+"""The default spec for a gait that bears more: a faster walk that lifts its feet.
+
+A push back stops a hip that is then too slow to get over its foot: what helps is speed. A
+foothold that is higher is met early and one that is lower late, by a foot that was made to
+clear the first and that goes on falling to the second. Nothing is told to the robot.
+"""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from neuralgaits.barriers import functions as f
+from neuralgaits.barriers.commanded import at_speed
+from neuralgaits.barriers.conditions import AbstractCondition, TubeWidth
+from neuralgaits.barriers.spec import GaitSpec
+from neuralgaits.barriers.walking import units
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+NAME = "rugged"
+SPEED = 1.0
+"""Mean speed asked for, of the reference robot [m/s]: at 1.15, torques leave their limits."""
+CLEARANCE = 0.04
+"""Height of the arc that the swing foot stays above, of the reference robot [m]: a foothold 25 mm
+higher is under it."""
+FALL = 0.5
+"""Least speed of the foot at the guard, of the reference robot [m/s]."""
+STRIP = 0.1
+"""Phases before and behind the guard that its conditions are trained on, and the whole tube's
+beyond both its ends."""
+WIDTH = 0.36
+"""Least width of the tube, in shares of its z2."""
+STEPS, MORE_GUARD, LARGEST_GRADIENT = 2000, 3, 5.0
+"""Gradient steps, factor of the samples of the guard, and norm that gradients are clipped to."""
+
+
+def rugged(robot: "PlanarBiped") -> GaitSpec:
+    """The default specification of a gait for pushes, slopes and floors that it is not told of.
+
+    Args:
+        robot: with knees.
+    """
+    plain = at_speed(robot, SPEED * units(robot).speed)
+    recipe = plain.recipe
+    samples = dict(recipe.samples) | {"guard": MORE_GUARD * recipe.samples["guard"]}
+    return replace(
+        plain,
+        name=NAME,
+        conditions=tuple(_harder(robot, one) for one in plain.conditions),
+        recipe=replace(
+            recipe,
+            steps=STEPS,
+            strip=STRIP,
+            overshoot=(STRIP, recipe.overshoot[1]),
+            samples=samples,
+            largest_gradient=LARGEST_GRADIENT,
+        ),
+    )
+
+
+def _harder(robot: "PlanarBiped", condition: AbstractCondition) -> AbstractCondition:
+    """A condition of the plain walk as this one asks it."""
+    unit = units(robot)
+    if condition.name == "foot-clears":
+        return replace(condition, function=f.foot_above_arc(CLEARANCE * unit.length))
+    if condition.name == "guard-transversal":
+        return replace(condition, function=f.at_most(f.foot_vertical_velocity, -FALL * unit.speed))
+    if condition.name == "tube-width":
+        return TubeWidth(condition.name, condition.region, WIDTH, WIDTH)
+    return condition
