@@ -179,9 +179,13 @@ def cluster(kind: str) -> Iterator[list[int]]:
 def _ray(*words: str) -> None:
     """Start a node."""
     ray = str(Path(sys.executable).with_name("ray"))
-    environment = {**os.environ, **ENVIRONMENT}
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    subprocess.run([ray, "start", *words], **quiet, env=environment, check=True)
+    subprocess.run(
+        [ray, "start", *words],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, **ENVIRONMENT},
+        check=True,
+    )
 
 
 def workers_of(parent: int | None) -> list[int]:

@@ -175,3 +175,21 @@ def test_a_local_ray_that_does_not_start_is_not_told_to_try_another_address(
     )
     with pytest.raises(InputError, match=line):
         OnRay("local", 2)
+
+
+def test_what_ray_says_of_its_nodes_stays_off_stdout(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ray, worker = (pytest.importorskip(name) for name in ("ray", "ray._private.worker"))
+
+    def a_node_dies() -> str:
+        # As Ray's listener tells it.
+        said = {"lines": ["a node is gone"], "pid": "raylet", "is_err": False}
+        worker.print_to_stdstream(said, ignore_prefix=False)
+        return capsys.readouterr().out
+
+    monkeypatch.setattr(worker, "print_to_stdstream", worker.print_to_stdstream)
+    monkeypatch.setattr(ray, "init", lambda **how: None)
+    assert "a node is gone" in a_node_dies()
+    OnRay("local", 1)
+    assert not a_node_dies()

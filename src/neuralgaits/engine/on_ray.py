@@ -7,6 +7,7 @@ task is tried again, and how often, is decided here as for processes.
 # pyright: reportMissingImports=false
 # An extra: what runs without it must not need it.
 
+import contextlib
 import logging
 import os
 import socket
@@ -58,6 +59,7 @@ class OnRay(Engine):
         # Its news of a cluster's start and of workers that die is not for our reader.
         os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+        _keep_off_stdout()
         try:
             ray.init(**where, log_to_driver=False, logging_level=logging.CRITICAL)
         except Exception as error:
@@ -153,6 +155,17 @@ def _carry_out_here(
     one_thread()
     differ = differing(theirs)
     return carry_out(task, job, common) if differ is None else differ
+
+
+def _keep_off_stdout() -> None:
+    """Let Ray not say on stdout that a node is gone: programs read the answer there.
+
+    No setting of it does: `log_to_driver` is about what workers print.
+    """
+    with contextlib.suppress(ImportError):
+        from ray._private import worker
+
+        worker.print_to_stdstream = lambda *_, **__: None
 
 
 def _reach(address: str) -> None:
