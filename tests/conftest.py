@@ -3,6 +3,7 @@
 import gc
 import os
 import shutil
+import sys
 import time
 from collections.abc import Callable
 from importlib.metadata import version
@@ -12,6 +13,9 @@ gc.set_threshold(100_000, 50, 100)  # As the command line does.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_variable] = "1"
 os.environ["NPROC"] = "1"  # The size of XLA's pool of threads.
+# What is compiled of the package and of the tests is kept, for child processes too.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # XLA reads no further than the first word that does not begin with a dash.
 _flags = "--xla_cpu_multi_thread_eigen=false"
 # Tests compile more than they compute: what makes code fast would take longer than it saves.
