@@ -88,7 +88,7 @@ def test_sliders_and_keys_tell_the_robot_and_lay_stones():
         assert set(keys) == {"U", "J", "I", "K"}
         for key in ("U", "J", "I", "K"):
             for callback in keys[key]._impl.trigger_cb:
-                callback(None)
+                callback(None)  # pyright: ignore[reportArgumentType]
         for wish in asked:
             wish(walker)
     finally:

@@ -43,6 +43,9 @@ class Clockwork:
     def tell(self, name, value):
         raise ValueError(f"{name} {value}")
 
+    def resize(self, name, size):
+        raise ValueError(f"{name} {size}")
+
     def jump(self, z):
         return "not there" if z[0] > 0.0 else None
 

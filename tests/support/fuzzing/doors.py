@@ -79,8 +79,9 @@ def inspect_file(place: Place, path: Path) -> None:
 def fit_file(place: Place, path: Path) -> None:
     """`fit RUN LOG`, up to where it learns."""
     read, _ = logs.read_all([path], place.robot)
-    long, _ = fit._long_enough(logs.cut(read, place.robot).strides)
-    parts = fit._dealt(long, 0)
+    cut = logs.cut(read, place.robot)
+    long, _ = fit._long_enough(cut.strides)
+    parts = fit._dealt(long, 0, cut.left_out, sum(map(len, read)))
     fit._windows(parts.train)
     fit._scale(place.run, long)
 
