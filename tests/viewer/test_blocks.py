@@ -1,5 +1,7 @@
 """What is drawn of a course: closed blocks below its tops."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import trimesh
@@ -38,15 +40,13 @@ def test_they_move_under_the_robot_and_are_drawn_anew_where_they_changed():
         assert np.all(np.array(blocks._frame.position) == 0.0)
         blocks.show(TOPS, 1.0, 0.2)
         np.testing.assert_allclose(blocks._frame.position, [-1.0, 0.0, -0.2])
-        nodes = server.scene._handle_from_node_name
+        nodes: Any = server.scene._handle_from_node_name
         first = nodes["/course/0"]
         blocks.show(TOPS, 1.1, 0.2)
         assert nodes["/course/0"] is first
         blocks.show(TOPS[:1], 1.1, 0.2)
         assert nodes["/course/0"] is not first
-        left = {
-            name: getattr(node, "vertices") for name, node in nodes.items() if "/course/" in name
-        }
+        left = {name: node.vertices for name, node in nodes.items() if "/course/" in name}
         assert len(left.pop("/course/0")) == 8
         assert all(len(vertices) == 0 for vertices in left.values())
     finally:
