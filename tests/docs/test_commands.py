@@ -71,7 +71,8 @@ def test_make_knows_its_targets():
 def test_names_in_c_exist():
     """Functions and constants of the blocks in C are those of the exporter or of a main loop."""
     folders = pages.ROOT / "src" / "neuralgaits" / "export", pages.ROOT / "examples"
-    sources = [file for folder in folders for file in folder.rglob("*.[chp]*") if file.is_file()]
+    kinds = {".c", ".cpp", ".h", ".hpp", ".py"}
+    sources = [file for folder in folders for file in folder.rglob("*") if file.suffix in kinds]
     written = "\n".join(file.read_text(encoding="utf-8") for file in sources)
     shown = [block for page in pages.PAGES for block in pages.blocks(page, "c")]
     assert shown
