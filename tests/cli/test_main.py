@@ -212,6 +212,19 @@ def test_the_help_says_a_default_where_there_is_one(capfd: Captured) -> None:
     assert "(default: 50)" in out
 
 
+def test_the_help_breaks_lines_where_the_terminal_ends(
+    capfd: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    assert main(["train", "--help"]) == 0
+    out = capfd.readouterr().out
+    # The second breaks after "or", the third in settings that several verbs have.
+    assert "rugged (faster, for pushes and uneven floors), paper" in out
+    assert "its folder, or latest for the last one started. All other settings" in out
+    assert main(["certify", "--help"]) == 0
+    assert "auto on a machine that is part of one, or local for one" in capfd.readouterr().out
+
+
 def test_every_option_of_every_verb_is_known_to_the_speller() -> None:
     """The parser and the look-out for misspelt words read the same classes."""
     for name, verb in words._VERBS.items():
