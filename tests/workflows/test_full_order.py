@@ -1,5 +1,6 @@
 """The full-order theorem of the default gait: proved, checked again, and tried by force."""
 
+import re
 import shutil
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -113,6 +114,15 @@ def test_the_default_gait_is_proved_between_and_across_impacts(result):
     # No vanishing set: outputs of several mrad, by constants that were proved.
     assert result.shape.radius >= 0.005
     assert result.conclusion.figures["sqrt v_sym"] < 1e-5
+
+
+def test_theorems_are_stated_in_few_digits(result):
+    """Those of the file itself, not rounded for the screen: a person reads them."""
+    for level in result.certificate.conclusions:
+        sentences = " ".join(level.words)
+        numbers = re.findall(r"\d+\.\d+(?:e-?\d+)?", sentences)
+        assert numbers
+        assert max(len(number) for number in numbers) <= 9, sentences
 
 
 def test_constants_hold_at_states_of_the_set(trained, model, result):
