@@ -8,9 +8,12 @@ import pytest
 
 from neuralgaits.barriers import Barrier, Box, GaitSpec, Pointwise, specs
 from neuralgaits.barriers import functions as f
+from neuralgaits.barriers.description import describe_quantity
 from neuralgaits.barriers.regions import Gait
+from neuralgaits.barriers.walking import LANDING, LIFT_OFF
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
+from neuralgaits.gait.commands import Command
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
@@ -160,6 +163,26 @@ def test_rugged_asks_for_more(amber, gait, zd):
     assert set(more) == set(less)
     with pytest.raises(SpecError, match="found 'rugged'"):
         specs.load("rugged", amber, speed=0.8)
+
+
+def test_a_foot_that_is_told_heights_is_asked_to_clear_the_edges_of_stairs(amber):
+    """A flight has an edge half-way between footholds, half its rise above the line of these."""
+    run, rise, clear = 0.35, 0.06, 0.005
+    told = Command("step_height", -0.02, rise)
+
+    def arc_of(spec):
+        (asked,) = (c.function for c in spec.conditions if c.name == "foot-clears")
+        return describe_quantity(asked)["clearance"]
+
+    arc = arc_of(specs.commanded(amber, (told,)))
+    # From one foothold behind the standing foot to one ahead of it, as fast as the hip.
+    phase = np.linspace(LIFT_OFF, LANDING, 1001)
+    x = run * (2.0 * phase - 1.0)
+    for up in (rise, -rise):
+        stairs, line = up * np.floor(x / run + 0.5), up * x / run
+        assert np.all(line + 4.0 * phase * (1.0 - phase) * arc >= stairs + clear)
+    level = arc_of(specs.walking(amber))
+    assert arc_of(specs.commanded(amber, (Command("step_length", 0.3, 0.4),))) == level < arc
 
 
 def test_an_unknown_policy_is_refused(amber):

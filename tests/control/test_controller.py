@@ -55,6 +55,26 @@ def test_a_touchdown_asks_the_policy_at_once_and_relabels(amber, policy):
     assert not np.array_equal(before.y_d, after.y_d)
 
 
+@pytest.mark.parametrize(("law", "alike"), [(Pd(), True), (Fblin(), False), (PAPER, False)])
+def test_at_a_touchdown_momentum_counts_and_not_how_far_the_impact_is(
+    amber, policy, rng, law, alike
+):
+    """Rates of an impact that is under way ask for what those behind it ask for."""
+    controller = Controller.init(amber, policy, law, torque_limit=np.full(4, 1e6))
+    q = np.asarray(amber.relabel @ np.array([0.0, 0.0, 0.1, -0.25, 0.0]))
+    row = np.asarray(amber.mass_matrix(q))[0]
+    heard = []
+    for _ in range(2):
+        dq = rng.uniform(-1.0, 1.0, 5)
+        dq[0] -= (row @ dq + 10.0) / row[0]
+        reading = a_measurement(amber, q, dq, leg=1, force=(0.0, 99.0))
+        _, command = step(controller, start(controller), reading)
+        assert command.touchdown and command.z[1] == pytest.approx(10.0)
+        np.testing.assert_allclose(command.dq, dq, atol=1e-12)
+        heard.append(np.concatenate([command.actuated, command.dy_d]))
+    assert np.allclose(*heard, atol=1e-6) is alike
+
+
 def test_torques_reach_the_right_legs_within_their_limits(amber, policy):
     controller = Controller.init(amber, policy, Pd(), torque_limit=np.array([1.0, 2.0, 3.0, 4.0]))
     q = np.array([0.0, 1.0, -1.0, 1.0, -1.0])

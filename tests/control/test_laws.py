@@ -6,6 +6,7 @@ import pytest
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.control import PAPER, Fblin, Pd
+from neuralgaits.control.inverse_dynamics import settled
 from neuralgaits.control.law import Reading
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.pd import BANDWIDTH, MOST, SLOWEST
@@ -55,6 +56,18 @@ def test_fblin_makes_the_outputs_a_critically_damped_oscillator(robot, rng):
         np.testing.assert_allclose(moved, dy, atol=1e-9)
         scale = 1.0 + float(jnp.max(jnp.abs(ddq)))
         np.testing.assert_allclose(ddy, -49.0 * y - 14.0 * dy, atol=1e-9 * scale)
+
+
+def test_settled_rates_meet_the_outputs_at_the_same_momentum(robot, rng):
+    """Of all that was measured they keep angles and momentum."""
+    for _ in range(3):
+        policy, q, dq = a_case(robot, rng)
+        measured = reading_of(robot, q, dq)
+        found = settled(robot, policy, measured)
+        z, dz = zero_state(robot, q, found.dq, np.zeros(2))
+        np.testing.assert_allclose(z, measured.z, atol=1e-9)
+        np.testing.assert_allclose(found.dz, dz, atol=1e-9)
+        np.testing.assert_allclose(found.dq[1:], jax.jvp(policy, (z,), (dz,))[1], atol=1e-9)
 
 
 def test_fblin_stays_finite_where_no_torque_can_linearise(amber):

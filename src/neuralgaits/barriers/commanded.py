@@ -20,7 +20,7 @@ from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import pendulum_height, start_tube, walking
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import walking_posture
-from neuralgaits.gait.commands import Command, Commands, factors
+from neuralgaits.gait.commands import Command, Commands, command_named, factors
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 
 if TYPE_CHECKING:
@@ -87,6 +87,7 @@ def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool =
         robot,
         forward=SLOWEST * lowest["speed"] if "speed" in lowest else None,
         shortest=SHORTEST * lowest["step_length"] if "step_length" in lowest else None,
+        highest=_highest(commands),
     )
     aims = _middle_aims()
     if any(c.name == "speed" for c in commands):
@@ -114,6 +115,12 @@ def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool =
         aims=aims,
         weights=dict(plain.weights) | _weights(lowest),
     )
+
+
+def _highest(commands: Commands) -> float:
+    """Largest difference in height of two footholds that follow each other (m)."""
+    height = command_named(commands, "step_height")
+    return 0.0 if height is None else max(-height.low, height.high)
 
 
 def _weights(names: Iterable[str]) -> dict[str, float]:

@@ -36,6 +36,8 @@ LIFT_OFF, LANDING = 0.15, 0.85
 """Phases between which the swing foot must be clear of the ground."""
 TORQUE_SHARE = 0.927
 """Share of the torque limit the zero dynamics may use: 38 of 41 N m on AMBER-3M."""
+CLEARANCE = 0.02
+"""Height of the arc that the swing foot stays above, of the reference robot [m]."""
 LEAST_BEND = 0.05
 """Bend of a knee away from straight that is always kept [rad]."""
 START_ENERGIES = (0.23, 0.57)
@@ -91,6 +93,7 @@ def walking(
     *,
     forward: float | None = None,
     shortest: float | None = None,
+    highest: float = 0.0,
 ) -> GaitSpec:
     """The default gait specification for a robot.
 
@@ -100,6 +103,7 @@ def walking(
             learn to match outputs and rates through the impact.
         forward: least rate of z1 (m/s), None for one that fits the robot.
         shortest: least step length (m); likewise.
+        highest: largest difference in height of two footholds that follow each other (m).
     """
     if policy not in ("hybrid-invariant", "mlp"):
         raise SpecError(f"walking: expected policy hybrid-invariant or mlp, found {policy!r}")
@@ -108,7 +112,12 @@ def walking(
             f"spec walking: expected a robot with knees, found none in {robot.name!r}: straight "
             "legs cannot clear the ground; write a spec of your own, FILE.py:NAME"
         )
-    conditions = [*_stance(robot, forward), *_swing_foot(robot), *_tube(), *_guard(robot, shortest)]
+    conditions = [
+        *_stance(robot, forward),
+        *_swing_foot(robot, highest),
+        *_tube(),
+        *_guard(robot, shortest),
+    ]
     free = policy == "mlp"
     if free:
         conditions += _match(robot)
@@ -262,12 +271,16 @@ def _knee_bend(robot: "PlanarBiped") -> Quantity:
     return f.knee_bend(tuple(knees.tolist()), tuple(sides.tolist()), LEAST_BEND)
 
 
-def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
-    """Rise, clear, fall: the swing foot touches the ground only at the guard."""
+def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]:
+    """Rise, clear, fall: the swing foot touches the ground only at the guard.
+
+    Heights are above the line between footholds, and the edge of a stair is half its rise above
+    that line.
+    """
     unit = units(robot)
     # Without rotor inertia the faster lift-off is out of reach (LESSONS 46).
     rise = (0.1 if np.any(robot.armature > 0) else 0.05) * unit.speed
-    ceiling, clearance = 0.12 * unit.length, 0.02 * unit.length
+    ceiling, clearance = 0.12 * unit.length, CLEARANCE * unit.length + 0.5 * highest
     speed = 0.5 * unit.speed
     velocity = f.foot_vertical_velocity
     return [

@@ -13,7 +13,8 @@ import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
 from neuralgaits.control import stance, told
-from neuralgaits.control.law import AbstractLaw, Demand, Desired, Reading
+from neuralgaits.control.inverse_dynamics import settled
+from neuralgaits.control.law import AbstractLaw, Demand, Desired, Outputs, Reading
 from neuralgaits.control.measurement import (
     Measurement,
     coordinates,
@@ -191,6 +192,9 @@ def step(
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
     reading = Reading(q, dq, *zero_state(robot, q, dq, foot_velocity))
     now = told.latch(controller, state.told, touchdown)
+    if law.settles:
+        after = settled(robot, _outputs(controller, now), reading)
+        reading = jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, reading)
     # After a touchdown the held outputs belong to the wrong legs.
     ask = touchdown | (state.ticks_to_policy <= 0)
     held = jax.tree.map(
@@ -219,6 +223,11 @@ def step(
 
 
 def _ask(controller: Controller, now: Told, reading: Reading) -> Desired:
+    return controller.law.desired(controller.robot, _outputs(controller, now), reading)
+
+
+def _outputs(controller: Controller, now: Told) -> Outputs:
+    """The policy of the step under way, as the law lets it know z."""
     policy = controller.policy.of_step(now.numbers)
     bounds = controller.bounds.over(policy)
 
@@ -226,4 +235,4 @@ def _ask(controller: Controller, now: Told, reading: Reading) -> Desired:
         # After the bounds, whose interval need not hold what a law tells instead of z2.
         return policy(controller.law.told(bounds(z)))
 
-    return controller.law.desired(controller.robot, outputs, reading)
+    return outputs

@@ -8,7 +8,7 @@ Westervelt et al. (2007), section 5.
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Coordinates, ZeroState
+from neuralgaits._types import Actuated, Coordinates, Scalar, ZeroState
 from neuralgaits.control.law import Desired, Outputs, Reading
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.robots import PlanarBiped
@@ -29,6 +29,23 @@ def accelerated(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desir
     ddz2 = robot.mass * robot.gravity * speed
     drift = curvature + d2 * ddz2
     return Desired(y, d1 * dz[0] + d2 * dz[1], d1, drift)
+
+
+def settled(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Reading:
+    """The state with the rates that meet the outputs at this momentum about the foot.
+
+    At a touchdown joint rates, and dz1 with them, are those of an impact that is under way for
+    some milliseconds yet. It has no moment about the new foot, so z2 already is what it will be,
+    and with the outputs' slopes it fixes the rates that a matched impact leaves.
+
+    Returns: `Reading`, its dq and dz1 replaced.
+    """
+    _, d1, d2 = _with_slopes(outputs, reading.z)
+    row = robot.mass_matrix(reading.q)[0]
+    along = lift(robot, jnp.ones(()), d1)
+    rest = lift(robot, jnp.zeros(()), d2 * reading.dz[1])
+    dz1 = -(reading.z[1] + row @ rest) / _divisor(robot, row @ along)
+    return reading._replace(dq=along * dz1 + rest, dz=jnp.stack([dz1, reading.dz[1]]))
 
 
 def inverse_dynamics(
@@ -53,12 +70,15 @@ def consistent_acceleration(
     row = robot.mass_matrix(reading.q)[0]
     along = lift(robot, jnp.ones(()), slope)
     rest = lift(robot, jnp.zeros(()), known)
-    denominator = row @ along
+    ddz1 = -(robot.bias(reading.q, reading.dq)[0] + row @ rest) / _divisor(robot, row @ along)
+    return along * ddz1 + rest
+
+
+def _divisor(robot: PlanarBiped, denominator: Scalar) -> Scalar:
+    """A denominator, larger in size than what is safe to divide by [kg m]."""
     smallest = SMALLEST_DENOMINATOR * robot.mass * jnp.sum(robot.hip)
     size = jnp.maximum(jnp.abs(denominator), smallest)
-    ddz1 = -(robot.bias(reading.q, reading.dq)[0] + row @ rest)
-    ddz1 = ddz1 / jnp.where(denominator < 0.0, -size, size)
-    return along * ddz1 + rest
+    return jnp.where(denominator < 0.0, -size, size)
 
 
 def _with_slopes(outputs: Outputs, z: ZeroState) -> tuple[Actuated, Actuated, Actuated]:

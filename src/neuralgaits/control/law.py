@@ -75,6 +75,11 @@ class AbstractLaw(eqx.Module):
         """The law for a robot: with gains that suit its inertias, if it has gains."""
         return self
 
+    @property
+    def settles(self) -> bool:
+        """Whether at a touchdown it goes by the rates of `settled`, not by those measured."""
+        return False
+
     @abstractmethod
     def told(self, z: ZeroState) -> ZeroState:
         """What the policy is told of the measured z, once that is bounded. Returns: [2]."""

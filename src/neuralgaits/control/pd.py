@@ -58,6 +58,11 @@ class Pd(AbstractLaw):
         damping = _each(self.damping or 2.0 * w * inertia, robot)
         return replace(self, bandwidth=w, stiffness=stiffness, damping=damping)
 
+    @property
+    def settles(self) -> bool:
+        """Where z2 is measured: desired rates of a touchdown are held beyond it."""
+        return self.measure_z2
+
     def told(self, z: ZeroState) -> ZeroState:
         """All of z, or z1 with z2 = 0. Returns: [2]."""
         return z if self.measure_z2 else z * jnp.array([1.0, 0.0])

@@ -90,6 +90,16 @@ static void latch(ng_state *state)
 #define Z1_MARGIN ng_z_margin[0]
 #endif
 
+/* The first of some rates or accelerations, from that of z1 and those of the actuated joints. */
+static void lift(ng_real of_z1, ng_real of_q[NG_COORDINATES])
+{
+    of_q[0] = of_z1;
+    for (int i = 1; i < NG_COORDINATES; ++i) {
+        of_q[0] -= ng_hip_gradient[i] * of_q[i];
+    }
+    of_q[0] /= ng_hip_gradient[0];
+}
+
 /* z inside the policy's bounds, levelling off smoothly outside; with first two derivatives. */
 static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
                     ng_real first[2], ng_real second[2])
@@ -133,6 +143,42 @@ static void ask(const ng_law *law, const ng_real z[2], const ng_real dz[2], ng_r
     }
 }
 
+/* Larger in size than what is safe to divide by. */
+static ng_real divisor(ng_real denominator)
+{
+    const ng_real size = ng_abs(denominator);
+    const ng_real safe = size < NG_SMALLEST_DENOMINATOR ? NG_SMALLEST_DENOMINATOR : size;
+    return denominator < NG(0.0) ? -safe : safe;
+}
+
+/*
+ * The rates that meet the outputs at this momentum: those measured at a touchdown are of an
+ * impact that is under way, while z2 already is what it will be.
+ */
+static void settle(const ng_state *state, const ng_real q[NG_COORDINATES], const ng_real z[2],
+                   ng_real dz2, ng_real dq[NG_COORDINATES])
+{
+    ng_real at[2], first[2], second[2], y[NG_ACTUATED];
+    ng_real mass[NG_COORDINATES * NG_COORDINATES], bias[NG_COORDINATES];
+    ng_real along[NG_COORDINATES], rest[NG_COORDINATES];
+    bounded(state, z, at, first, second);
+    const ng_real by_z1[2] = {first[0], NG(0.0)}, by_z2[2] = {NG(0.0), first[1] * dz2};
+    POLICY_RATE(by_z1, at, along + 1, y);
+    POLICY_RATE(by_z2, at, rest + 1, y);
+    lift(NG(1.0), along);
+    lift(NG(0.0), rest);
+    ng_dynamics(dq, q, bias, mass);
+    ng_real denominator = NG(0.0), momentum = z[1];
+    for (int i = 0; i < NG_COORDINATES; ++i) {
+        denominator += mass[i] * along[i];
+        momentum += mass[i] * rest[i];
+    }
+    const ng_real dz1 = -momentum / divisor(denominator);
+    for (int i = 0; i < NG_COORDINATES; ++i) {
+        dq[i] = along[i] * dz1 + rest[i];
+    }
+}
+
 /* Torques of ddq_a = slope ddz1 + known, where ddz1 follows from no torque at the foot. */
 static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
                              const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
@@ -141,26 +187,20 @@ static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
     const ng_real w = law->bandwidth;
     ng_real mass[NG_COORDINATES * NG_COORDINATES], bias[NG_COORDINATES];
     ng_real along[NG_COORDINATES], rest[NG_COORDINATES];
-    along[0] = NG(1.0);
-    rest[0] = NG(0.0);
     for (int i = 1; i < NG_COORDINATES; ++i) {
         const ng_real error = q[i] - wanted->y[i - 1], rate = dq[i] - wanted->dy[i - 1];
         along[i] = wanted->slope[i - 1];
         rest[i] = wanted->drift[i - 1] - w * w * error - NG(2.0) * w * rate;
-        along[0] -= ng_hip_gradient[i] * along[i];
-        rest[0] -= ng_hip_gradient[i] * rest[i];
     }
-    along[0] /= ng_hip_gradient[0];
-    rest[0] /= ng_hip_gradient[0];
+    lift(NG(1.0), along);
+    lift(NG(0.0), rest);
     ng_dynamics(dq, q, bias, mass);
     ng_real denominator = NG(0.0), ddz1 = bias[0];
     for (int i = 0; i < NG_COORDINATES; ++i) {
         denominator += mass[i] * along[i];
         ddz1 += mass[i] * rest[i];
     }
-    ng_real size = ng_abs(denominator);
-    size = size < NG_SMALLEST_DENOMINATOR ? NG_SMALLEST_DENOMINATOR : size;
-    ddz1 /= denominator < NG(0.0) ? size : -size;
+    ddz1 /= -divisor(denominator);
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] = bias[i + 1];
     }
@@ -322,7 +362,7 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
                    ng_command *command)
 {
     const ng_law *law = config->law;
-    ng_real dz[2], ddz2[1];
+    ng_real dz[2], ddz2[1], measured[NG_COORDINATES];
     command->touchdown = advance_stance(state, reading);
 #if NG_COMMANDS
     if (command->touchdown) {
@@ -332,6 +372,14 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     ng_coordinates(reading->pitch, reading->angles, state->leg, command->q);
     ng_coordinates(reading->dpitch, reading->rates, state->leg, command->dq);
     ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, command->z);
+    for (int i = 0; i < NG_COORDINATES; ++i) {
+        measured[i] = command->dq[i];
+    }
+    if (command->touchdown && law->settles) {
+        ng_real pinned_z[2]; /* not what is measured */
+        settle(state, command->q, command->z, dz[1], command->dq);
+        ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, pinned_z);
+    }
     /* After a touchdown the held outputs belong to the wrong legs. */
     if (command->touchdown || state->ticks_to_policy <= 0) {
         ask(law, command->z, dz, ddz2[0], state);
@@ -342,6 +390,9 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     command->relaxed[0] = command->relaxed[1] = 0;
     command->saturated = law->within ? law->within(config, &state->held, command)
                                      : saturate(config, command->actuated);
+    for (int i = 0; i < NG_COORDINATES; ++i) {
+        command->dq[i] = measured[i];
+    }
     for (int i = 0; i < NG_ACTUATED; ++i) {
         command->y_d[i] = state->held.y[i];
         command->dy_d[i] = state->held.dy[i];

@@ -37,6 +37,7 @@ typedef struct ng_law {
     ng_real bandwidth;  /* w: 0 leaves errors to stiffness and damping [rad/s] */
     int hold_ticks;     /* ticks between two questions to the policy */
     int measure_z2;     /* 0: the policy is told z2 = 0 */
+    int settles;        /* 1: at a touchdown rates are those of z2, not those measured */
     ng_within *within;  /* in place of clipping, or 0 */
     const void *own;    /* what that knows */
 } ng_law;

@@ -68,6 +68,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("bandwidth", c_double),
             ("hold_ticks", c_int),
             ("measure_z2", c_int),
+            ("settles", c_int),
             ("within", c_void_p),
             ("own", c_void_p),
         ],

@@ -87,6 +87,7 @@ def _set_law(law: Any, wanted: AbstractLaw) -> None:
     law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
     if isinstance(wanted, Pd):
         law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
+        law.settles = int(wanted.settles)
         _fill(law.stiffness, wanted.stiffness)
         _fill(law.damping, wanted.damping)
     elif isinstance(wanted, Fblin | ClfQp):
