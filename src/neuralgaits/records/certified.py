@@ -12,6 +12,7 @@ FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
 PROOF = f"{FOLDER}/proof.json"
 LEVELS = (1, 2, 3, 4, 5)
+HIGHEST = LEVELS[-1]
 FULL_ORDER = 4
 """The level that brings files and constants of its own."""
 GROUND = "floor", "friction"

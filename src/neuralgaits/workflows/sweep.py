@@ -15,6 +15,7 @@ from neuralgaits._settings import check_budget, check_seed, check_steps
 from neuralgaits.barriers.commanded import Interval
 from neuralgaits.engine import Done, Engine, Job, engine_for
 from neuralgaits.errors import InputError, Interrupted
+from neuralgaits.records.certified import HIGHEST
 from neuralgaits.records.swept import (
     FORMAT,
     PAGE,
@@ -36,7 +37,6 @@ from neuralgaits.sweeps.folder import SweepFolder, sha256
 from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
 from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
 from neuralgaits.sweeps.table import to_csv
-from neuralgaits.workflows.certify import HIGHEST
 from neuralgaits.workflows.parts.sweep_row import carry_out, row_of
 
 WALKS, WALK_STEPS = 4, 25
