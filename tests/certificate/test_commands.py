@@ -15,14 +15,13 @@ from neuralgaits.barriers import specs
 from neuralgaits.certificate.levels.chart import Chart, Near, asked_for
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
-from neuralgaits.certificate.levels.sets import (
+from neuralgaits.certificate.levels.problems import (
     condition_problems,
-    find_sets,
-    one_step,
     premise_problems,
     set_margins,
     trace_certificate,
 )
+from neuralgaits.certificate.levels.sets import find_sets, one_step
 from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSet,
     safe_premises,

@@ -22,7 +22,7 @@ from neuralgaits.barriers.functions import (
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.levels.chart import MOST_AXES, PLANE
 from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
-from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Pair, all_pairs
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
@@ -35,9 +35,6 @@ if TYPE_CHECKING:
 
 LEVELS = 33
 """Levels of the guard at which the impact is looked at."""
-
-
-NO_RESIDUALS = Residuals()
 
 
 def trace_spec(

@@ -12,7 +12,8 @@ from neuralgaits.certificate.levels.chart import Chart
 from neuralgaits.certificate.provable import refuse_many_axes, why_not_robust
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
-from neuralgaits.robots.parameters import axes_of, box_of, checked_box
+from neuralgaits.robots.parameter_box import checked_box
+from neuralgaits.robots.parameters import axes_of, box_of
 
 LEVEL = 3
 """What is proved if no level is asked for, and the most that can be of a box of robots, or with

@@ -21,14 +21,13 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.gait import Residuals
+from neuralgaits.gait import NO_RESIDUALS, Residuals
 from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of
 from neuralgaits.training.compiled import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import (
-    NO_RESIDUALS,
     Layout,
     Loss,
     lay_out,

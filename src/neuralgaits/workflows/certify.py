@@ -17,15 +17,14 @@ from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
-from neuralgaits.certificate.levels.sets import (
-    Sets,
+from neuralgaits.certificate.levels.problems import (
     condition_boxes,
     condition_problems,
     confirmer,
-    find_sets,
     premise_problems,
     trace_certificate,
 )
+from neuralgaits.certificate.levels.sets import Sets, find_sets
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
@@ -47,7 +46,7 @@ from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
 from neuralgaits.records import certified
 from neuralgaits.records.certified import (
-    HIGHEST,
+    LEVELS,
     Certified,
     Conclusion,
     ConditionVerdict,
@@ -152,7 +151,7 @@ def certify(
         within: narrower ranges of commands, by name: what is proved is about those, and the run
             counts as undecided.
         parameters: levels 1 to 3 are proved for every robot of this box, half widths by kind (see
-            `robots.parameters`); None for the run's own, empty for the robot of the file alone.
+            `robots.parameter_box`); None for the run's own, empty for the robot of the file alone.
 
     Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
     Raises: InputError on bad settings; RunError if there are no such boxes to go on with;
@@ -211,11 +210,9 @@ def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]
 
 def _refuse(level: int, disturbance: tuple[float, float]) -> None:
     """Raises: InputError on a level or disturbance that makes no statement."""
-    if level not in range(1, HIGHEST + 1):
-        raise InputError(
-            "expected level 1 (conditions), 2 (walking set), 3 (orbit), 4 (full order) or 5 "
-            f"(full order, disturbed), found {level}"
-        )
+    if level not in LEVELS:
+        *below, highest = (f"{number} ({about})" for number, about in LEVELS.items())
+        raise InputError(f"expected level {', '.join(below)} or {highest}, found {level}")
     check_disturbance(disturbance)
     if any(disturbance) and level < 2:
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")

@@ -15,7 +15,7 @@ from neuralgaits.engine import engine_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.robots import load_robot, registry
-from neuralgaits.robots.parameters import checked_box
+from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.folder import file_hashes
@@ -123,7 +123,7 @@ def simulate(
             `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV file of
             stones; see `simulation.setup.terrains`.
         parameters: each walk is of another robot, drawn from this box around the run's own, half
-            widths by kind (see `robots.parameters`), and on its floor.
+            widths by kind (see `robots.parameter_box`), and on its floor.
         workers: processes of this machine that walk, in place of threads of this one; in a
             script, call this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.

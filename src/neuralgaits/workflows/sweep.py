@@ -15,7 +15,7 @@ from neuralgaits._settings import check_budget, check_seed, check_steps
 from neuralgaits.barriers.commanded import Interval
 from neuralgaits.engine import Done, Engine, Job, engine_for
 from neuralgaits.errors import InputError, Interrupted
-from neuralgaits.records.certified import HIGHEST
+from neuralgaits.records.certified import HIGHEST, LEVELS
 from neuralgaits.records.swept import (
     FORMAT,
     PAGE,
@@ -163,7 +163,7 @@ def _given(
         check_seed(end - 1)
     check_steps(steps)
     check_budget(budget)
-    if certify is not None and certify not in range(1, HIGHEST + 1):
+    if certify is not None and certify not in LEVELS:
         raise InputError(f"expected --certify 1 to {HIGHEST}, found {certify}")
     if walks is not None and walks < 1:
         raise InputError(f"expected at least 1 walk, found {walks}")

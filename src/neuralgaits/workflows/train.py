@@ -27,7 +27,7 @@ from neuralgaits.gait.commands import Commands
 from neuralgaits.records.asked import Asked, Proving, Range, asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameters import checked_box
+from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
