@@ -77,7 +77,7 @@ def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any
     """
     # These import JAX, and the run's spec.
     from neuralgaits.analysis.run import open_run
-    from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
+    from neuralgaits.certificate.levels.full_order.model import FullOrderModel
     from neuralgaits.certificate.levels.problems import trace_certificate
     from neuralgaits.certificate.levels.sets import Sets
     from neuralgaits.certificate.levels.walking_set.find import names_of

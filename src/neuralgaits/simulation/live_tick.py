@@ -18,8 +18,9 @@ from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.ticks.falls import FallConfig
+from neuralgaits.simulation.ticks.scene import Reading, Scene
 from neuralgaits.simulation.ticks.strides import width
-from neuralgaits.simulation.ticks.tick import Reading, Record, Scene, Verdict
+from neuralgaits.simulation.ticks.tick import Record, Verdict
 
 ENDLESS = int(np.iinfo(np.int32).max)
 """Steps of a walk that has no end."""

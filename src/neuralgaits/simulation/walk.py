@@ -32,7 +32,7 @@ from neuralgaits.simulation.ticks import lockstep
 from neuralgaits.simulation.ticks.batch import compile_batch
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import Episodes, Watch
-from neuralgaits.simulation.ticks.tick import Scene
+from neuralgaits.simulation.ticks.scene import Scene
 
 EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
 """Control laws that exported controllers have: `paper` is the PD of the paper's deployment."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.theorem import (
     FENCES,
     BarrierConstants,

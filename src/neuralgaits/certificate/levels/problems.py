@@ -10,7 +10,7 @@ from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.levels.chart import PLAIN, PLANE, Chart, Corner
 from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
-from neuralgaits.certificate.levels.full_order import margins as full_order
+from neuralgaits.certificate.levels.full_order.model import size_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
 from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
 from neuralgaits.certificate.levels.sets import SOUGHT, Margins, Sets, one_step
@@ -31,6 +31,17 @@ CLAIMED = 0.4
 TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25, DISTURBED: 0.0}
 """Share of the smallest margin seen that is proved, by label: level 4 tells slack, and each further
 box costs; of the others the sign is all that matters."""
+APART = {
+    "full/contact": "forces",
+    "full/torque": "forces",
+    "disturbed/contact": "forces",
+    "disturbed/torque": "forces",
+    "full/gain": "impact",
+    "full/landing-slope": "impact",
+    "full/reset-slope": "impact",
+    "full/coupling": "coupling",
+}
+"""Outputs that share most of their operations, and many of those: they are bounded apart."""
 SIGN_ONLY: dict[str, Any] = {"claimed": CLAIMED, "tight": 0.0}
 """In many axes a larger margin costs too many boxes."""
 
@@ -56,7 +67,7 @@ def trace_certificate(
 
     inputs = {"u": (spec.chart_size,)}
     if sets.full_order:
-        inputs["xi"] = (full_order.size_of(robot),)
+        inputs["xi"] = (size_of(robot),)
     parameters = {"policy": gait.policy, "tube": gait.tube}
     return trace(margins, inputs, parameters=parameters | _named(sets))
 
@@ -124,7 +135,7 @@ def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Co
     """Asks the margins' own Python functions, in float64, about one point, with outputs zero."""
     conditions = {condition.name: condition for condition in spec.conditions}
     at = one_step(gait, zd, spec.parameters)
-    xi = jnp.zeros(full_order.size_of(zd.robot))
+    xi = jnp.zeros(size_of(zd.robot))
 
     def confirm(name: str, u: np.ndarray) -> Counterexample | None:
         step, moving = at(jnp.asarray(u))
@@ -150,7 +161,7 @@ def premise_problems(
     roots: dict[tuple[str, str, Corner, Corner], list[str]] = {}
     found = labelled_premises(sets.parameters, condition_boxes(spec))
     for region, name, low, high in found:
-        kind = full_order.APART.get(name.split(" ")[0], "")
+        kind = APART.get(name.split(" ")[0], "")
         if chart.parameters:
             kind = name
         names = roots.setdefault((region, kind, low, high), [])

@@ -17,6 +17,7 @@ from neuralgaits.certificate.levels.disturbed import margins as disturbed
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
 from neuralgaits.certificate.levels.full_order import margins as full_order
 from neuralgaits.certificate.levels.full_order.looks import looks_in, set_of
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.ladder import LEVELS
 from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.orbit import margins as orbit_set
@@ -101,7 +102,7 @@ def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, 
     if of.zd.residual is not None or of.zd.reset_residual is not None:
         return "it is about the rigid model, and the run's dynamics carry a residual"
     try:
-        found = set_of(full_order.FullOrderModel(of.zd.robot, of.gait, of.spec), of.pushed)
+        found = set_of(FullOrderModel(of.zd.robot, of.gait, of.spec), of.pushed)
     except SpecError as error:  # The levels below read less of the robot.
         return str(error)
     return found if isinstance(found, str) else (found, {})
@@ -109,18 +110,18 @@ def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, 
 
 def _find_disturbed(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     assert isinstance(of.gait, Gait)
-    model = full_order.FullOrderModel(of.zd.robot, of.gait, of.spec)
+    model = FullOrderModel(of.zd.robot, of.gait, of.spec)
     found = find_disturbed(looks_in(model, known[4]), known[4])
     return found if isinstance(found, str) else (found, {})
 
 
 def _full_order_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
-    model = full_order.FullOrderModel(zd.robot, gait, spec)
+    model = FullOrderModel(zd.robot, gait, spec)
     return full_order.margins(model, known[4], u, xi)
 
 
 def _disturbed_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
-    model = full_order.FullOrderModel(zd.robot, gait, spec)
+    model = FullOrderModel(zd.robot, gait, spec)
     return disturbed.margins(model, known[4], known[5], u, xi)
 
 

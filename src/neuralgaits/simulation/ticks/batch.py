@@ -17,7 +17,8 @@ from jax.flatten_util import ravel_pytree
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, Int
-from neuralgaits.simulation.ticks.tick import Reading, Scene, begin, tick
+from neuralgaits.simulation.ticks.scene import Reading, Scene
+from neuralgaits.simulation.ticks.tick import begin, tick
 
 
 class Batch(NamedTuple):

@@ -19,8 +19,9 @@ from neuralgaits.simulation.ticks.batch import Batch, pack
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
+from neuralgaits.simulation.ticks.scene import Reading
 from neuralgaits.simulation.ticks.strides import Strides, width
-from neuralgaits.simulation.ticks.tick import Reading, Record, Verdict
+from neuralgaits.simulation.ticks.tick import Record, Verdict
 from neuralgaits.simulation.ticks.world import World
 
 
