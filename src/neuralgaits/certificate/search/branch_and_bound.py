@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
-from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -224,24 +223,24 @@ def _measured(
     looks = [[axis, *late] if late and axis not in late else [axis] for axis in tree.axes]
     if late:
         looks.insert(0, late)
-    slices = [slice(k, k + problem.batch) for k in range(0, len(boxes), problem.batch)]
-    lines = [
-        (_with(centre[part], low[part], wide), _with(centre[part], high[part], wide))
-        for wide in looks
-        for part in slices
-    ]
-    beside = least.copy()
-    with closing(bound_all(problem, lines)) as found:
-        for (wide, part), (lower, _) in zip(product(looks, slices), found, strict=True):
-            if wide == late:
-                beside[part] = lower
-                continue
-            with np.errstate(invalid="ignore"):
-                lost = (beside if len(wide) > 1 else least)[part] - lower
-            lost = np.where(np.isfinite(lost), np.maximum(lost, 0.0), np.inf)
-            alone[part, wide[0]] = np.where(short[part], lost, 0.0).max(axis=1)
+    # One after the other in one list: a round of few boxes is one call for all axes.
+    ends = [np.concatenate([_with(centre, end, wide) for wide in looks]) for end in (low, high)]
+    slices = [slice(k, k + problem.batch) for k in range(0, len(ends[0]), problem.batch)]
+    parts = []
+    with closing(bound_all(problem, [(ends[0][part], ends[1][part]) for part in slices])) as found:
+        for lower, _ in found:
+            parts.append(lower)
             if time.monotonic() >= deadline:
                 return tree
+    beside = least
+    for wide, lower in zip(looks, np.split(np.concatenate(parts), len(looks)), strict=True):
+        if wide == late:
+            beside = lower
+            continue
+        with np.errstate(invalid="ignore"):
+            lost = (beside if len(wide) > 1 else least) - lower
+        lost = np.where(np.isfinite(lost), np.maximum(lost, 0.0), np.inf)
+        alone[:, wide[0]] = np.where(short, lost, 0.0).max(axis=1)
     return tree.measured(boxes, alone)
 
 
