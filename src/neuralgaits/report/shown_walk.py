@@ -16,6 +16,7 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
+from neuralgaits.control.laws import LAWS
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.shown import FILE, ShownWalk
 from neuralgaits.records.simulated import MUJOCO, SUMMARY, Simulated
@@ -30,7 +31,7 @@ from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.trained_walks import TrainedWalks
-from neuralgaits.simulation.walk import LAWS, Walk
+from neuralgaits.simulation.walk import Walk
 
 STEPS = 12
 """Steps shown where nothing asks for more: some six seconds."""

@@ -13,6 +13,7 @@ from typing import Any
 
 from neuralgaits._settings import check_budget, check_seed, check_steps
 from neuralgaits.barriers.commanded import Interval
+from neuralgaits.control.laws import law_named
 from neuralgaits.engine import Done, Engine, Job, engine_for
 from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.records.certified import HIGHEST, LEVELS
@@ -31,7 +32,6 @@ from neuralgaits.report.sweep.page import page
 from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import ROBOT, SPEC
-from neuralgaits.simulation.walk import law_named
 from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
 from neuralgaits.sweeps.folder import SweepFolder, sha256
 from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
