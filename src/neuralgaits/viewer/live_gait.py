@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import ENDS, Chart, Look
+from neuralgaits.analysis.quantities import ENDS, Look, PlaneChart
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.laws import LAWS
 from neuralgaits.errors import InputError
@@ -59,7 +59,7 @@ class LiveGait:
             first = map(float, ground.courses.orders.first)
             run = run.at(**dict(zip(names, first, strict=True)))
         self.run = run
-        self.chart = Chart(run.gait, run.spec)
+        self.chart = PlaneChart(run.gait, run.spec)
         zd = run.zero_dynamics
         self._onto = Look(lambda z: {"x": zd.phi_inv(z)})
         phase, level = (np.array([value]) for value in MIDDLE)

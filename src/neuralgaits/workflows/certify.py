@@ -180,7 +180,10 @@ def certify(
         *premise_problems(spec, sets, program, scope.chart),
     ]
     confirm = confirmer(spec, gait, zd, sets)
-    before = [_saved(trained, k, problem) if resume else None for k, problem in enumerate(problems)]
+    before = [
+        load(_boxes_file(trained, k), problem) if resume else None
+        for k, problem in enumerate(problems)
+    ]
     try:
         with threadpool_limits(1), _bounding(workers, ray) as bound_all:
             states = explore(
@@ -220,10 +223,6 @@ def _refuse(level: int, disturbance: tuple[float, float]) -> None:
 
 def _boxes_file(run: Run, number: int) -> Path:
     return run.path / certified.FOLDER / f"boxes-{number}.safetensors"
-
-
-def _saved(run: Run, number: int, problem: Problem) -> Search:
-    return load(_boxes_file(run, number), problem)
 
 
 def _written(

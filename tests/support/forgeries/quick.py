@@ -55,7 +55,7 @@ def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator
 
     with (
         mock.patch.object(StatementCheck, "of", of),
-        mock.patch.object(shared_check, "_cores", lambda: 1),
+        mock.patch.object(shared_check, "cores", lambda: 1),
     ):
         yield
 

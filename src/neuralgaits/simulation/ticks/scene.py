@@ -17,7 +17,7 @@ from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.ticks.falls import FallConfig
 
 
-class Reading(NamedTuple):
+class PlantReading(NamedTuple):
     """The plant as one tick finds it."""
 
     state: Float[Array, " s"]
@@ -113,17 +113,17 @@ class Scene(eqx.Module):
 
     @property
     def reading_size(self) -> int:
-        """Length of a packed `Reading`."""
+        """Length of a packed `PlantReading`."""
         return sum(int(np.prod(shape)) for shape in self._reading_shapes())
 
-    def reading(self, packed: Float[Array, " r"]) -> Reading:
-        """Unpack a `Reading`."""
+    def reading(self, packed: Float[Array, " r"]) -> PlantReading:
+        """Unpack a `PlantReading`."""
         parts, at = [], 0
         for shape in self._reading_shapes():
             size = int(np.prod(shape))
             parts.append(packed[at : at + size].reshape(shape))
             at += size
-        return Reading(*parts)
+        return PlantReading(*parts)
 
     def _reading_shapes(self) -> tuple[tuple[int, ...], ...]:
         nq, _ = self.sizes

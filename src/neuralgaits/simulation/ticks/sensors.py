@@ -12,7 +12,7 @@ from neuralgaits.control import (
 from neuralgaits.control.measurement import coordinates, stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.ticks.scene import Reading, Scene
+from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.wiring import measure
 
 
@@ -27,7 +27,7 @@ class Sensed(NamedTuple):
     """Hip position in the world, (x, z) [m]."""
 
 
-def sense(scene: Scene, reading: Reading) -> Sensed:
+def sense(scene: Scene, reading: PlantReading) -> Sensed:
     """Read the sensors of one episode."""
     wires = scene.wires
     time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)

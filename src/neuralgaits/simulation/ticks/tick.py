@@ -24,7 +24,7 @@ from neuralgaits.robots.dynamics import hip_position, swing_foot
 from neuralgaits.simulation.ticks import gauge as gauges
 from neuralgaits.simulation.ticks.falls import ending
 from neuralgaits.simulation.ticks.gauge import Gauge
-from neuralgaits.simulation.ticks.scene import Reading, Scene
+from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.sensors import sense, true_z
 from neuralgaits.simulation.ticks.wiring import controls
 
@@ -87,7 +87,7 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
     return first._replace(known=known, believed=jnp.zeros(scene.delay_ticks + 1))
 
 
-def tick(scene: Scene, carry: Carry, reading: Reading) -> tuple[Carry, Verdict, Record]:
+def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, Record]:
     """One tick of one episode. Returns: the next carry, the verdict, and the record."""
     seen = sense(scene, reading).seen
     if scene.estimator is not None:
@@ -111,7 +111,7 @@ def _estimated(
 
 
 def account(
-    scene: Scene, carry: Carry, reading: Reading, state: ControllerState, command: Command
+    scene: Scene, carry: Carry, reading: PlantReading, state: ControllerState, command: Command
 ) -> tuple[Carry, Verdict, Record]:
     """What becomes of an episode under a command, whoever decided it.
 
