@@ -62,7 +62,7 @@ class TrainState(NamedTuple):
     """Share of the recipe's step size; less than 1 after steps that turned to NaN. float32."""
 
 
-class Report(NamedTuple):
+class FreshMargins(NamedTuple):
     """Conditions on fresh samples, inside the regions, in float64."""
 
     loss: float
@@ -258,7 +258,7 @@ class Trainer:
         gait = eqx.combine(trained, self._template)
         return _matched(gait, self.robot, self.residuals.reset)
 
-    def report(self, gait: AnyGait, *, seed: int) -> Report:
+    def report(self, gait: AnyGait, *, seed: int) -> FreshMargins:
         """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
 
         Samples of extra boxes count for the loss alone.
@@ -270,7 +270,7 @@ class Trainer:
             name: margins[rows[:, block.start]][:, block]
             for name, block in self._validation_layout.columns.items()
         }
-        return Report(float(loss.total), named)
+        return FreshMargins(float(loss.total), named)
 
     def done(self, state: TrainState) -> bool:
         """Whether all steps are taken."""
