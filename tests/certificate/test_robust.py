@@ -25,10 +25,10 @@ from neuralgaits.certificate.levels.sets import Sets, fences_of, find_sets, look
 from neuralgaits.certificate.levels.walking_set.find import find_set
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet, walking_premises
 from neuralgaits.certificate.proof_file.reader import Statement
-from neuralgaits.certificate.provable import step_at
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import to_text
+from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate

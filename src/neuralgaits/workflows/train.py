@@ -15,13 +15,8 @@ from neuralgaits.barriers import GaitSpec, specs, user_code
 from neuralgaits.barriers.commanded import Interval, commands_of
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.barriers.spec import Init
-from neuralgaits.certificate.provable import (
-    after_impact,
-    refuse_many_axes,
-    refuse_untraceable,
-    trace_spec,
-    why_not_provable,
-)
+from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
+from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError, Interrupted, RunError
 from neuralgaits.gait.commands import Commands
 from neuralgaits.records.asked import Asked, Proving, Range, asked_of

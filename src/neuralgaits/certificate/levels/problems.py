@@ -15,9 +15,9 @@ from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORD
 from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
 from neuralgaits.certificate.levels.sets import SOUGHT, Margins, Sets, one_step
 from neuralgaits.certificate.levels.walking_set.theorem import SET
-from neuralgaits.certificate.provable import step_at
 from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.traced import step_at
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune

@@ -29,7 +29,7 @@ from neuralgaits.certificate.levels.walking_set.find import (
     least_of_inlet,
     over_all,
 )
-from neuralgaits.certificate.provable import step_at
+from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate, fold
