@@ -20,7 +20,7 @@ def test_true_statements_are_consistent_and_no_more(tmp_path, proof):
     report = checked(tmp_path, proof)
     assert (report.verdict, report.reason, report.unclaimed) == ("consistent", NOT_TIED, ())
     assert len(report.statements) == 4
-    assert "bowl: the margin is at least 0.055 of its scale 2.0" in report.statements[0]
+    assert "bowl: the margin is at least 0.055 of its scale 2 at every" in report.statements[0]
     assert "level in [1.0, 1.0] (region tube)" in report.statements[3]
     leaves = sum(statement["tree"].count("-") for statement in proof["statements"])
     assert report.boxes == leaves

@@ -58,10 +58,32 @@ def _only_line(capfd: Captured) -> str:
         (["trian", "amber3m"], "no command trian; did you mean train?"),
         (["check-prof", "x"], "did you mean check-proof?"),
         (["train"], "ROBOT"),
-        (["train", "amber3m", "--init", "zero"], "'zero'"),
+        (
+            ["train", "amber3m", "--init", "zero"],
+            "--init: expected posture or random, found 'zero'\n",
+        ),
+        (
+            ["simulate", "r", "--controller=fbln"],
+            "--controller: expected pd, fblin, paper, clf-qp or c, found 'fbln'; did you mean",
+        ),
         (["train", "amber3m", "--steps", "many"], "'many'"),
         (["train", "amber3m", "--hidden", "32,"], "32,32"),
-        (["simulate", "latest", "--controller"], "--controller"),
+        (
+            ["simulate", "latest", "--controller"],
+            "--controller: expected pd, fblin, paper, clf-qp or c, found none\n",
+        ),
+        (
+            ["simulate", "latest", "--steps", "--json"],
+            "--steps: expected a whole number, found none",
+        ),
+        (["simulate", "latest", "--disturb"], "--disturb: expected a value, found none\n"),
+        (["view", "latest", "--no-browser=1"], "--no-browser: expected no value, found '1'\n"),
+        (["export", "latest"], "expected --out DIR, found none; see `neuralgaits export --help`\n"),
+        (["export"], "expected RUN, found none: name one, as in `neuralgaits export latest`\n"),
+        (["fit", "latest"], "expected LOG.csv..., found none: see `neuralgaits fit --help`\n"),
+        (["train", "amber3m", "rabbit"], "train takes ROBOT beside its options, found 'rabbit'"),
+        (["doctor", "x"], "doctor takes no word beside its options, found 'x'"),
+        (["view", "latest", "-p"], "unknown option -p of view; see `neuralgaits view --help`\n"),
         (["simulate", "latest", "--speed", "3"], "--speed"),
         (
             ["train", "amber3m", "--stpes", "5"],
@@ -190,12 +212,27 @@ def test_the_help_says_a_default_where_there_is_one(capfd: Captured) -> None:
     assert "(default: 50)" in out
 
 
+def test_the_help_breaks_lines_where_the_terminal_ends(
+    capfd: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    assert main(["train", "--help"]) == 0
+    out = capfd.readouterr().out
+    # The second breaks after "or", the third in settings that several verbs have.
+    assert "rugged (faster, for pushes and uneven floors), paper" in out
+    assert "its folder, or latest for the last one started. All other settings" in out
+    assert main(["certify", "--help"]) == 0
+    assert "auto on a machine that is part of one, or local for one" in capfd.readouterr().out
+
+
 def test_every_option_of_every_verb_is_known_to_the_speller() -> None:
     """The parser and the look-out for misspelt words read the same classes."""
     for name, verb in words._VERBS.items():
-        for option in misspelt._options(verb):
-            misspelt.refuse_misspelt([name, option], words._VERBS)
-    options = misspelt._options(words._VERBS["train"])
+        for option, one in misspelt.options_of(verb).items():
+            value = one.kind[0] if isinstance(one.kind, tuple) else "1"
+            given = [option] if one.kind is bool else [option, value]
+            misspelt.refuse_misspelt([name, *given, "--help"], words._VERBS)
+    options = misspelt.options_of(words._VERBS["train"])
     assert {"--step-length", "--certify", "--json"} <= set(options)
     assert "--robot" not in options
 

@@ -162,8 +162,10 @@ def test_at_the_end_it_begins_on_other_stones(run, library, monkeypatch):
     live, before = live_on(run, ground, library), ground.course.seen
     assert len(before) == 3
     until_step(live, 1)
+    assert live.laps == ()
     while live.verdict is not None:
         assert live.tick()
+    assert live.laps == (len(before) - 1,)
     assert live.hip[0] < 0.3
     assert not np.array_equal(ground.course.seen, before)
 

@@ -19,6 +19,13 @@ def test_bars_have_the_length_of_their_margins():
     assert page.count("opacity:.45") == 1
 
 
+def test_a_page_without_numbers_says_why():
+    margins = Margins(np.full(2, np.nan), np.zeros(2, dtype=bool))
+    page = bars.render(["one", "two"], margins)
+    assert "told something else than the gait on the board" in page
+    assert "–" not in page and "height:9px" not in page
+
+
 def test_names_of_a_users_conditions_are_text():
     margins = Margins(np.array([1.0]), np.array([True]))
     page = bars.render(["<script>alert(1)</script>"], margins)

@@ -34,8 +34,8 @@ def typed(slider, value):
     slider._impl.value, slider._impl.update_timestamp = value, time.time()
 
 
-def frame(made):
-    shown: Any = SimpleNamespace(steps=0, speed=0.0, time=0.0, fall=None)
+def frame(made, laps=()):
+    shown: Any = SimpleNamespace(steps=0, speed=0.0, time=0.0, fall=None, laps=laps)
     made.show(Picture(shown, None, False, 1.0, None, None))
 
 
@@ -63,6 +63,22 @@ def test_a_number_within_the_limits_stays(built, monkeypatch):
     typed(sliders["friction"], 0.25)
     frame(made)
     assert sliders["friction"].value == 0.25
+
+
+def test_the_end_of_the_ground_is_said_once_each_time(built):
+    """The robot is put back to the beginning: a visitor sees why its steps count from 0."""
+    made, _ = built
+    words = "End of the ground after {} steps: the robot is back at its beginning."
+    frame(made)
+    assert "End of the ground" not in made._status.content
+    frame(made, laps=(600,))
+    assert words.format(600) in made._status.content
+    made.say("")
+    for _ in range(2 * panel._STATUS_EVERY):
+        frame(made, laps=(600,))
+    assert "End of the ground" not in made._status.content
+    frame(made, laps=(600, 412))
+    assert words.format(412) in made._status.content
 
 
 def test_sliders_and_keys_tell_the_robot_and_lay_stones():

@@ -187,7 +187,7 @@ class Conclusions {
                   "in T converges to it",
             "at mid-step the orbit has z2 in [" + at_least(low.low(), 9) + ", " +
                 at_most(high.high(), 9) + "] kg m^2/s, and is known to " +
-                at_most(-bound("orbit/width", t.lower())) + " everywhere",
+                at_most(-bound("orbit/width", t.lower())) + " kg m^2/s everywhere",
             "its multiplier is in [" + at_least(multiplier.low()) + ", " +
                 at_most(multiplier.high()) + "]"};
   }

@@ -371,7 +371,7 @@ class View:
 
 @dataclass(frozen=True)
 class Demo:
-    """The same with a gait that came with the package, and its proof: no training."""
+    """Watch a gait that came with the package, and its proof, on the same page: no training."""
 
     speed: Flag = False
     """Another gait, told how fast to walk by a slider, and proved for all that it may be told."""

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
+from neuralgaits._digits import at_most
 from neuralgaits.cli.tables import show_sentence, show_table
 from neuralgaits.records.exported import (
     Agreement,
@@ -58,7 +59,8 @@ def _show_controller(result: ControllerExport) -> None:
             f"{sizes.ram_bytes or 'unknown'} bytes of RAM with the stack"
         )
     show_sentence(
-        f"float: y_d is proved to be within {result.float_bound.output:.2g} of its range everywhere"
+        "float: by error analysis, y_d is off by no more than "
+        f"{at_most(result.float_bound.output, 2)} of its range at any z of the region"
     )
 
 

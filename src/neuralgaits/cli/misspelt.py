@@ -1,4 +1,4 @@
-"""Words of a command line that were meant otherwise: one line that says what there is.
+"""Words of a command line that are left out or were meant otherwise: one line that says what to do.
 
 The parser would refuse them too, with the help of every verb that has an option like it.
 """
@@ -6,8 +6,8 @@ The parser would refuse them too, with the help of every verb that has an option
 import dataclasses
 import types
 import typing
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, Literal
 
 from tyro.conf import Positional
 
@@ -16,11 +16,32 @@ from neuralgaits.errors import InputError
 
 _NUMBERS = {float: "a number", int: "a whole number"}
 _POSITIONAL = typing.get_args(Positional[int])[1]
-_COMMON = ("--help", "--verbose")
+_HELP, _VERBOSE = ("-h", "--help"), "-v"
+_EXAMPLES = {"RUN": "latest", "ROBOT": "amber3m"}
+
+
+@dataclasses.dataclass(frozen=True)
+class _Setting:
+    """An option of a verb, or a word that stands for itself."""
+
+    kind: type | tuple[str, ...] | None
+    """Of its value, where that is a plain one; what there is to choose from."""
+    metavar: str
+    """What stands for its value in the help."""
+    required: bool
+    many: bool
+    """Whether it may be several words."""
+
+    @property
+    def expected(self) -> str:
+        """A value of it, in words."""
+        if isinstance(self.kind, tuple):
+            return " or ".join((", ".join(self.kind[:-1]), self.kind[-1]))
+        return "a value" if self.kind is None else _NUMBERS.get(self.kind, "a value")
 
 
 def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
-    """Look for a verb and options that are not there or twice, and for numbers that are none.
+    """Look for words that are not there, too many or missing, and for values that cannot be.
 
     Args:
         words: of the command line, the program's name left out.
@@ -35,51 +56,109 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
         if hint := meant(verb, verbs):
             raise InputError(f"no command {verb}; {hint}")
         raise InputError(f"no command {verb}: expected one of {', '.join(verbs)}")
-    kinds, seen = _options(verbs[verb]), set()
-    for place, word in enumerate(rest):
-        if word == "--":
+    options, positional = options_of(verbs[verb]), _positional(verbs[verb])
+    seen, alone = set(), []
+    left = iter(rest)
+    for word in left:
+        if word in _HELP:
             return
-        if not word.startswith("--"):
-            continue
-        name, separator, value = word.partition("=")
-        name = name.replace("_", "-")
-        if name not in kinds and name not in _COMMON:
-            hint = meant(name, kinds) or f"see `neuralgaits {verb} --help`"
-            raise InputError(f"unknown option {name} of {verb}; {hint}")
-        if name in seen:
-            # The parser would take the last one and say nothing.
+        if word == "--":
+            alone += left
+        elif word.startswith("--"):
+            name = _option(verb, word, options, left)
+            if name in seen:
+                # The parser would take the last one and say nothing.
+                raise InputError(
+                    f"expected {name} once, found it twice: leave one out, or join NAME=... by "
+                    "commas"
+                )
+            seen.add(name)
+        elif word.startswith("-") and word not in ("-", _VERBOSE):
+            raise InputError(f"unknown option {word} of {verb}; {_see(verb)}")
+        elif word != _VERBOSE:
+            alone.append(word)
+    _refuse_count(verb, alone, positional)
+    for name, one in options.items():
+        if one.required and name not in seen:
+            raise InputError(f"expected {name} {one.metavar}, found none; {_see(verb)}")
+
+
+def _option(verb: str, word: str, options: Mapping[str, _Setting], left: Iterator[str]) -> str:
+    """Look at an option and its value, the next of the words left. Returns: its name."""
+    name, separator, value = word.partition("=")
+    name = name.replace("_", "-")
+    if name not in options:
+        raise InputError(f"unknown option {name} of {verb}; {meant(name, options) or _see(verb)}")
+    one = options[name]
+    if one.kind is bool:
+        if separator:
+            raise InputError(f"{name}: expected no value, found {value!r}")
+        return name
+    if not separator:
+        value = next(left, "--")
+        if value.startswith("--"):
+            raise InputError(f"{name}: expected {one.expected}, found none")
+    if isinstance(one.kind, tuple):
+        if value not in one.kind:
+            hint = meant(value, one.kind)
             raise InputError(
-                f"expected {name} once, found it twice: leave one out, or join NAME=... by commas"
+                f"{name}: expected {one.expected}, found {value!r}{hint and f'; {hint}'}"
             )
-        seen.add(name)
-        if separator or place + 1 < len(rest):
-            _refuse_no_number(name, kinds.get(name), value if separator else rest[place + 1])
+    elif one.kind is not None and one.kind in _NUMBERS:
+        try:
+            one.kind(value)
+        except ValueError:
+            raise InputError(f"{name}: expected {one.expected}, found {value!r}") from None
+    return name
 
 
-def _refuse_no_number(name: str, kind: type | None, value: str) -> None:
-    if kind is None or kind not in _NUMBERS:
-        return
-    try:
-        kind(value)
-    except ValueError:
-        raise InputError(f"{name}: expected {_NUMBERS[kind]}, found {value!r}") from None
+def _refuse_count(verb: str, alone: Sequence[str], positional: Sequence[_Setting]) -> None:
+    """Compare words that stand alone with what the verb takes."""
+    needed = [one for one in positional if one.required]
+    if len(alone) < len(needed):
+        metavar = needed[len(alone)].metavar
+        example = _EXAMPLES.get(metavar)
+        as_in = f"name one, as in `neuralgaits {verb} {example}`" if example else _see(verb)
+        raise InputError(f"expected {metavar}, found none: {as_in}")
+    if len(alone) > len(positional) and not any(one.many for one in positional):
+        word = alone[len(positional)]
+        taken = " ".join(one.metavar.strip("[]") for one in positional) or "no word"
+        raise InputError(f"{verb} takes {taken} beside its options, found {word!r}; {_see(verb)}")
 
 
-def _options(settings: type) -> dict[str, type | None]:
-    """Options of a verb, each with the type of its value where that is a plain one."""
-    found: dict[str, type | None] = {}
+def _see(verb: str) -> str:
+    return f"see `neuralgaits {verb} --help`"
+
+
+def options_of(settings: type) -> dict[str, _Setting]:
+    """Options of a verb, by name."""
+    return {
+        f"--{name.replace('_', '-')}": one for name, one, alone in _settings(settings) if not alone
+    }
+
+
+def _positional(settings: type) -> list[_Setting]:
+    return [one for _, one, alone in _settings(settings) if alone]
+
+
+def _settings(settings: type) -> Iterator[tuple[str, _Setting, bool]]:
+    """Name, setting and whether it stands alone, of each field and those of fields in it."""
     hints = typing.get_type_hints(settings, include_extras=True)
     for field in dataclasses.fields(settings):
-        kind, marks = _unwrapped(hints[field.name])
-        if dataclasses.is_dataclass(kind):
-            found |= _options(typing.cast(type, kind))
-        elif _POSITIONAL not in marks:
-            found[f"--{field.name.replace('_', '-')}"] = kind
-    return found
+        hint, marks = _unwrapped(hints[field.name])
+        if dataclasses.is_dataclass(hint):
+            yield from _settings(typing.cast(type, hint))
+            continue
+        kind = hint if isinstance(hint, type) else None
+        choices = typing.get_args(hint) if typing.get_origin(hint) is Literal else None
+        metavar = next((one.metavar for one in marks if getattr(one, "metavar", None)), "VALUE")
+        required = field.default is field.default_factory is dataclasses.MISSING
+        many = typing.get_origin(hint) is tuple
+        yield field.name, _Setting(choices or kind, metavar, required, many), _POSITIONAL in marks
 
 
-def _unwrapped(hint: Any) -> tuple[type | None, tuple[Any, ...]]:
-    """The type in an annotation, None taken out, and the marks around it."""
+def _unwrapped(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+    """What an annotation says, None taken out, and the marks around it."""
     marks: tuple[Any, ...] = ()
     while typing.get_origin(hint) is Annotated:
         hint, *more = typing.get_args(hint)
@@ -87,4 +166,4 @@ def _unwrapped(hint: Any) -> tuple[type | None, tuple[Any, ...]]:
     if typing.get_origin(hint) in (typing.Union, types.UnionType):
         kinds = [one for one in typing.get_args(hint) if one is not types.NoneType]
         hint = kinds[0] if len(kinds) == 1 else None
-    return hint if isinstance(hint, type) else None, marks
+    return hint, marks

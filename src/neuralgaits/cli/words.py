@@ -1,9 +1,13 @@
 """The words of a command line, turned into a verb with its settings."""
 
+import ast
+import inspect
+import itertools
 import re
 import typing
-from dataclasses import fields
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Annotated, Any
 
 import tyro
 
@@ -49,6 +53,8 @@ def read(arguments: list[str]) -> Verb:
     if words and words[0] in ("-v", "--verbose"):
         words = [*words[1:], "-v"]
     refuse_misspelt(words, _VERBS)
+    if words[0] in _VERBS and {"-h", "--help"} & set(words):
+        _let_help_flow(_VERBS[words[0]])
     return tyro.cli(
         Verb,  # type: ignore[arg-type]
         prog="neuralgaits",
@@ -56,6 +62,34 @@ def read(arguments: list[str]) -> Verb:
         args=words,
         config=(tyro.conf.FlagCreatePairsOff,),
     )
+
+
+def _let_help_flow(settings: type) -> None:
+    """Have the help break lines where the terminal ends, and not where the source does.
+
+    tyro keeps a break before a line that is indented, as those of an attribute's docstring are.
+    """
+    said = dict(_said(settings))
+    hints = typing.get_type_hints(settings, include_extras=True)
+    for name, hint in hints.items():
+        kind = typing.get_args(hint)[0] if typing.get_origin(hint) is Annotated else hint
+        if is_dataclass(kind):
+            _let_help_flow(typing.cast(type, kind))
+        elif text := said.get(name):
+            settings.__annotations__[name] = Annotated[hint, of.arg(help=" ".join(text.split()))]
+
+
+def _said(settings: type) -> Iterator[tuple[str, str]]:
+    """Fields of a class with the docstrings that follow them."""
+    [found] = ast.parse(inspect.getsource(settings)).body
+    assert isinstance(found, ast.ClassDef)
+    for field, text in itertools.pairwise(found.body):
+        match field, text:
+            case (
+                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.Expr(value=ast.Constant(value=str(docstring))),
+            ):
+                yield name, docstring
 
 
 def options(verb: Any, *left_out: str) -> dict[str, Any]:

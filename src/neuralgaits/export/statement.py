@@ -188,7 +188,8 @@ def _proof(design: Design) -> str:
     origin = design.origin
     if origin.proof_sha256 is None:
         return "none"
-    return f"sha256 {origin.proof_sha256}, {origin.proof_verdict}"
+    about = "of gait and model, not of this code"
+    return f"sha256 {origin.proof_sha256}, {origin.proof_verdict}: {about}"
 
 
 def _joints(design: Design) -> list[str]:

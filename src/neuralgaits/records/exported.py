@@ -66,7 +66,10 @@ class Memory:
 
 @dataclass(frozen=True)
 class FloatBound:
-    """Proved bounds on errors in single precision, shares of the ranges of y_d and its rate."""
+    """Errors in single precision at most, shares of the ranges of y_d and its rate.
+
+    By an error analysis that is carried out in double precision: no sample, and no proof.
+    """
 
     output: float
     rate: float

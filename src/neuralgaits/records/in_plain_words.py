@@ -58,7 +58,8 @@ _PROVED_UNEVEN = (
 """The same for `PROVED`."""
 _RIGID = (
     "links are rigid; the foot on the ground is a point that neither slips nor rolls; an impact is "
-    "sudden and without bounce; {robot}; the gait's numbers are those stored in the run"
+    "sudden and without bounce; the ground is level, or as the gait is told, or no further off "
+    "than is stated; {robot}; the gait's numbers are those stored in the run"
 )
 _ONE_ROBOT = "masses and lengths are those of the robot file"
 _EXACT = "joints are exactly where the gait wants them"

@@ -52,6 +52,8 @@ class LiveWalk:
         floor: under the feet.
         verdict: of the last tick; None before the first.
         impulse_given: by pushes so far, along x and z (N s). [2]
+        laps: touchdowns of each time that it came to the end of a course; it is then put back to
+            the beginning.
     """
 
     def __init__(
@@ -87,6 +89,7 @@ class LiveWalk:
         self.floor = Floor(0.0, 0.0)
         self.verdict: Verdict | None = None
         self.impulse_given = np.zeros(2)
+        self.laps: tuple[int, ...] = ()
         self._robot = robot
         controller = Controller.init(
             robot,
@@ -195,6 +198,7 @@ class LiveWalk:
         """Tell the robot what it sees. Returns: whether it was put back: the course had ended."""
         steps, feet = int(verdict.steps[0]), np.asarray(verdict.feet)
         if ground.course.ends(steps, float(feet[0, 0, 0])):
+            self.laps = (*self.laps, steps)
             ground.draw_anew()
             self.reset()
             return True

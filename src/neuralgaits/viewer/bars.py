@@ -32,8 +32,17 @@ _KEY = (
 )
 
 
+_NONE = (
+    '<div style="font-size:12px;padding:2px 10px 6px">No margins at present: they are still being '
+    "computed, the robot is told something else than the gait on the board, or its state is far "
+    "outside of the region.</div>"
+)
+
+
 def render(names: Sequence[str], margins: Margins) -> str:
-    """Bars of all conditions, in the order of the spec."""
+    """Bars of all conditions, in the order of the spec; a sentence where none has a number."""
+    if not np.isfinite(margins.values).any():
+        return _NONE
     rows = [
         _row(name, float(value), bool(inside))
         for name, value, inside in zip(names, margins.values, margins.inside, strict=True)

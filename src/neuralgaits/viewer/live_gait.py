@@ -143,6 +143,7 @@ class LiveGait:
             force=live.pushing,
             fall=ending.reason,
             tops=None if live.course is None else live.course.tops,
+            laps=live.laps,
         )
 
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:

@@ -75,6 +75,7 @@ class Panel:
         """
         self._player, self._conditions, self._restarted = player, conditions, restarted
         self._answer, self._answer_left, self._count = "", 0, 0
+        self._laps = 0
         self._sliders: dict[str, tuple[viser.GuiSliderHandle, Limits]] = {}
         self._limited: list[tuple[viser.GuiSliderHandle, Limits]] = []
         gui = server.gui
@@ -104,11 +105,12 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Bring status and bars up to date."""
         self._count += 1
-        if picture.answer is not None:
-            self.say(picture.answer)
+        answer = self._of_lap(picture) or picture.answer
+        if answer is not None:
+            self.say(answer)
         if picture.margins is not None and self._conditions:
             self._bars.content = bars.render(self._conditions, picture.margins)
-        if self._count % _STATUS_EVERY == 0 or picture.answer is not None:
+        if self._count % _STATUS_EVERY == 0 or answer is not None:
             self._status.content = self._lines(picture)
         self._answer_left = max(0, self._answer_left - 1)
         self._put_back()
@@ -265,6 +267,14 @@ class Panel:
             lines = _line(f"Walks · {facts}{slow}", _GOOD)
         said = _line(self._answer, _SAID) if self._answer_left else ""
         return lines + said
+
+    def _of_lap(self, picture: Picture) -> str | None:
+        """That the ground has come to its end, once for each time that it has."""
+        laps = picture.shown.laps
+        if len(laps) == self._laps:
+            return None
+        self._laps = len(laps)
+        return f"End of the ground after {laps[-1]} steps: the robot is back at its beginning."
 
     def _lags(self, picture: Picture) -> bool:
         return picture.pace < 0.9 * self._player.speed

@@ -84,7 +84,7 @@ class Stage:
         )
         self._arrow_until = -1.0
         self._board: _Board | None = None
-        self._fallen = False
+        self._fallen, self._laps = False, 0
         board = self._board_width * HEIGHT_PX / WIDTH_PX
         Framing(1.12 * (self._board_bottom + board), 1.1 * self._board_width).follow(server)
 
@@ -94,10 +94,10 @@ class Stage:
 
     def show(self, shown: Shown) -> None:
         """Move everything to a moment of the walk."""
-        if self._fallen and shown.fall is None:
+        if (self._fallen and shown.fall is None) or len(shown.laps) != self._laps:
             # Put back by itself: nobody said so.
             self.restart()
-        self._fallen = shown.fall is not None
+        self._fallen, self._laps = shown.fall is not None, len(shown.laps)
         x = float(shown.hip[0])
         ground = shown.ground
         with self._server.atomic():

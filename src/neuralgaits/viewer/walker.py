@@ -33,6 +33,9 @@ class Shown(NamedTuple):
     tops: Float[np.ndarray, "K 4"] | None = None
     """Of the blocks that it walks on, back ends (x, z) and front ends [m]; None on a floor. The
     array is another one where they have changed."""
+    laps: tuple[int, ...] = ()
+    """Touchdowns of each time that it came to the end of its ground, and was put back to the
+    beginning."""
 
 
 class Margins(NamedTuple):

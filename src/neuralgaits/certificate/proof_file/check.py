@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import level_one_boxes, proved_bounds
@@ -28,6 +29,8 @@ Progress = Callable[[int, int], None]
 
 NAMED_EACH = 6
 """Axes beside phase and level that each statement names; more are named once."""
+DIGITS, SCALE_DIGITS = 4, 6
+"""Of bounds and scales in sentences; the file has all of them."""
 SHOWN = 3
 """Contradictions or names that are named where there are more of them."""
 
@@ -232,7 +235,10 @@ def in_words(statement: Statement, claims: Claims) -> Iterator[str]:
         where += f" and all of the chart's other {len(ends) - PLANE} axes"
     for name in statement.conditions:
         fibre = f", and {FIBRE} of the unit ball" if name in claims.off_zero else ""
+        bound, scale = statement.bounds[name], statement.scales[name]
+        # Fewer digits than the file has, to the side on which the product stays true.
+        size = (at_least if bound >= 0.0 else at_most)(scale, SCALE_DIGITS)
         yield (
-            f"{name}: the margin is at least {statement.bounds[name]!r} of its scale "
-            f"{statement.scales[name]!r} at every {where}{fibre} (region {statement.region})"
+            f"{name}: the margin is at least {at_least(bound, DIGITS)} of its scale {size} at "
+            f"every {where}{fibre} (region {statement.region})"
         )

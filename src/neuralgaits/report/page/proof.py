@@ -91,7 +91,8 @@ def _ladder(found: Certified, told: bool) -> Html:
         for level in LEVELS
     ]
     head = ("level", "states that", "verdict")
-    return html.table("The ladder of guarantees: each level rests on those above it", head, rows)
+    title = "The ladder of guarantees: 2 rests on 1, 3 on 2, 5 on 4"
+    return html.table(title, head, rows)
 
 
 def _level(entry: Conclusion) -> Html:

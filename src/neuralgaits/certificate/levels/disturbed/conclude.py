@@ -103,7 +103,7 @@ def constants(full: FullOrder, shape: Disturbed) -> list[Constant]:
     kept = 2 * factor(full) * arb(shape.push) / _rate(full)
     loop = step_factor(full)
     found = [
-        Constant("push", shape.push, "rad/s^2", "|S e|, at most", "most"),
+        Constant("push", shape.push, "rad/s^2", "every e with |S e| up to this", "least"),
         Constant(
             "push of any joints", below(_smallest_push(full, shape)), "rad/s^2",
             "every e with |e| up to this has |S e| up to the push", "least",

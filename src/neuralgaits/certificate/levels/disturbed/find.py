@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from neuralgaits._digits import at_least
 from neuralgaits.certificate.levels.disturbed.conclude import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier
 from neuralgaits.certificate.levels.full_order.find import Looks, grid
@@ -13,6 +14,8 @@ HALVINGS = 20
 """Of the interval in which the largest push is."""
 BELOW_FLOOR = 1.0 - 1e-9
 """Share of the push that the floor bears which is asked for at most."""
+DIGITS = 4
+"""Of the push: it stands, exactly, in a statement that people read."""
 SQUARES = 1.12
 """|d(dh/dt)/d xi|^2 in the set, over what was seen at eta = 0."""
 SPENT = 0.05
@@ -42,6 +45,7 @@ def find_disturbed(looks: Looks, full: FullOrder) -> Disturbed | str:
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if seen.barriers(middle) is not None else (low, middle)
+    low = float(at_least(low, DIGITS))
     barriers = seen.barriers(low) if low > 0.0 else None
     if barriers is None:
         return "a barrier leaves no room for any disturbance"

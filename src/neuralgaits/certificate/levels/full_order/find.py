@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from neuralgaits._digits import at_least, at_most
 from neuralgaits._types import Float
 from neuralgaits.certificate.levels.full_order.norm import IMPACT, Plan, doubled, in_norm
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -34,6 +35,8 @@ AMPLE = 1.3
 """The same for what an impact does: the theorem has room there, and bounds cost the most."""
 ROUNDING = 1e-6
 """What bounds in float64 may lose at an impact [rad]."""
+DIGITS = 4
+"""Of the numbers that stand, exactly, in a statement that people read."""
 ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
 """Gains tried [1/s]."""
 
@@ -98,8 +101,8 @@ def find_full_order(
         )
     gamma = float(lyapunov_rate(bandwidth))
     limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
-    radius = plan.radius if plan else min(share * limit, LARGEST)
-    floor = plan.floor if plan else 0.0
+    radius = float(at_least(plan.radius if plan else min(share * limit, LARGEST), DIGITS))
+    floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
     most, shrink = _fastest(seen, u[:, 0], radius, floor, gamma)
     slowest = _over(seen, "pace", u[:, 0], -radius, -floor, shrink).min()
     strip = _guard_strip(looks, levels, crossing, _at(radius, floor, shrink, 0.98))
@@ -108,7 +111,8 @@ def find_full_order(
     guard_radius = _at(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
     ample = AMPLE if plan is None else IMPACT
     impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius, ample)
-    start_strip = 1.2 * (impacts.landing + impacts.landing_slope * guard_radius)
+    landing = impacts.landing + impacts.landing_slope * guard_radius
+    start_strip = float(at_most(1.2 * landing, DIGITS))
     # Where the fences converge, h falls steeply: a barrier may be tightest before phase 0.
     strips = grid(np.array([-start_strip, -0.5 * start_strip, 1.0 + strip]), levels)
     there = looks.step(strips, np.zeros((len(strips), looks.size)))
@@ -224,7 +228,8 @@ def _fastest(
     most, shrink = 0.0, 0.0
     for _ in range(3):
         most = float(_over(seen, "pace", phase, radius, floor, shrink).max())
-        shrink = gamma / (4.25 * most)  # Somewhat less than 4, for the strip beyond phase 1.
+        # Somewhat less than 4, for the strip beyond phase 1.
+        shrink = float(at_least(gamma / (4.25 * most), DIGITS))
     return most, shrink
 
 
@@ -261,7 +266,7 @@ def _guard_strip(looks: Looks, levels: np.ndarray, crossing: float, bound: float
     line = grid(np.array([1.0]), levels)
     seen = looks.guard(line, np.zeros((len(line), looks.size)))
     moved = (np.linalg.norm(seen["foot/slope"], axis=1) / -seen["fall"]).max()
-    strip = crossing + 2.0 * bound * float(moved)
+    strip = float(at_most(crossing + 2.0 * bound * float(moved), DIGITS))
     return strip if 0.0 < strip < CROSSINGS[-1] else None
 
 
@@ -277,7 +282,7 @@ def _barrier(
     """Constants of one barrier: the gain that needs the least sigma."""
     above = ABOVE if plan is None else 1.2
     coupling = above * float(_norms(step, "rate")[:, k].max())
-    reading = above * float(_norms(step, "reading")[:, k].max())
+    reading = float(at_most(above * float(_norms(step, "reading")[:, k].max()), DIGITS))
     best = None
     for alpha in (a for a in ALPHAS if a < gamma):
         worst = float((step["rate"][:, k] + alpha * step["h"][:, k]).min())
@@ -293,7 +298,7 @@ def _barrier(
         sigma = 0.0
     # For what reads outputs a larger sigma tightens less: l / (2 radius) costs least at the rim.
     least = reading / (2.0 * radius) if plan is None else plan.sigma[k]
-    sigma = max((1.0 + 1e-9) * sigma, least)
+    sigma = float(at_most(max((1.0 + 1e-9) * sigma, least), DIGITS))
     lowest = float(impacts.crossing["reset"][:, k].min())
     return BarrierConstants(
         name=name,

@@ -88,7 +88,7 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
         f"{why}: there is one periodic orbit, and every trajectory of the undisturbed system in T "
         "converges to it",
         f"at mid-step the orbit has z2 in [{at_least(least, 8)}, {at_most(most, 8)}] kg m^2/s, and "
-        f"is known to {at_most(width, 3)} everywhere",
+        f"is known to {at_most(width, 3)} kg m^2/s everywhere",
         f"its multiplier is in [{at_least(below(low), 4)}, {at_most(above(high), 4)}]",
     )
     return Conclusion(3, "proved", None, words, figures)

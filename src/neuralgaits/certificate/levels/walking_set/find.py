@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from neuralgaits._digits import at_most
 from neuralgaits._types import Float
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
 from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSet
@@ -31,6 +32,8 @@ TOLD = 1.5
 """Phases that a reset may land in per one that is seen, but for how lengths differ."""
 CLEAR_TOLD = 5e-5
 """Height that the foot must have there [m]: more than bounds over commands are apart."""
+DIGITS = 3
+"""Of the strip before a step: it stands, exactly, in a statement that people read."""
 ROOM = 1.2
 """How much more than what is seen at points bounds may be, where they enclose constants."""
 SHARE = 0.5
@@ -63,7 +66,7 @@ def find_set(
     seen = look(guard)
     landed = np.abs(seen["after"][:, 0]).max()
     more = TOLD * seen["stride"].max() / seen["stride"].min() if told else 2.0
-    start_strip = float((ROOM if floor else more) * landed + 1e-9)
+    start_strip = float(at_most((ROOM if floor else more) * landed + 1e-9, DIGITS))
     if not start_strip < widths[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
     phases = np.linspace(0.0, 1.0, count)
