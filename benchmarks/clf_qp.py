@@ -22,6 +22,7 @@ from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.control import AbstractLaw, ClfQp
+from neuralgaits.control.laws import LAWS
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary
@@ -30,7 +31,7 @@ from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
-from neuralgaits.simulation.walk import LAWS, Walk, walk
+from neuralgaits.simulation.walk import Walk, walk
 
 LIMIT = float(os.environ.get("LIMIT", 20.0))
 CHOSEN = os.environ.get("LAWS", "fblin,clf-qp").split(",")

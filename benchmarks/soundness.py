@@ -12,7 +12,7 @@ from common import show, trained
 from threadpoolctl import threadpool_limits
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.provable import trace_spec
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import evaluate, fold
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra
 

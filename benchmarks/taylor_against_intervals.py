@@ -20,9 +20,9 @@ from common import show, trained
 from threadpoolctl import threadpool_limits
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.certificate.search.halving import Corners, halves, wide_axes
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 

@@ -16,8 +16,8 @@ from common import ROOT, seeds, show
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.chart import Chart
-from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs.prune import prune
 from neuralgaits.workflows.certify import certify
 

@@ -15,14 +15,13 @@ from neuralgaits.barriers import specs
 from neuralgaits.certificate.levels.chart import Chart, Near, asked_for
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
-from neuralgaits.certificate.levels.sets import (
+from neuralgaits.certificate.levels.problems import (
     condition_problems,
-    find_sets,
-    one_step,
     premise_problems,
     set_margins,
     trace_certificate,
 )
+from neuralgaits.certificate.levels.sets import find_sets, one_step
 from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSet,
     safe_premises,
@@ -31,12 +30,12 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.reading import _part, _Unfit
+from neuralgaits.certificate.scope import commands_within
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
 from neuralgaits.robots import load_robot
-from neuralgaits.workflows.certify import _chart
 from support.commanded_run import SPEED, family_of
 from support.shipped_run import SHIPPED
 
@@ -199,15 +198,16 @@ def test_parameters_are_written_and_read():
 
 def test_a_range_narrower_than_the_largest_change_has_one_of_its_own(tmp_path):
     run: Any = SimpleNamespace(path=tmp_path, spec=specs.commanded(load_robot("amber3m"), (SPEED,)))
-    chart, spec = _chart(run, {"speed": (0.612, 0.616)})
+    told = commands_within(run, {"speed": (0.612, 0.616)})
+    chart = Chart.of(told)
     assert chart.sequences(["speed"]) == ("speed from 0.612 to 0.616, any after any",)
     assert CHART.holds(chart) and chart != CHART
-    assert spec.commands[0].largest_change is None
-    chart, spec = _chart(run, {"speed": (0.605, 0.62)})
-    assert CHART.holds(chart) and spec.commands[0].largest_change == SPEED.largest_change
+    assert told[0].largest_change is None
+    told = commands_within(run, {"speed": (0.605, 0.62)})
+    assert CHART.holds(Chart.of(told)) and told[0].largest_change == SPEED.largest_change
     for bad in ({"speed": (0.5, 0.61)}, {"speed": (0.61, 0.61)}, {"slope": (0.0, 1.0)}):
         with pytest.raises(InputError, match="expected a"):
-            _chart(run, bad)
+            commands_within(run, bad)
 
 
 def row(verdict):

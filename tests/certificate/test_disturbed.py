@@ -10,8 +10,9 @@ import pytest
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
 from neuralgaits.certificate.levels.disturbed.margins import margins
 from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier, premises
-from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order, inequalities
-from neuralgaits.certificate.levels.full_order.margins import (
+from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.levels.full_order.inequalities import inequalities
+from neuralgaits.certificate.levels.full_order.model import (
     FullOrderModel,
     output_coordinates,
     scaled_coordinates,

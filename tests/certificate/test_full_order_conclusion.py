@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.full_order import theorem as full_order_theorem
-from neuralgaits.certificate.levels.full_order.conclude import (
-    conclude_full_order,
-    constants,
-    inequalities,
-)
+from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
+from neuralgaits.certificate.levels.full_order.inequalities import inequalities
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     FullOrder,
@@ -20,6 +17,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     lyapunov_rate,
     premises,
 )
+from neuralgaits.certificate.levels.full_order.words import constants
 from support.full_order_shape import FENCE, SHAPE, TORSO, UPPER
 
 PROVED = {(p.output, p.low, p.high): 0.1 for p in premises(SHAPE)}

@@ -8,9 +8,11 @@ import pytest
 from neuralgaits.certificate.levels import ladder
 from neuralgaits.certificate.levels.chart import Axis, Chart
 from neuralgaits.certificate.levels.level import Level
+from neuralgaits.certificate.levels.sets import SOUGHT
 from neuralgaits.certificate.proof_file import check, coverage, theorem_tables
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.programs import Constant, Input, Operation, Output, Program
+from neuralgaits.records import certified, in_plain_words
 from neuralgaits.records.certified import Conclusion
 from support import small_proof
 
@@ -92,6 +94,13 @@ def test_without_its_entry_it_is_refused():
     tables = [{"level": 9, "claimed": True, "parameters": {"height": (1.0).hex(), "curve": []}}]
     with pytest.raises(ValueError, match="a theorem of level 9"):
         Theorems.read(tables)
+
+
+def test_every_level_is_sought_read_and_told_of():
+    numbers = [level.number for level in ladder.LEVELS]
+    assert list(SOUGHT) == numbers
+    for table in (certified.LEVELS, in_plain_words.LEVELS, in_plain_words.PROVED):
+        assert list(table) == [1, *numbers]
 
 
 def test_numbers_rise_and_what_a_level_rests_on_stands_before_it():

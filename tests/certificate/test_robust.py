@@ -20,20 +20,15 @@ from neuralgaits.certificate.levels.chart import MOST_AXES, Chart
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
 from neuralgaits.certificate.levels.orbit.theorem import Orbit
-from neuralgaits.certificate.levels.sets import (
-    Sets,
-    fences_of,
-    find_sets,
-    look_at,
-    trace_certificate,
-)
+from neuralgaits.certificate.levels.problems import trace_certificate
+from neuralgaits.certificate.levels.sets import Sets, fences_of, find_sets, look_at
 from neuralgaits.certificate.levels.walking_set.find import find_set
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet, walking_premises
 from neuralgaits.certificate.proof_file.reader import Statement
-from neuralgaits.certificate.provable import step_at
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import to_text
+from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate
@@ -41,11 +36,13 @@ from neuralgaits.records.certified import box_in_words
 from neuralgaits.report import again
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import angular_momentum
-from neuralgaits.robots.parameters import RobotFamily, in_float64, parse_box
+from neuralgaits.robots.parameter_box import parse_box
+from neuralgaits.robots.parameters import RobotFamily
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from support.edited_robot import edited
+from support.family_member import in_float64
 from support.own_spec import run_with
 
 BOX = {"mass": 0.02, "com": 0.005, "inertia": 0.05, "rotor": 0.05}

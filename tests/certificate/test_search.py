@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.chart import Near
-from neuralgaits.certificate.levels.conditions.judge import judge
+from neuralgaits.certificate.levels.conditions.verdicts import verdict_on
 from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.search import checkpoint, schedule
 from neuralgaits.certificate.search.box_tree import BoxTree
@@ -51,7 +51,7 @@ def _run(problem: Problem, state=None, **options):
 
 def _verdict(problem, state, name):
     claims = [s.bounds[name] for s in prove(problem, state) if name in s.conditions]
-    return judge(name, [(problem, state)], min(claims) if claims else None)
+    return verdict_on(name, [(problem, state)], min(claims) if claims else None)
 
 
 def bowl(u):

@@ -25,7 +25,7 @@ def finer():
 
 
 def _ask(table, folder, cores, monkeypatch):
-    monkeypatch.setattr(shared_check, "_cores", lambda: cores)
+    monkeypatch.setattr(shared_check, "cores", lambda: cores)
     return checked(folder, json.loads(json.dumps(table)))
 
 
@@ -65,7 +65,7 @@ def test_a_process_that_says_nothing_is_done_without(finer, tmp_path, monkeypatc
 
 
 def test_progress_counts_every_leaf(finer, tmp_path, monkeypatch):
-    monkeypatch.setattr(shared_check, "_cores", lambda: 2)
+    monkeypatch.setattr(shared_check, "cores", lambda: 2)
     seen = []
     check(read_claims(write(tmp_path, finer)), lambda done, total: seen.append((done, total)))
     done, totals = zip(*seen, strict=True)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import specs
-from neuralgaits.certificate.provable import trace_spec
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra

@@ -7,7 +7,7 @@ import pytest
 
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.chart import PLAIN
-from neuralgaits.certificate.provable import trace_spec
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS

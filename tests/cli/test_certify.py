@@ -9,12 +9,12 @@ from neuralgaits.cli import proof_screen
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
 from neuralgaits.records.certified import (
+    HIGHEST,
     Certified,
     Conclusion,
     ConditionVerdict,
     Counterexample,
 )
-from neuralgaits.workflows.certify import HIGHEST
 
 Captured = pytest.CaptureFixture[str]
 

@@ -8,7 +8,7 @@ from scipy.optimize import nnls
 
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits.control import ClfQp, Fblin
-from neuralgaits.control.interior_point import Program, minimise
+from neuralgaits.control.interior_point import QuadraticProgram, minimise
 from neuralgaits.control.law import Demand, Reading
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait import BezierPolicy
@@ -48,10 +48,10 @@ def test_programs_have_the_minimum_that_active_sets_find(rng):
     rows = rng.normal(size=(200, 12, 6))
     bound = np.einsum("bkn,bn->bk", rows, inside) + rng.exponential(size=(200, 12))
     weight, cost = np.exp(rng.normal(size=(200, 6))), 5.0 * rng.normal(size=(200, 6))
-    found = solve(Program(weight, cost, rows, bound))
+    found = solve(QuadraticProgram(weight, cost, rows, bound))
     assert np.all(found.converged)
     for i in range(200):
-        expected = least_distance(Program(weight[i], cost[i], rows[i], bound[i]))
+        expected = least_distance(QuadraticProgram(weight[i], cost[i], rows[i], bound[i]))
         np.testing.assert_allclose(found.x[i], expected, atol=1e-6)
     # Most of them lean on some bound: else there would be nothing to find.
     assert np.mean(np.max(found.multiplier, axis=1) > 1e-3) > 0.9

@@ -13,7 +13,7 @@ import pytest
 
 from neuralgaits.barriers import Gait
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
-from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     FullOrder,

@@ -7,11 +7,11 @@ import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.levels.chart import Chart
-from neuralgaits.certificate.levels.sets import condition_problems
+from neuralgaits.certificate.levels.problems import condition_problems
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.writer import Proof, prove
-from neuralgaits.certificate.provable import trace_spec
 from neuralgaits.certificate.search.schedule import explore
+from neuralgaits.certificate.traced import trace_spec
 from support.checker_case import holds
 from support.commanded_run import SPEED, family_of
 from support.shipped_run import SHIPPED

@@ -8,13 +8,12 @@ from dataclasses import replace
 import pytest
 
 from neuralgaits.errors import RunError
-from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
+from neuralgaits.records.certified import HIGHEST, Certified, Conclusion, ConditionVerdict
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.simulated import ModelOrbit, Simulated
 from neuralgaits.records.trained import Trained, Violations
 from neuralgaits.runs import to_json
 from neuralgaits.runs.shape import complaint
-from neuralgaits.workflows.certify import HIGHEST
 
 WALKED = {
     "run": "runs/a",

@@ -187,14 +187,14 @@ def test_the_figure_is_one_of_gaits_with_commands_only(run, family, tmp_path, mo
 
 def test_an_orbit_outside_of_the_fences_is_not_one_of_the_gait(run, monkeypatch):
     """A tube of which the orbit's level is cut off."""
-    chart = finding.Chart
+    chart = finding.PlaneChart
 
     class Narrow(chart):
         def fences(self, phase):
             low, high = super().fences(phase)
             return np.stack([0.8 * high + 0.2 * low, high])
 
-    monkeypatch.setattr(finding, "Chart", Narrow)
+    monkeypatch.setattr(finding, "PlaneChart", Narrow)
     found = finding._at(run, {"speed": 0.725}, 0.5)
     assert np.isnan(found.orbit.speed_m_s) and "between the fences" in found.orbit.result
     assert len(finding._member(0.725, found).touchdown) == 0

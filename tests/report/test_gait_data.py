@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from neuralgaits.analysis import gait_data as workflow
 from neuralgaits.analysis.gait_data import FILE, fingerprint, gait_data
 from neuralgaits.analysis.orbit import poincare
-from neuralgaits.analysis.quantities import Chart, Look
+from neuralgaits.analysis.quantities import Look, PlaneChart
 from neuralgaits.runs import read_arrays, write_arrays
 
 
@@ -201,7 +201,7 @@ def test_what_cannot_be_traced_is_compiled():
 
 
 def test_the_chart_is_the_gaits(run):
-    chart = Chart(run.gait, run.spec)
+    chart = PlaneChart(run.gait, run.spec)
     u = np.random.default_rng(1).uniform(size=(20, 2))
     z = chart.z(u[:, 0], u[:, 1])
     np.testing.assert_allclose(z, jax.jit(jax.vmap(run.gait.z))(u), rtol=1e-12)

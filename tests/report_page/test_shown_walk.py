@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.report.shown_walk import STEPS, Asked, _walked, asked_of
+from neuralgaits.report.shown_walk import STEPS, AskedWalk, _walked, asked_of
 from neuralgaits.robots import load_robot
 from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.simulation.setup.disturbance import Disturbance
@@ -28,7 +28,7 @@ SIMULATED = {
 }
 
 
-def _simulated(folder: Path, **changed) -> Asked:
+def _simulated(folder: Path, **changed) -> AskedWalk:
     (folder / "simulation").mkdir(exist_ok=True)
     told = SIMULATED | changed
     walks = len(told["fell"]) if isinstance(told["fell"], list) else 1
@@ -60,7 +60,9 @@ def test_what_is_shown_is_the_walk_that_fell_and_what_it_met(shipped):
     done = simulate(
         run, steps=3, start="region", push=4.0, disturb=disturbance, seed=seed, episodes=3
     )
-    asked = Asked(steps=3, start="region", push=4.0, disturbance=disturbance, seed=seed, episode=2)
+    asked = AskedWalk(
+        steps=3, start="region", push=4.0, disturbance=disturbance, seed=seed, episode=2
+    )
     all_three, shown = done.walk.episodes.gauge, _walked(run, asked).episodes.gauge
     for told, again in zip(jax.tree.leaves(all_three), jax.tree.leaves(shown), strict=True):
         np.testing.assert_array_equal(np.asarray(told)[2], np.asarray(again)[0])
@@ -97,7 +99,7 @@ def test_a_process_of_its_own_is_shown_by_the_law_it_ran(shipped):
 
 @pytest.mark.parametrize("lost", [{"plant": "no/such/robot.xml"}, {"fell": 3}])
 def test_a_simulation_that_cannot_be_repeated_gives_a_plain_walk(shipped, lost):
-    assert _simulated(shipped, **lost) == Asked()
+    assert _simulated(shipped, **lost) == AskedWalk()
 
 
 def test_without_a_simulation_the_robot_of_the_episodes_walks(tmp_path):

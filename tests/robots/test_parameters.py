@@ -7,16 +7,16 @@ import pytest
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
+from neuralgaits.robots.parameter_box import parse_box
 from neuralgaits.robots.parameters import (
     RobotFamily,
     axes_of,
     box_of,
-    in_float64,
     in_its_file,
     kinds_of,
-    parse_box,
 )
 from support.edited_robot import edited
+from support.family_member import in_float64
 from support.random_biped import random_biped
 
 BOX = {"mass": 0.1, "com": 0.02, "inertia": 0.2, "rotor": 0.3}

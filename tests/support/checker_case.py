@@ -29,11 +29,12 @@ from neuralgaits.barriers.conditions import FencesApart
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.levels.orbit.theorem import Attraction, Orbit
-from neuralgaits.certificate.levels.sets import Sets, trace_certificate
+from neuralgaits.certificate.levels.problems import trace_certificate
+from neuralgaits.certificate.levels.sets import Sets
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.provable import trace_spec
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual

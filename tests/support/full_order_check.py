@@ -15,8 +15,8 @@ import numpy as np
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.levels.full_order.conclude import tightening
-from neuralgaits.certificate.levels.full_order.margins import (
+from neuralgaits.certificate.levels.full_order.inequalities import tightening
+from neuralgaits.certificate.levels.full_order.model import (
     FullOrderModel,
     output_coordinates,
     scaled_coordinates,

@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.quantities import Chart, Look, quantities
+from neuralgaits.analysis.quantities import Look, PlaneChart, quantities
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.reading import hashes
 from neuralgaits.report.figures import certificate_map
@@ -49,7 +49,7 @@ def test_places_and_states_are_inverse(plane):
 
 
 def test_a_proved_state_is_green_and_a_state_outside_is_not(shipped, plane, picture):
-    chart = Chart(shipped.gait, shipped.spec)
+    chart = PlaneChart(shipped.gait, shipped.spec)
     inside = chart.z(np.array([0.3, 0.7]), np.array([0.25, 0.75]))
     outside = np.array([[-0.1, 6.0], [0.0, 20.0]])
     assert np.all(np.abs(chart.chart(outside)[1] - 0.5) > 0.5)
@@ -72,7 +72,7 @@ def test_fences_are_where_their_states_are(plane, picture):
 
 
 def test_the_orbit_lies_inside_and_closes(shipped, plane):
-    chart = Chart(shipped.gait, shipped.spec)
+    chart = PlaneChart(shipped.gait, shipped.spec)
     phase, level = chart.chart(plane.orbit)
     assert np.all((level > 0.0) & (level < 1.0))
     assert phase[0] == pytest.approx(0.0, abs=1e-6)

@@ -101,7 +101,7 @@ def test_a_theorem_without_its_premises_is_rejected(proof, tmp_path, monkeypatch
     # Bounding the boxes again is tested elsewhere: here the statements are taken as true.
     from neuralgaits.certificate.proof_file import shared_check as module
 
-    monkeypatch.setattr(module, "_cores", lambda: 1)
+    monkeypatch.setattr(module, "cores", lambda: 1)
     monkeypatch.setattr(module.StatementCheck, "walk", lambda self, leaves: iter(()))
     altered = json.loads(json.dumps(proof))
     path = tmp_path / "proof.json"

@@ -18,6 +18,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import Controller, Pd
+from neuralgaits.control.laws import LAWS
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import from_json
@@ -43,7 +44,7 @@ from neuralgaits.simulation.setup.sensing import sensed
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks import lockstep
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
-from neuralgaits.simulation.walk import LAWS, plant_states, walk
+from neuralgaits.simulation.walk import plant_states, walk
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
 

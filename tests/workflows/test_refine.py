@@ -11,10 +11,11 @@ from neuralgaits.analysis.run import open_parts, open_run, untrained
 from neuralgaits.certificate import reading as certificate_reader
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
-from neuralgaits.certificate.levels.sets import Sets, trace_certificate
+from neuralgaits.certificate.levels.problems import trace_certificate
+from neuralgaits.certificate.levels.sets import Sets
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.provable import trace_spec
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.runs.names import RESIDUAL, START, STATE, WEIGHTS

@@ -17,7 +17,7 @@ import neuralgaits as ng
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Pointwise
 from neuralgaits.barriers import functions as f
-from neuralgaits.certificate.provable import trace_spec
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.cli.screen import show_training
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
 from neuralgaits.programs import POINT, evaluate

@@ -7,7 +7,7 @@ import numpy as np
 from neuralgaits.analysis.family import Family, Member, Sweep
 from neuralgaits.analysis.flow import Mesh, Motion
 from neuralgaits.analysis.orbit import cycle, motion_of, orbit_near
-from neuralgaits.analysis.quantities import Chart, Look
+from neuralgaits.analysis.quantities import Look, PlaneChart
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.errors import InputError
@@ -28,7 +28,7 @@ class _Found(NamedTuple):
 
     run: Run
     motion: Motion
-    chart: Chart
+    chart: PlaneChart
     mesh: Mesh
     orbit: Orbit
     level: float
@@ -63,7 +63,7 @@ def family_data(run: Run) -> Family:
 def _at(run: Run, command: dict[str, float], level: float) -> _Found:
     """Look for the orbit at a command, from a level of the tube there on."""
     steady = run.at(**command)
-    chart, motion = Chart(steady.gait, run.spec), motion_of(steady.zero_dynamics)
+    chart, motion = PlaneChart(steady.gait, run.spec), motion_of(steady.zero_dynamics)
     mesh = Mesh.of_gait(chart.start, chart.guard, NODES)
     low, high = 0.5 * chart.section(2) ** 2
     orbit = orbit_near(motion, float(np.sqrt(2.0 * (low + level * (high - low)))), mesh)

@@ -9,7 +9,7 @@ from neuralgaits.analysis.data import GaitData
 from neuralgaits.analysis.flow import Mesh, Motion, swing
 from neuralgaits.analysis.orbit import cycle, sampled_map
 from neuralgaits.analysis.phase_plane import plane
-from neuralgaits.analysis.quantities import Chart, Look, quantities
+from neuralgaits.analysis.quantities import Look, PlaneChart, quantities
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.barriers import Barrier
@@ -70,7 +70,7 @@ def compute(run: Run) -> dict[str, np.ndarray]:
     """All arrays of `analysis.data`. Raises: SpecError if the gait cannot be evaluated."""
     look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
     motion = Motion(*look.each(*Motion._fields))
-    tube = Chart(run.gait, run.spec)
+    tube = PlaneChart(run.gait, run.spec)
     with np.errstate(all="ignore"):
         found = _chart(look, tube) | _plane(look, tube) | _orbit(run, look, motion, tube)
         found |= _walks(motion, tube)
@@ -85,7 +85,7 @@ def compute(run: Run) -> dict[str, np.ndarray]:
     return {name: np.asarray(array, dtype=np.float64) for name, array in found.items()}
 
 
-def _chart(look: Look, tube: Chart) -> dict[str, np.ndarray]:
+def _chart(look: Look, tube: PlaneChart) -> dict[str, np.ndarray]:
     phase, level = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
     at_phase, at_level = np.meshgrid(phase, level)
     z = tube.z(at_phase, at_level)
@@ -103,7 +103,7 @@ def _chart(look: Look, tube: Chart) -> dict[str, np.ndarray]:
     }
 
 
-def _plane(look: Look, tube: Chart) -> dict[str, np.ndarray]:
+def _plane(look: Look, tube: PlaneChart) -> dict[str, np.ndarray]:
     around = plane(tube, phases=PHASES, lines=(COLUMNS, ROWS), beyond=(AROUND, AROUND))
     found = look(around.states)
     return {
@@ -116,7 +116,7 @@ def _plane(look: Look, tube: Chart) -> dict[str, np.ndarray]:
     }
 
 
-def _orbit(run: Run, look: Look, motion: Motion, tube: Chart) -> dict[str, np.ndarray]:
+def _orbit(run: Run, look: Look, motion: Motion, tube: PlaneChart) -> dict[str, np.ndarray]:
     """The sampled map, and one step from landing to landing; without an orbit, of no nodes."""
     mapped, robot = sampled_map(motion, tube), run.robot
     orbit = mapped.orbit
@@ -141,7 +141,7 @@ def _orbit(run: Run, look: Look, motion: Motion, tube: Chart) -> dict[str, np.nd
     }
 
 
-def _walks(motion: Motion, tube: Chart) -> dict[str, np.ndarray]:
+def _walks(motion: Motion, tube: PlaneChart) -> dict[str, np.ndarray]:
     """Walks that start after an impact near either fence."""
     phase, mesh = np.zeros(2), Mesh.of_gait(tube.start, tube.guard, WALK_NODES)
     state, pieces = tube.z(phase, np.array([0.05, 0.95])), []

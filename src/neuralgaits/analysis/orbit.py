@@ -11,7 +11,7 @@ import numpy as np
 
 from neuralgaits._types import Float, ZeroState
 from neuralgaits.analysis.flow import Mesh, Motion, Swing, returns, swing, to_section
-from neuralgaits.analysis.quantities import Chart, Look
+from neuralgaits.analysis.quantities import Look, PlaneChart
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 
@@ -86,7 +86,7 @@ class SampledMap(NamedTuple):
     orbit: Orbit
 
 
-def sampled_map(motion: Motion, chart: Chart) -> SampledMap:
+def sampled_map(motion: Motion, chart: PlaneChart) -> SampledMap:
     """Sample the map from fence to fence of a gait's tube."""
     z2, mesh = chart.section(MAP_POINTS), Mesh.of_gait(chart.start, chart.guard)
     after = returns(motion, z2, mesh).z2

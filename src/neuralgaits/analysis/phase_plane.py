@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import Chart
+from neuralgaits.analysis.quantities import PlaneChart
 
 LEAST = 0.02
 """Of the lowest fence: no grid reaches below this share of it, where the hip stands still."""
@@ -34,7 +34,7 @@ class Plane(NamedTuple):
 
 
 def plane(
-    chart: Chart, *, phases: int, lines: tuple[int, int], beyond: tuple[float, float]
+    chart: PlaneChart, *, phases: int, lines: tuple[int, int], beyond: tuple[float, float]
 ) -> Plane:
     """Lay a grid around the tube.
 

@@ -92,7 +92,7 @@ def quantities(zd: ZeroDynamics, gait: Gait, spec: GaitSpec) -> Callable[[Any], 
     return named
 
 
-class Chart:
+class PlaneChart:
     """Fences and regions of a gait in NumPy."""
 
     def __init__(self, gait: Gait, spec: GaitSpec):

@@ -15,7 +15,7 @@ from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import RunError
-from neuralgaits.gait import AbstractPolicy, Residuals, ZeroDynamics
+from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.reset_residual import Reset
@@ -126,7 +126,7 @@ class Run:
     @property
     def residuals(self) -> Residuals:
         """Residuals of flow and reset that the run was trained with."""
-        return Residuals() if self.learned is None else self.learned.residuals
+        return NO_RESIDUALS if self.learned is None else self.learned.residuals
 
     @property
     def zero_dynamics(self) -> ZeroDynamics:

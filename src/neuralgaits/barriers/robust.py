@@ -23,7 +23,8 @@ from neuralgaits.barriers.walking import new_hybrid_invariant, units, walking
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.posture import REFERENCE_LEG_M
-from neuralgaits.robots.parameters import GROUND, Box, axes_of, checked_box
+from neuralgaits.robots.parameter_box import GROUND, Box, checked_box
+from neuralgaits.robots.parameters import axes_of
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -48,7 +49,7 @@ def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
 
     Args:
         robot: in the middle of the box; with knees.
-        box: half widths by kind of parameter, see `robots.parameters`.
+        box: half widths by kind of parameter, see `robots.parameter_box`.
         commands: that the gait is told at each touchdown, on a floor as meant.
 
     Raises: SpecError if it is told commands on a floor of unknown height.

@@ -99,7 +99,7 @@ class GaitSpec:
         aims: what the gait is trained towards beside its conditions; no certificate speaks of them.
         parameters: of the robot, by which it may differ from its file, of `parameters.axes_of`: the
             conditions are meant for every robot of that box.
-        ground: what of `parameters.GROUND` the conditions are meant for beside.
+        ground: what of `parameter_box.GROUND` the conditions are meant for beside.
     """
 
     name: str

@@ -24,7 +24,7 @@ from neuralgaits.barriers.user_code import PREFIX
 from neuralgaits.barriers.walking import walking
 from neuralgaits.errors import NeuralGaitsError, SpecError
 from neuralgaits.gait.commands import Commands
-from neuralgaits.robots.parameters import Box
+from neuralgaits.robots.parameter_box import Box
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped

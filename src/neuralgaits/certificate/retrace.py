@@ -77,8 +77,9 @@ def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any
     """
     # These import JAX, and the run's spec.
     from neuralgaits.analysis.run import open_run
-    from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
-    from neuralgaits.certificate.levels.sets import Sets, trace_certificate
+    from neuralgaits.certificate.levels.full_order.model import FullOrderModel
+    from neuralgaits.certificate.levels.problems import trace_certificate
+    from neuralgaits.certificate.levels.sets import Sets
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
     from neuralgaits.certificate.provable import why_not_robust

@@ -116,7 +116,7 @@ def _train(verb: Train) -> Outcome:
         if name in given:
             given[name] = _interval(name, given[name])
     if "parameters" in given:
-        from neuralgaits.robots.parameters import parse_box
+        from neuralgaits.robots.parameter_box import parse_box
 
         given["parameters"] = parse_box(given["parameters"])
     if verb.resume is not None:
@@ -239,7 +239,7 @@ def _box(text: str | None) -> dict[str, float] | None:
     """The box of robots of a flag; None if it was not given. Raises: InputError."""
     if text is None or text == "none":
         return None if text is None else {}
-    from neuralgaits.robots.parameters import parse_box
+    from neuralgaits.robots.parameter_box import parse_box
 
     return parse_box(text)
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
 from neuralgaits.control.fblin import Fblin
-from neuralgaits.control.interior_point import Program, minimise
+from neuralgaits.control.interior_point import QuadraticProgram, minimise
 from neuralgaits.control.law import AbstractLaw, Demand, Desired, Limited, Outputs, Reading, errors
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import ground_reaction_force
@@ -90,10 +90,10 @@ class ClfQp(AbstractLaw):
         at_limit = jnp.any(jnp.abs(within) >= (1.0 - AT_LIMIT) * limit)
         return Limited(within, at_limit, given_up | ~found.converged)
 
-    def program(self, robot: PlanarBiped, demand: Demand) -> Program:
+    def program(self, robot: PlanarBiped, demand: Demand) -> QuadraticProgram:
         """The program of one state. Torques are in units of the largest limit.
 
-        Returns: `Program` of x = (u/unit, delta, sigma).
+        Returns: `QuadraticProgram` of x = (u/unit, delta, sigma).
         """
         reading, desired, torque, limit = demand
         m, unit = robot.n - 1, jnp.max(limit)
@@ -108,7 +108,7 @@ class ClfQp(AbstractLaw):
         given_up = jnp.array([[-1.0, 0.0], *([[0.0, -1.0]] * 3)])
         box = jnp.eye(m, m + 2)
         prices = jnp.array([self.price, self.contact_price]) / unit**2
-        return Program(
+        return QuadraticProgram(
             weight=jnp.concatenate([jnp.ones(m), prices]),
             cost=jnp.concatenate([-torque / unit, jnp.zeros(2)]),
             rows=jnp.concatenate([box, -box, jnp.concatenate([rows, given_up], axis=1)]),

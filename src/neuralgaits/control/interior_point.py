@@ -21,7 +21,7 @@ SHORT_OF_BOUND = 0.995
 """Share of the way to the nearest bound that a round may go."""
 
 
-class Program(NamedTuple):
+class QuadraticProgram(NamedTuple):
     """Minimise sum_i (weight_i x_i^2 / 2 + cost_i x_i) so that rows x <= bound."""
 
     weight: Float[Array, " n"]
@@ -51,7 +51,7 @@ class Solution(NamedTuple):
     """Whether the gap was closed."""
 
 
-def minimise(program: Program) -> Solution:
+def minimise(program: QuadraticProgram) -> Solution:
     """Solve a program that has points strictly inside all bounds. Returns: `Solution`."""
     weight, cost, rows, bound = program
     x = -cost / weight
@@ -71,7 +71,7 @@ def _gap(point: _Point) -> Scalar:
     return jnp.mean(point.slack * point.multiplier)
 
 
-def _round(program: Program, point: _Point) -> _Point:
+def _round(program: QuadraticProgram, point: _Point) -> _Point:
     weight, cost, rows, bound = program
     x, slack, multiplier = point
     dual = weight * x + cost + rows.T @ multiplier

@@ -1,6 +1,7 @@
 """Which engine a command means."""
 
-from neuralgaits.engine.processes import Processes, usual_workers
+from neuralgaits._environment import cores
+from neuralgaits.engine.processes import Processes
 from neuralgaits.engine.task import Engine
 from neuralgaits.errors import InputError
 
@@ -20,7 +21,7 @@ def engine_for(workers: int | None = None, ray: str | None = None) -> Engine:
     if workers is not None and workers < 1:
         raise InputError(f"expected at least 1 worker, found {workers}")
     if ray is None:
-        return Processes(usual_workers() if workers is None else workers)
+        return Processes(cores() if workers is None else workers)
     if workers is not None and ray != LOCAL:
         raise InputError(
             f"expected --workers or --ray {ray}, found both: a cluster has as many workers as cores"

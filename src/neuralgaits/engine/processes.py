@@ -14,7 +14,7 @@ from collections.abc import Generator, Iterable
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
-from neuralgaits._environment import cores, one_thread, prepare
+from neuralgaits._environment import one_thread, prepare
 from neuralgaits.engine.carry import carry_out
 from neuralgaits.engine.task import TRIES, Done, Engine, Failure, Files, Job, Task, name_of
 from neuralgaits.errors import InputError
@@ -199,8 +199,3 @@ def _bound_memory(most: int) -> None:
         if hard != resource.RLIM_INFINITY:
             most = min(most, hard)
         resource.setrlimit(resource.RLIMIT_DATA, (most, hard))
-
-
-def usual_workers() -> int:
-    """As many as this process may use cores."""
-    return cores()

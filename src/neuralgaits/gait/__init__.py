@@ -12,10 +12,11 @@ from neuralgaits.gait.policy import (
     output_jet,
 )
 from neuralgaits.gait.posture import Posture, posture_path, walking_posture
-from neuralgaits.gait.reset_residual import Residuals
+from neuralgaits.gait.reset_residual import NO_RESIDUALS, Residuals
 from neuralgaits.gait.zero_dynamics import ZeroDynamics
 
 __all__ = [
+    "NO_RESIDUALS",
     "AbstractPolicy",
     "BezierPolicy",
     "HybridInvariantPolicy",

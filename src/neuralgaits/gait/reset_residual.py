@@ -91,6 +91,9 @@ class Residuals(NamedTuple):
     """What is added to the state after an impact."""
 
 
+NO_RESIDUALS = Residuals()
+
+
 def rates_after(
     robot: "PlanarBiped", q: Coordinates, dq: Coordinates, correction: ImpactCorrection, z2: Scalar
 ) -> Coordinates:

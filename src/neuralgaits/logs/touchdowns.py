@@ -20,12 +20,10 @@ class Touchdowns(NamedTuple):
     """Rates likewise [rad/s]."""
     z_before: Float[np.ndarray, "N 2"]
     """Zero dynamics states (m, kg m^2/s)."""
-    eta_before: Float[np.ndarray, "N two_m"]
-    """Outputs and their rates (rad, rad/s)."""
     z_after: Float[np.ndarray, "N 2"]
     """SETTLING_S after the touchdown, in the new stance."""
     eta_after: Float[np.ndarray, "N two_m"]
-    """Likewise."""
+    """Outputs and their rates then (rad, rad/s)."""
     after_s: Float[np.ndarray, " N"]
     """Time from the state before to the state after [s]: z has flowed on for as long."""
     stride: Int[np.ndarray, " N"]
@@ -51,7 +49,6 @@ def touchdowns(strides: Sequence[Stride], zd: ZeroDynamics) -> Touchdowns:
         q_before=q_before,
         dq_before=dq_before,
         z_before=zero_states(zd.robot, q_before, dq_before),
-        eta_before=output_states(zd, q_before, dq_before),
         z_after=zero_states(zd.robot, q_after, dq_after),
         eta_after=output_states(zd, q_after, dq_after),
         after_s=t_after - t_before,

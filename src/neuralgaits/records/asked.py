@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
 
+from neuralgaits.records.certified import HIGHEST
 from neuralgaits.records.record import Pair, Record, build, shape_of
 from neuralgaits.runs.names import CONFIG
 from neuralgaits.runs.reading import refuse_misshapen
@@ -144,7 +145,7 @@ class Asked(Record):
     def last_level(self) -> int:
         """The highest that a certificate can reach: 4 and 5 are of one gait, robot and floor."""
         many = self.described.get("parameters") or self.described.get("ground")
-        return 3 if self.commands or many else 5
+        return 3 if self.commands or many else HIGHEST
 
     @property
     def learning_rate(self) -> float | None:

@@ -11,7 +11,15 @@ from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
 PROOF = f"{FOLDER}/proof.json"
-LEVELS = (1, 2, 3, 4, 5)
+LEVELS = {
+    1: "conditions",
+    2: "walking set",
+    3: "orbit",
+    4: "full order",
+    5: "full order, disturbed",
+}
+"""What each is about."""
+HIGHEST = max(LEVELS)
 FULL_ORDER = 4
 """The level that brings files and constants of its own."""
 GROUND = "floor", "friction"
@@ -96,7 +104,7 @@ class Conclusion:
         constants: the same with units and in words, of a level that has many; else empty.
     """
 
-    level: Annotated[int, one_of(*LEVELS[1:])]
+    level: Annotated[int, one_of(*range(2, HIGHEST + 1))]
     verdict: Literal["proved", "consistent", "undecided"]
     reason: str | None
     words: Texts = ()

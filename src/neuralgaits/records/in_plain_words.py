@@ -1,7 +1,7 @@
 """What a certificate says, in words for a reader who knows none of its own."""
 
 from neuralgaits._digits import at_least
-from neuralgaits.records.certified import Certified, Verdict
+from neuralgaits.records.certified import FULL_ORDER, HIGHEST, Certified, Verdict
 
 LEVELS = {
     1: "every condition holds at every state of its region",
@@ -11,7 +11,7 @@ LEVELS = {
     5: "and does so under any error of the motors, or of what computes them, up to a bound",
 }
 """What each level states, as in docs/guarantees.md."""
-LAST_LEVEL, ORBIT, FULL_ORDER = max(LEVELS), 3, 4
+ORBIT = 3
 _FOR_EVER = (
     "as long as the joints are exactly where the gait wants them, the robot walks for ever from "
     "every state of the walking set"
@@ -97,7 +97,7 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     if level < FULL_ORDER:
         return rigid, following
     found = rigid, f"at levels 1 to 3: {following}", f"at level {FULL_ORDER}: {_LINEARISED}"
-    return found if level == FULL_ORDER else (*found, f"at level {LAST_LEVEL}: {_BOUNDED}")
+    return found if level == FULL_ORDER else (*found, f"at level {HIGHEST}: {_BOUNDED}")
 
 
 def states(level: int, told: bool, found: Certified | None = None) -> str:
@@ -148,7 +148,7 @@ def proved(found: Certified, told: bool) -> str:
             "look for how much."
         )
     return (
-        f"Proved, to level {level} of {LAST_LEVEL}{robots}: {meant} Every one of the "
+        f"Proved, to level {level} of {HIGHEST}{robots}: {meant} Every one of the "
         f"{count} conditions was shown at every state of its region, rounding errors included, "
         f"with at least {_least(found)} of its typical size to spare.{more}"
     )

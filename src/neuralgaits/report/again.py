@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.barriers import specs
+from neuralgaits.control.laws import LAWS
 from neuralgaits.records.asked import Asked, Given, asked_of
 from neuralgaits.records.simulated import LOCKSTEP, MUJOCO, LinkFigures, Simulated
 from neuralgaits.report.page import words
@@ -17,8 +18,9 @@ from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import GAIT, RESIDUAL, ROBOT, SPEC
+from neuralgaits.simulation.asked_together import REMOTE
 
-CONTROLLERS = ("pd", "fblin", "paper", "clf-qp", "c")
+CONTROLLERS = *LAWS, REMOTE
 
 
 def robot_word(folder: RunFolder) -> str:

@@ -1,5 +1,8 @@
 """A run's certificate read for its figures."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
@@ -12,14 +15,38 @@ from neuralgaits.records.certified import Conclusion
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
 from neuralgaits.report.page.saved import ProvedOfSome
-from neuralgaits.report.proved import Certificate
 
 
-def certificate_of(run: Run) -> Certificate:
+@dataclass(frozen=True)
+class ProvedOfGait:
+    """What a run's certificate says, as far as figures show it.
+
+    Attributes:
+        reason: why nothing is known to be proved; None if there is a certificate of this gait.
+        level: up to which all is proved; 0 if some condition is not.
+        margins: proved lower bound of each proved condition, in its scale.
+        orbit: of level 3; None if that is not proved.
+        full: the set of level 4; None likewise.
+        no_full: why there is none.
+        map_fits: whether the map of boxes was made with the proof.
+        of_a_box: whether it is about a box of robots or floors, and not the file's robot alone.
+    """
+
+    reason: str | None = None
+    level: int = 0
+    margins: Mapping[str, float] = field(default_factory=dict)
+    orbit: Proved | None = None
+    full: FullOrderSet | None = None
+    no_full: str = "level 4 is not proved yet"
+    map_fits: bool = False
+    of_a_box: bool = False
+
+
+def certificate_of(run: Run) -> ProvedOfGait:
     """Read a run's certificate, if it has one and its proof files bear it out."""
     found = read_certificate(run.folder)
     if found.summary is None:
-        return Certificate(found.reason or "the run has no certificate")
+        return ProvedOfGait(found.reason or "the run has no certificate")
     level = found.summary.conclusion
     margins = {
         name: float(row.margin)
@@ -30,8 +57,8 @@ def certificate_of(run: Run) -> Certificate:
     orbit = None if theorems is None else _orbit(run, level(3), theorems.orbit)
     shape = None if theorems is None else _full(level(4), theorems.full)
     fourth = level(4)
-    reason = (None if fourth is None else fourth.reason) or Certificate.no_full
-    return Certificate(
+    reason = (None if fourth is None else fourth.reason) or ProvedOfGait.no_full
+    return ProvedOfGait(
         None,
         found.summary.proved_level,
         margins,

@@ -17,6 +17,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.walked import ASKED, SUMMARY, EpisodesDone
 from neuralgaits.report import again, told
+from neuralgaits.report.certificate import ProvedOfGait
 from neuralgaits.report.figures import (
     barrier_sketches,
     certificate_map,
@@ -32,7 +33,6 @@ from neuralgaits.report.figures import (
     rounds,
     stride,
 )
-from neuralgaits.report.proved import Certificate
 from neuralgaits.runs.commands import command, learning, named
 from neuralgaits.runs.names import MAP
 
@@ -42,7 +42,7 @@ class Source:
     """What figures are drawn from. Attributes: run: opened; certificate: what is proved of it."""
 
     run: Run
-    certificate: Certificate
+    certificate: ProvedOfGait
 
     @cached_property
     def data(self) -> GaitData:

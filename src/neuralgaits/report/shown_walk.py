@@ -16,6 +16,7 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
+from neuralgaits.control.laws import LAWS
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.shown import FILE, ShownWalk
 from neuralgaits.records.simulated import MUJOCO, SUMMARY, Simulated
@@ -30,7 +31,7 @@ from neuralgaits.simulation.setup.disturbance import Disturbance
 from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.trained_walks import TrainedWalks
-from neuralgaits.simulation.walk import LAWS, Walk
+from neuralgaits.simulation.walk import Walk
 
 STEPS = 12
 """Steps shown where nothing asks for more: some six seconds."""
@@ -42,7 +43,7 @@ _FENCE_POINTS = 41
 
 
 @dataclass(frozen=True)
-class Asked:
+class AskedWalk:
     """What is to be walked.
 
     Attributes:
@@ -88,7 +89,7 @@ def shown_walk(run: Run) -> ShownWalk:
     return shown
 
 
-def asked_of(run: Run) -> Asked:
+def asked_of(run: Run) -> AskedWalk:
     """The simulation to repeat, or the one to make."""
     try:
         done = Simulated.read(run.path / SUMMARY)
@@ -112,7 +113,7 @@ def asked_of(run: Run) -> Asked:
             origin = f"repeats the first {shown} steps of the last simulation of this run"
         else:
             origin = "repeats the last simulation of this run"
-        return Asked(
+        return AskedWalk(
             plant=_plant(run, done),
             law=law if law in LAWS else "pd",
             steps=shown,
@@ -137,23 +138,23 @@ def _plant(run: Run, done: Simulated) -> PlanarBiped | None:
     return load_robot(word) if word else None
 
 
-def _of_episodes(run: Run) -> Asked:
+def _of_episodes(run: Run) -> AskedWalk:
     """A walk on the robot whose logs the run was refined for, if it is known."""
     try:
         folder = EpisodeFolder.find(run.path.resolve().parent, run.path)
         if folder is None or folder.plant is None:
-            return Asked()
-        return Asked(
+            return AskedWalk()
+        return AskedWalk(
             plant=folder.plant,
             law=folder.config.controller,
             disturbance=Disturbance(**(folder.config.disturb or {})),
             origin="starts in the middle of the gait's region, on the robot of its episodes",
         )
     except (KeyError, TypeError, NeuralGaitsError):
-        return Asked()
+        return AskedWalk()
 
 
-def _key(run: Run, asked: Asked) -> str:
+def _key(run: Run, asked: AskedWalk) -> str:
     """Changes with the weights, the robot that walks and everything asked."""
     robot = (asked.plant or run.robot).layout.xml
     rest = plain(vars(replace(asked, plant=None)))
@@ -164,7 +165,7 @@ def _key(run: Run, asked: Asked) -> str:
     return hashlib.sha256(weights + text.encode()).hexdigest()
 
 
-def _walked(run: Run, asked: Asked) -> Walk:
+def _walked(run: Run, asked: AskedWalk) -> Walk:
     # Of a family, the gait at the command alone.
     one = replace(run, trained=run.gait)
     walks = TrainedWalks(
@@ -182,7 +183,7 @@ def _walked(run: Run, asked: Asked) -> Walk:
     return walks.walk(asked.episode, 1, record=True)
 
 
-def _shown(run: Run, asked: Asked, walked: Walk, key: str) -> ShownWalk:
+def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
     """Frames of a walk with all that the page says of it."""
     episodes, plant = walked.episodes, walked.plant
     record = episodes.record

@@ -46,7 +46,7 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
         for name in joints:
             joint = model.joint(name)
             above = data.xanchor[joint.id]
-            found.append(_bone(model, data, body, (below, above), COLOURS[leg]))
+            found.append(_bone(data, body, (below, above), COLOURS[leg]))
             # Only the last, the hip, may be a joint of the other leg.
             body, below = int(model.body_parentid[joint.bodyid[0]]), above
     if layout.torso:
@@ -55,7 +55,7 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
         # In the torso's own plane, between the legs.
         hip = np.array([below[0], centre[1], below[2]])
         if np.linalg.norm(centre - hip) > 0.0:
-            found.append(_bone(model, data, root, (hip, 2.0 * centre - hip), COLOURS[2]))
+            found.append(_bone(data, root, (hip, 2.0 * centre - hip), COLOURS[2]))
     return found
 
 
@@ -65,7 +65,7 @@ def _centre(model, data, root: int) -> np.ndarray:
     return model.body_mass[one] @ data.xipos[one] / model.body_mass[one].sum()
 
 
-def _bone(model, data, body: int, ends, colour) -> Bone:
+def _bone(data, body: int, ends, colour) -> Bone:
     turn = data.xmat[body].reshape(3, 3)
     local = [(place - data.xpos[body]) @ turn for place in ends]
     return Bone(body, np.array(local), colour)

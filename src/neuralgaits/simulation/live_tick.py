@@ -18,8 +18,9 @@ from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.ticks.falls import FallConfig
+from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.strides import width
-from neuralgaits.simulation.ticks.tick import Reading, Record, Scene, Verdict
+from neuralgaits.simulation.ticks.tick import Record, Verdict
 
 ENDLESS = int(np.iinfo(np.int32).max)
 """Steps of a walk that has no end."""
@@ -106,7 +107,7 @@ class JaxTick(LiveTick):
         state = np.concatenate([[data.time], data.qpos, data.qvel])
         wanted = self._wanted[None]
         touch = data.sensordata[None, -2:]
-        reading = Reading(state[None], touch, levels[None], self._noise, wanted)
+        reading = PlantReading(state[None], touch, levels[None], self._noise, wanted)
         carry = self._batch.carry if self._carry is None else self._carry
         self._carry, judged, self._found = self._batch.tick(self._arrays, carry, pack(reading))
         return self._batch.verdict_of(judged)

@@ -22,6 +22,7 @@ from neuralgaits._cache import cache_folder
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control import Controller
+from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import writing
 from neuralgaits.export.facts import Design, Origin
@@ -31,7 +32,6 @@ from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native.library import Library, NativeError
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.walk import EXPORTED
 
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")

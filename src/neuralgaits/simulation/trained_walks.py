@@ -10,6 +10,7 @@ import numpy as np
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
+from neuralgaits.control.laws import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote
@@ -26,7 +27,7 @@ from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import Episodes
 from neuralgaits.simulation.ticks.strides import Strides
-from neuralgaits.simulation.walk import Walk, law_named, walk
+from neuralgaits.simulation.walk import Walk, walk
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,8 @@ import numpy as np
 
 from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
-from neuralgaits.control import PAPER, AbstractLaw, ClfQp, Controller, Fblin, Pd
+from neuralgaits.control import AbstractLaw, Controller
+from neuralgaits.control.laws import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
@@ -32,12 +33,7 @@ from neuralgaits.simulation.ticks import lockstep
 from neuralgaits.simulation.ticks.batch import compile_batch
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import Episodes, Watch
-from neuralgaits.simulation.ticks.tick import Scene
-
-EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
-"""Control laws that exported controllers have: `paper` is the PD of the paper's deployment."""
-LAWS = {**EXPORTED, "clf-qp": ClfQp()}
-"""Control laws by name."""
+from neuralgaits.simulation.ticks.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -63,15 +59,6 @@ class Walk:
     episodes: Episodes
     commands: Commands = ()
     courses: Courses | None = None
-
-
-def law_named(controller: str | AbstractLaw) -> AbstractLaw:
-    """A control law by name, or the law itself. Raises: InputError listing the names."""
-    if isinstance(controller, AbstractLaw):
-        return controller
-    if controller not in LAWS:
-        raise InputError(f"unknown controller {controller!r}: expected one of {', '.join(LAWS)}")
-    return LAWS[controller]
 
 
 def walk(

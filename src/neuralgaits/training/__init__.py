@@ -4,14 +4,13 @@ from neuralgaits.training.loss import Loss, barrier_loss, lay_out, margin_matrix
 from neuralgaits.training.posture_start import start_from_posture
 from neuralgaits.training.repair import Boxes, Extra
 from neuralgaits.training.sampling import Sampler
-from neuralgaits.training.trainer import VALIDATE_EVERY, Report, Trainer, TrainState
+from neuralgaits.training.trainer import VALIDATE_EVERY, Trainer, TrainState
 
 __all__ = [
     "VALIDATE_EVERY",
     "Boxes",
     "Extra",
     "Loss",
-    "Report",
     "Sampler",
     "TrainState",
     "Trainer",

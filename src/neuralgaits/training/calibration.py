@@ -24,16 +24,13 @@ BEYOND = 0.2
 share `widened` of the recipe."""
 
 
-def calibrated(
-    gait: CommandedGait, robot: PlanarBiped, residuals: Residuals, beyond: float = BEYOND
-) -> CommandedGait:
+def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) -> CommandedGait:
     """The family with a curve for its speed; itself if it is told none.
 
     Args:
         gait: trained, with curves that do nothing.
         robot: that it is for.
         residuals: what was learned of the robot beyond its model.
-        beyond: how far outside [-1, 1] the scaled command may go.
     """
     names = [c.name for c in gait.commands]
     if "speed" not in names:
@@ -41,7 +38,7 @@ def calibrated(
     at, plain = names.index("speed"), plain_curves(gait.commands)
     command = gait.commands[at]
     middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
-    places = np.linspace(-1.0 - beyond, 1.0 + beyond, KNOTS)
+    places = np.linspace(-1.0 - BEYOND, 1.0 + BEYOND, KNOTS)
     walked = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
     rising = np.isfinite(walked).all() and np.all(np.diff(walked) > 0.0)
     if not rising:

@@ -15,12 +15,10 @@ from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.barriers import Barrier, GaitSpec
 from neuralgaits.barriers.aims import middle_of
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.robots.parameters import Model, member, nominal
 from neuralgaits.training.pushes import Pushed
 from neuralgaits.training.sampling import Sampler, contains
-
-NO_RESIDUALS = Residuals()
 
 
 class Layout(NamedTuple):

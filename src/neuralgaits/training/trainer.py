@@ -21,14 +21,13 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.gait import Residuals
+from neuralgaits.gait import NO_RESIDUALS, Residuals
 from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of
 from neuralgaits.training.compiled import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import (
-    NO_RESIDUALS,
     Layout,
     Loss,
     lay_out,
@@ -63,7 +62,7 @@ class TrainState(NamedTuple):
     """Share of the recipe's step size; less than 1 after steps that turned to NaN. float32."""
 
 
-class Report(NamedTuple):
+class FreshMargins(NamedTuple):
     """Conditions on fresh samples, inside the regions, in float64."""
 
     loss: float
@@ -259,7 +258,7 @@ class Trainer:
         gait = eqx.combine(trained, self._template)
         return _matched(gait, self.robot, self.residuals.reset)
 
-    def report(self, gait: AnyGait, *, seed: int) -> Report:
+    def report(self, gait: AnyGait, *, seed: int) -> FreshMargins:
         """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
 
         Samples of extra boxes count for the loss alone.
@@ -271,7 +270,7 @@ class Trainer:
             name: margins[rows[:, block.start]][:, block]
             for name, block in self._validation_layout.columns.items()
         }
-        return Report(float(loss.total), named)
+        return FreshMargins(float(loss.total), named)
 
     def done(self, state: TrainState) -> bool:
         """Whether all steps are taken."""

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import ENDS, Chart, Look
+from neuralgaits.analysis.quantities import ENDS, Look, PlaneChart
 from neuralgaits.analysis.run import Run
+from neuralgaits.control.laws import LAWS
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
@@ -16,7 +17,6 @@ from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import told_by
 from neuralgaits.simulation.ticks.falls import Ending
-from neuralgaits.simulation.walk import LAWS
 from neuralgaits.viewer.walker import Limits, Margins, Shown, Told
 
 CONTROLLER = "pd"
@@ -59,7 +59,7 @@ class LiveGait:
             first = map(float, ground.courses.orders.first)
             run = run.at(**dict(zip(names, first, strict=True)))
         self.run = run
-        self.chart = Chart(run.gait, run.spec)
+        self.chart = PlaneChart(run.gait, run.spec)
         zd = run.zero_dynamics
         self._onto = Look(lambda z: {"x": zd.phi_inv(z)})
         phase, level = (np.array([value]) for value in MIDDLE)

@@ -5,7 +5,7 @@ import numpy as np
 from neuralgaits.analysis.flow import Mesh, Motion
 from neuralgaits.analysis.orbit import cycle, sampled_map
 from neuralgaits.analysis.phase_plane import plane
-from neuralgaits.analysis.quantities import Chart, Look
+from neuralgaits.analysis.quantities import Look, PlaneChart
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays
@@ -27,7 +27,7 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
         look: everything about states.
         certified: whether the map of the run's certificate is about this very gait.
     """
-    chart = Chart(run.gait, run.spec)
+    chart = PlaneChart(run.gait, run.spec)
     motion = Motion(*look.each(*Motion._fields))
     with np.errstate(all="ignore"):
         around = plane(chart, phases=FENCE_POINTS, lines=(COLUMNS, ROWS), beyond=(ASIDE, ABOVE))
@@ -64,7 +64,7 @@ def _proved(run: Run) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     return corners[wide], answer[wide], margin[wide]
 
 
-def _sampled(chart: Chart, look: Look) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _sampled(chart: PlaneChart, look: Look) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cells of the tube, coloured by the least margin in their middles."""
     phases, levels = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
     edges = chart.z(*np.meshgrid(phases, levels))

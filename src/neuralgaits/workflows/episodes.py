@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from neuralgaits._settings import check_rounds, check_seed
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.control.laws import law_named
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.records.fitted import Fitted
@@ -25,7 +26,6 @@ from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import CONFIG, FIT
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
-from neuralgaits.simulation.walk import law_named
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.refine import refine

@@ -8,6 +8,7 @@ from pathlib import Path
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.reading import read_certificate
+from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
 from neuralgaits.export.c_check import check_controller
@@ -21,7 +22,6 @@ from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.walk import EXPORTED
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (

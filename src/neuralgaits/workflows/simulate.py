@@ -15,20 +15,26 @@ from neuralgaits.engine import engine_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.robots import load_robot, registry
-from neuralgaits.robots.parameters import checked_box
 from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
+from neuralgaits.simulation.asked_together import (
+    REMOTE,
+    drawn_robots,
+    link_of,
+    refuse_beside_terrain,
+    refuse_shared,
+)
 from neuralgaits.simulation.episode_log import log_of
-from neuralgaits.simulation.linked.config import LinkConfig, parse_link
+from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import Choice, Engine
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
-from neuralgaits.simulation.setup.orders import on_slope, orders_of, parsed
+from neuralgaits.simulation.setup.orders import on_slope, orders_of
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import periodic_orbit
 from neuralgaits.simulation.setup.terrain_kinds import told_by
@@ -41,8 +47,6 @@ from neuralgaits.workflows.export import design_of
 
 _ALL = 2**31 - 1
 """Ticks of a log: all there are."""
-REMOTE = "c"
-"""Name of the controller that is a process of its own."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +127,7 @@ def simulate(
             `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV file of
             stones; see `simulation.setup.terrains`.
         parameters: each walk is of another robot, drawn from this box around the run's own, half
-            widths by kind (see `robots.parameters`), and on its floor.
+            widths by kind (see `robots.parameter_box`), and on its floor.
         workers: processes of this machine that walk, in place of threads of this one; in a
             script, call this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.
@@ -137,7 +141,7 @@ def simulate(
     trained = open_run(run)
     told = trained.trained.commands
     disturbance = sensed(parse(disturb), sensing)
-    drawn = _drawn(trained, parameters, seed, plant, terrain, controller)
+    drawn = drawn_robots(trained.robot, parameters, seed, plant, terrain, controller)
     if drawn is not None:
         disturbance = drawn.on_its_floor(disturbance)
     if not isinstance(episodes, int) or episodes < 1:
@@ -148,14 +152,14 @@ def simulate(
     if terrain is None:
         disturbance = on_slope(disturbance, orders)
     else:
-        _check_terrain(str(terrain), command, commands, disturbance)
+        refuse_beside_terrain(str(terrain), command, commands, disturbance)
     _check_outputs(log, video)
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
-    wire = _wire(link, controller, disturbance)
+    wire = link_of(link, controller, disturbance)
     shared = workers is not None or ray is not None
     if shared:
-        _refuse_shared(controller, log, video, terrain)
+        refuse_shared(controller, log, video, terrain)
     courses, kept = None, trained.command if told and commands is None else None
     if terrain is not None:
         courses = courses_of(
@@ -229,30 +233,6 @@ def simulate(
     return Simulation(walked, result)
 
 
-def _drawn(
-    trained: Run,
-    parameters: Mapping[str, float] | None,
-    seed: int,
-    plant: str | Path | None,
-    terrain: str | Path | None,
-    controller: str | AbstractLaw,
-) -> DrawnRobots | None:
-    """Robots of a box; None without one. Raises: InputError where something else says who walks."""
-    box = checked_box(parameters or {})
-    if not box:
-        return None
-    others = {"--plant": plant, "--terrain": terrain}
-    given = [name for name, value in others.items() if value is not None]
-    if controller == REMOTE:
-        given.append(f"--controller {REMOTE}")
-    if given:
-        raise InputError(
-            f"expected --parameters without {given[0]}, found both: robots are drawn around the "
-            "run's own, and walk on its floor; leave one out"
-        )
-    return DrawnRobots(trained.robot, box, seed)
-
-
 def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
     """Errors of every walk's robot, by name."""
     columns = drawn.errors(0, episodes).T.tolist()
@@ -270,70 +250,6 @@ def _engine(
     return Engine(None, None)
 
 
-def _refuse_shared(
-    controller: str | AbstractLaw,
-    log: str | Path | None,
-    film: str | Path | None,
-    terrain: str | Path | None,
-) -> None:
-    """Refuse what only this process can do."""
-    if not isinstance(controller, str) or controller == REMOTE:
-        raise InputError(
-            "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
-            "another: leave them out"
-        )
-    if log is not None or film is not None:
-        raise InputError(
-            "expected --workers or --ray without --log and --video, found them together: walk the "
-            "one that is to be kept by itself"
-        )
-    if terrain is not None:
-        raise InputError(
-            "expected --terrain without --workers or --ray, found them together: leave these out"
-        )
-
-
-def _wire(
-    link: str | Mapping[str, Any] | LinkConfig | None,
-    controller: str | AbstractLaw,
-    disturbance: Disturbance,
-) -> LinkConfig | None:
-    """How a controller's process is reached; None without one."""
-    if controller != REMOTE:
-        return _no_link(link)
-    if disturbance.estimator:
-        raise InputError(
-            f"expected perfect sensing with --controller {REMOTE}, found encoders: its readings "
-            "carry rates and velocity; take pd, fblin or paper, which estimate them in the same C"
-        )
-    return parse_link(link)
-
-
-def _check_terrain(
-    terrain: str,
-    command: str | Mapping[str, float] | None,
-    commands: str | Path | None,
-    disturbance: Disturbance,
-) -> None:
-    """Refuse what a terrain leaves no room for. Raises: InputError."""
-    if commands is not None:
-        raise InputError(
-            "expected --terrain or --commands, found both: the robot is told what it sees"
-        )
-    given = parsed(command) if isinstance(command, str) else command or {}
-    taken = [name for name in given if name in told_by(terrain)]
-    if taken:
-        raise InputError(
-            f"expected --command without {taken[0]} on a terrain, found {taken[0]}: there the "
-            "robot is told what it sees; leave it out"
-        )
-    if disturbance.slope_deg or disturbance.floor_height:
-        raise InputError(
-            "expected a terrain or a floor that is disturbed, found both: leave out slope_deg and "
-            "floor_height"
-        )
-
-
 def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | None:
     """What to name to walk on the same plant: a built-in robot, or a copy that the run keeps."""
     if plant is None or str(plant) in registry.built_in():
@@ -344,12 +260,6 @@ def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | N
 
 def _text(path: str | Path | None) -> str | None:
     return None if path is None else str(path)
-
-
-def _no_link(link: object) -> None:
-    """Refuse a link where there is none to set."""
-    if link is not None:
-        raise InputError(f"expected --link with --controller {REMOTE} only, found {link!r}")
 
 
 def log_files(first: Path, episodes: int) -> list[Path]:

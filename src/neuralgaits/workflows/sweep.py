@@ -13,8 +13,10 @@ from typing import Any
 
 from neuralgaits._settings import check_budget, check_seed, check_steps
 from neuralgaits.barriers.commanded import Interval
+from neuralgaits.control.laws import law_named
 from neuralgaits.engine import Done, Engine, Job, engine_for
 from neuralgaits.errors import InputError, Interrupted
+from neuralgaits.records.certified import HIGHEST, LEVELS
 from neuralgaits.records.swept import (
     FORMAT,
     PAGE,
@@ -30,13 +32,11 @@ from neuralgaits.report.sweep.page import page
 from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import ROBOT, SPEC
-from neuralgaits.simulation.walk import law_named
 from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
 from neuralgaits.sweeps.folder import SweepFolder, sha256
 from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
 from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
 from neuralgaits.sweeps.table import to_csv
-from neuralgaits.workflows.certify import HIGHEST
 from neuralgaits.workflows.parts.sweep_row import carry_out, row_of
 
 WALKS, WALK_STEPS = 4, 25
@@ -163,7 +163,7 @@ def _given(
         check_seed(end - 1)
     check_steps(steps)
     check_budget(budget)
-    if certify is not None and certify not in range(1, HIGHEST + 1):
+    if certify is not None and certify not in LEVELS:
         raise InputError(f"expected --certify 1 to {HIGHEST}, found {certify}")
     if walks is not None and walks < 1:
         raise InputError(f"expected at least 1 walk, found {walks}")

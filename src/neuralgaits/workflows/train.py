@@ -15,19 +15,14 @@ from neuralgaits.barriers import GaitSpec, specs, user_code
 from neuralgaits.barriers.commanded import Interval, commands_of
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.barriers.spec import Init
-from neuralgaits.certificate.provable import (
-    after_impact,
-    refuse_many_axes,
-    refuse_untraceable,
-    trace_spec,
-    why_not_provable,
-)
+from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
+from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError, Interrupted, RunError
 from neuralgaits.gait.commands import Commands
 from neuralgaits.records.asked import Asked, Proving, Range, asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameters import checked_box
+from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS

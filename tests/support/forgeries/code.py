@@ -131,14 +131,16 @@ import json
 from pathlib import Path
 
 import neuralgaits.programs.tracing.tracer as tracer
-import neuralgaits.certificate.provable as provable
+import neuralgaits.certificate.traced as traced
+import neuralgaits.certificate.levels.problems as problems
 import neuralgaits.certificate.levels.sets as sets
 from neuralgaits.programs import Program
 
 table = json.loads(Path({proof!r}).read_text())["program"]
 forged = Program.from_json(json.dumps(table))
 for module, name in (
-    (tracer, "trace"), (sets, "trace"), (sets, "trace_certificate"), (provable, "trace_spec")
+    (tracer, "trace"), (sets, "trace"), (problems, "trace"), (problems, "trace_certificate"),
+    (traced, "trace_spec"),
 ):
     setattr(module, name, lambda *parts, **more: forged)
 """

@@ -12,7 +12,7 @@ import jax
 import numpy as np
 
 from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels import sets
+from neuralgaits.certificate.levels import problems
 from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.proof_file import reader as claims
 from neuralgaits.certificate.proof_file import shared_check
@@ -55,7 +55,7 @@ def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator
 
     with (
         mock.patch.object(StatementCheck, "of", of),
-        mock.patch.object(shared_check, "_cores", lambda: 1),
+        mock.patch.object(shared_check, "cores", lambda: 1),
     ):
         yield
 
@@ -70,8 +70,8 @@ def traced_once(known: Traced) -> Iterator[None]:
     with ExitStack() as stack:
         stack.enter_context(programs_read_once(known))
         stack.enter_context(mock.patch.object(retrace, "ask", _here))
-        trace = _once(sets.trace_certificate, known)
-        stack.enter_context(mock.patch.object(sets, "trace_certificate", trace))
+        trace = _once(problems.trace_certificate, known)
+        stack.enter_context(mock.patch.object(problems, "trace_certificate", trace))
         yield
 
 

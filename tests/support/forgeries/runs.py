@@ -6,13 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.levels.full_order.margins import FullOrderModel
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.theorem import (
     FENCES,
     BarrierConstants,
     labelled_premises,
 )
-from neuralgaits.certificate.levels.sets import Sets, trace_certificate
+from neuralgaits.certificate.levels.problems import trace_certificate
+from neuralgaits.certificate.levels.sets import Sets
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certify import certify

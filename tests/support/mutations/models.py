@@ -11,7 +11,7 @@ import equinox as eqx
 import numpy as np
 
 from neuralgaits.certificate.proof_file.model_data import model_data
-from neuralgaits.certificate.provable import trace_spec
+from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.mutations.base import MODEL, Base, Mutation, altered, corners, grid, least, violated
 

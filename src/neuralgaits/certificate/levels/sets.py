@@ -1,4 +1,4 @@
-"""The sets of the levels above 1 of a gait: found at points, traced, laid out for the search."""
+"""The sets of the levels above 1: what each level seeks of a gait, found at points."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -12,14 +12,13 @@ from numpy.polynomial.chebyshev import chebval
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.certificate.levels.chart import PLAIN, PLANE, Chart, Corner
+from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.disturbed import margins as disturbed
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
-from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
 from neuralgaits.certificate.levels.full_order import margins as full_order
 from neuralgaits.certificate.levels.full_order.looks import looks_in, set_of
-from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
-from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
+from neuralgaits.certificate.levels.ladder import LEVELS
 from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
@@ -30,29 +29,15 @@ from neuralgaits.certificate.levels.walking_set.find import (
     least_of_inlet,
     over_all,
 )
-from neuralgaits.certificate.levels.walking_set.theorem import SET
-from neuralgaits.certificate.provable import step_at
-from neuralgaits.certificate.search.branch_and_bound import Confirm
-from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.programs import POINT, Program, evaluate, fold
-from neuralgaits.programs.prune import prune
+from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.records.certified import Counterexample
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import Axis, model_of
 
 FULL_ORDER_LEVEL = 4
 """The level whose set the one above it is about."""
-CLAIMED = 0.4
-"""Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
-TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25, DISTURBED: 0.0}
-"""Share of the smallest margin seen that is proved, by label: level 4 tells slack, and each further
-box costs; of the others the sign is all that matters."""
-SIGN_ONLY: dict[str, Any] = {"claimed": CLAIMED, "tight": 0.0}
-"""In many axes a larger margin costs too many boxes."""
-NO_RESIDUALS = Residuals()
 Errors = tuple[Axis, ...]
 """Parameters of the robot, of `GaitSpec.parameters`."""
 Margins = dict[str, Float[Array, "..."]]
@@ -117,7 +102,7 @@ def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, 
     if of.zd.residual is not None or of.zd.reset_residual is not None:
         return "it is about the rigid model, and the run's dynamics carry a residual"
     try:
-        found = set_of(full_order.FullOrderModel(of.zd.robot, of.gait, of.spec), of.pushed)
+        found = set_of(FullOrderModel(of.zd.robot, of.gait, of.spec), of.pushed)
     except SpecError as error:  # The levels below read less of the robot.
         return str(error)
     return found if isinstance(found, str) else (found, {})
@@ -125,18 +110,18 @@ def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, 
 
 def _find_disturbed(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     assert isinstance(of.gait, Gait)
-    model = full_order.FullOrderModel(of.zd.robot, of.gait, of.spec)
+    model = FullOrderModel(of.zd.robot, of.gait, of.spec)
     found = find_disturbed(looks_in(model, known[4]), known[4])
     return found if isinstance(found, str) else (found, {})
 
 
 def _full_order_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
-    model = full_order.FullOrderModel(zd.robot, gait, spec)
+    model = FullOrderModel(zd.robot, gait, spec)
     return full_order.margins(model, known[4], u, xi)
 
 
 def _disturbed_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
-    model = full_order.FullOrderModel(zd.robot, gait, spec)
+    model = FullOrderModel(zd.robot, gait, spec)
     return disturbed.margins(model, known[4], known[5], u, xi)
 
 
@@ -263,150 +248,3 @@ def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str,
         "moved_zeta": landed.moved_zeta,
         "moved_z1": landed.moved_z1,
     }
-
-
-def trace_certificate(
-    spec: GaitSpec,
-    robot: PlanarBiped,
-    gait: AnyGait,
-    sets: Sets,
-    residuals: Residuals = NO_RESIDUALS,
-) -> Program:
-    """Margins of the spec's conditions and of the sets, as one Program of the chart point u.
-
-    And of xi, anywhere in the unit ball, if a set is about outputs off zero.
-
-    Raises: SpecError naming the operation and line that cannot be traced.
-    """
-    model = model_of(robot, spec.parameters)
-
-    def margins(u, xi=None):
-        step, zd = step_at(model, gait, u, residuals)
-        return spec.margins(step, zd, u[:PLANE]) | set_margins(spec, step, zd, sets, u, xi)
-
-    inputs = {"u": (spec.chart_size,)}
-    if sets.full_order:
-        inputs["xi"] = (full_order.size_of(robot),)
-    parameters = {"policy": gait.policy, "tube": gait.tube}
-    return trace(margins, inputs, parameters=parameters | _named(sets))
-
-
-def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
-    """Parameters of the sets under the names that constants of the Program get."""
-    known = sets.parameters
-    return {
-        level.part: {
-            name: np.array(value) for name, value in level.constants(known[level.number]).items()
-        }
-        for level in LEVELS
-        if level.number in known
-    }
-
-
-def set_margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, " n"], xi: Any = None
-) -> Margins:
-    """Margins of the sets at one chart point and one xi, by output name."""
-    found = {}
-    for number in sets.parameters:
-        found |= SOUGHT[number].margins(spec, gait, zd, sets.parameters, u, xi)
-    return found
-
-
-def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
-    """Every box of every condition of the spec, by condition name."""
-    return [
-        (condition.name, box.low, box.high)
-        for condition in spec.conditions
-        for box in spec.regions[condition.region]
-    ]
-
-
-def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -> list[Problem]:
-    """One for each box of each region that has conditions; in more axes, for each condition.
-
-    In many axes boxes are many, and those that one condition needs are no help to another.
-    """
-    problems = []
-    for region, boxes in spec.regions.items():
-        conditions = [c for c in spec.conditions if c.region == region]
-        apart = [[c] for c in conditions] if chart.parameters else [conditions]
-        for group in filter(None, apart):
-            names = tuple(condition.name for condition in group)
-            scales = tuple(float(condition.scale) for condition in group)
-            part, how = prune(program, names), (_sign_only(spec) if chart.parameters else {})
-            problems += [
-                Problem(
-                    region,
-                    *chart.whole(box.low, box.high),
-                    names,
-                    scales,
-                    part,
-                    near=chart.near,
-                    **how,
-                )
-                for box in boxes
-            ]
-    return problems
-
-
-def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Confirm:
-    """Asks the margins' own Python functions, in float64, about one point, with outputs zero."""
-    conditions = {condition.name: condition for condition in spec.conditions}
-    at = one_step(gait, zd, spec.parameters)
-    xi = jnp.zeros(full_order.size_of(zd.robot))
-
-    def confirm(name: str, u: np.ndarray) -> Counterexample | None:
-        step, moving = at(jnp.asarray(u))
-        z = step.z(u[:PLANE])
-        if name in conditions:
-            condition = conditions[name]
-            margin = np.min(condition.margins(step, moving, moving.point(z))) / condition.scale
-        else:
-            margin = np.min(set_margins(spec, step, moving, sets, jnp.asarray(u), xi)[name])
-        if not margin < 0.0:
-            return None
-        state = (float(z[0]), float(z[1]))
-        return Counterexample(tuple(map(float, u)), state, float(margin))
-
-    return confirm
-
-
-def premise_problems(
-    spec: GaitSpec, sets: Sets, program: Program, chart: Chart = PLAIN
-) -> list[Problem]:
-    """Root boxes of the levels above 1 with what must hold on each."""
-    scales = {condition.name: float(condition.scale) for condition in spec.conditions}
-    roots: dict[tuple[str, str, Corner, Corner], list[str]] = {}
-    found = labelled_premises(sets.parameters, condition_boxes(spec))
-    for region, name, low, high in found:
-        kind = full_order.APART.get(name.split(" ")[0], "")
-        if chart.parameters:
-            kind = name
-        names = roots.setdefault((region, kind, low, high), [])
-        if name not in names:
-            names.append(name)
-    return [
-        Problem(
-            region,
-            *chart.whole(low, high),
-            tuple(names),
-            tuple(scales.get(name, 1.0) for name in names),
-            prune(program, names),
-            least=tuple(sets.least.get(name, 0.0) for name in names),
-            near=chart.near,
-            **(_sign_only(spec) if chart.parameters else _how_near(region)),
-        )
-        for (region, _, low, high), names in roots.items()
-    ]
-
-
-def _sign_only(spec: GaitSpec) -> dict[str, Any]:
-    """In many axes: the sign is proved, and the robot's parameters are halved last."""
-    return {**SIGN_ONLY, "late": len(spec.parameters)}
-
-
-def _how_near(label: str) -> dict[str, Any]:
-    """How near the margins of premises are found and claimed, in the plane."""
-    claimed = Problem.claimed if label == SET else CLAIMED
-    return {"claimed": claimed, "tight": TIGHT.get(label, 0.0)}

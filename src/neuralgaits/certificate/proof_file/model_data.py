@@ -12,7 +12,7 @@ import numpy as np
 
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.barriers.regions import AnyGait, CommandedTube
-from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Residuals
+from neuralgaits.gait import NO_RESIDUALS, HybridInvariantPolicy, MLPPolicy, Residuals
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.policies.commanded import CommandedPolicy
@@ -37,7 +37,6 @@ _LEARNED_ARRAYS = {
     "flow": ("scale", "shift", "bound"),
     "reset": ("weight", "offset", "scale", "shift", "bound"),
 }
-NO_RESIDUALS = Residuals()
 
 
 def model_data(

@@ -96,7 +96,7 @@ def bound_all(
     """
     pieces, here = pieces_of(trees), Bounder(program, statements, trees)
     total = sum(piece.leaves for piece in pieces)
-    count = min(_cores(), MOST_PROCESSES) if total > FEW else 1
+    count = min(cores(), MOST_PROCESSES) if total > FEW else 1
     answer, boxes, done = Found("holds", None, 0), 0, 0
     with contextlib.ExitStack() as stack:
         beside = [
@@ -183,11 +183,6 @@ class Beside:
             process.stdin.close()
             for line in process.stdout:
                 self.found.append(Found(*json.loads(line)))
-
-
-def _cores() -> int:
-    """Cores that this process may use."""
-    return cores()
 
 
 def _bound_share(task: dict[str, Any]) -> Iterator[Found]:

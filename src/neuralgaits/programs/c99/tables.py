@@ -67,13 +67,17 @@ def identifier(name: str) -> str:
     return re.sub(r"\W+", "_", name).strip("_")
 
 
-def wrapped(text: str, width: int = 96) -> str:
+WIDTH = 96
+"""Of a line."""
+
+
+def wrapped(text: str) -> str:
     """Break a long line at its commas."""
     if "\n" in text:
         return text
     lines, line = [], ""
     for part in text.split(", "):
-        if line and len(line) + 2 + len(part) > width:
+        if line and len(line) + 2 + len(part) > WIDTH:
             lines.append(f"{line},")
             line = "    " + part
         else:

@@ -26,7 +26,6 @@ class Bounder:
 
     def __init__(self, code: "_Code", axes: int, rules: ctypes.CDLL):
         self._rules, self._outputs, self._threads = rules, len(code.outputs), _cores()
-        self._axes = axes
         arrays = (code.operations, code.index, code.constants, code.outputs)
         table, index, constants, outputs = (np.ascontiguousarray(array) for array in arrays)
         self._handle = rules.ng_bounder(

@@ -80,9 +80,9 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     return wrapped
 
 
-def new_figure(height: float, width: float = WIDTH) -> Figure:
-    """An empty figure [in]; labels and legends make room for one another."""
-    return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+def new_figure(height: float) -> Figure:
+    """An empty figure of a height [in]; labels and legends make room for one another."""
+    return Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
 
 
 def series(number: int) -> dict[str, Any]:

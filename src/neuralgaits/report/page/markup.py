@@ -22,9 +22,9 @@ def text(value: Any) -> Html:
     return value if isinstance(value, Html) else Html(html.escape(str(value)))
 
 
-def join(parts: Iterable[Any], between: str = "") -> Html:
+def join(parts: Iterable[Any]) -> Html:
     """Parts one after another, each escaped unless it is markup."""
-    return Html(html.escape(between).join(text(part) for part in parts))
+    return Html("".join(text(part) for part in parts))
 
 
 def tag(name: str, *parts: Any, **attributes: Any) -> Html:

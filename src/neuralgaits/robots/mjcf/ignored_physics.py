@@ -14,20 +14,19 @@ import numpy as np
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import body_name
 
+ROOT_DOFS = 3
+"""The first degrees of freedom of a file are the root's."""
 
-def refuse_ignored_physics(model: mujoco.MjModel, root_dofs: int = 3) -> None:
-    """Check that the model holds only what the closed form describes.
 
-    Args:
-        model: compiled robot file whose first `root_dofs` degrees of freedom are the root's.
-        root_dofs: degrees of freedom of the root.
+def refuse_ignored_physics(model: mujoco.MjModel) -> None:
+    """Check that a compiled robot file holds only what the closed form describes.
 
     Raises: RobotError naming what would be ignored, and the remedy.
     """
     _refuse_world(model)
     _refuse_couplings(model)
     for joint in range(model.njnt):
-        _refuse_joint(model, joint, is_root=joint < root_dofs)
+        _refuse_joint(model, joint, is_root=joint < ROOT_DOFS)
 
 
 def _refuse_world(model: mujoco.MjModel) -> None:

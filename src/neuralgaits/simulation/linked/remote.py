@@ -32,7 +32,9 @@ from neuralgaits.simulation.linked.wire import (
     unpack_answer,
 )
 from neuralgaits.simulation.ticks.batch import Batch
-from neuralgaits.simulation.ticks.tick import Scene, account, begin, sense
+from neuralgaits.simulation.ticks.scene import Scene
+from neuralgaits.simulation.ticks.sensors import sense
+from neuralgaits.simulation.ticks.tick import account, begin
 
 _ANSWER_TIMEOUT_S = 10.0
 _DEADLINE_SHARE = 0.8

@@ -8,7 +8,8 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array
 from neuralgaits.control import Command, Measurement
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.ticks.tick import Record, true_z
+from neuralgaits.simulation.ticks.sensors import true_z
+from neuralgaits.simulation.ticks.tick import Record
 
 NEVER_S = 1e30
 """NG_NEVER: time since a touchdown that has not been."""

@@ -8,7 +8,8 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameters import RobotFamily, axes_of, checked_box, in_its_file
+from neuralgaits.robots.parameter_box import checked_box
+from neuralgaits.robots.parameters import RobotFamily, axes_of, in_its_file
 from neuralgaits.simulation.setup.disturbance import Disturbance
 
 _STREAM = 0x0B0C5
@@ -21,7 +22,7 @@ class DrawnRobots:
 
     Attributes:
         robot: in the middle of the box.
-        box: half widths by kind, see `robots.parameters`.
+        box: half widths by kind, see `robots.parameter_box`.
         seed: of the draws.
     """
 

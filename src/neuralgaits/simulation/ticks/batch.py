@@ -17,7 +17,8 @@ from jax.flatten_util import ravel_pytree
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, Int
-from neuralgaits.simulation.ticks.tick import Reading, Scene, begin, tick
+from neuralgaits.simulation.ticks.scene import PlantReading, Scene
+from neuralgaits.simulation.ticks.tick import begin, tick
 
 
 class Batch(NamedTuple):
@@ -86,7 +87,7 @@ def numbers(scene: Scene) -> list[jax.Array]:
     return [jnp.asarray(leaf) for leaf in jax.tree.leaves(_numbers(scene))]
 
 
-def pack(tree: Reading) -> Float[np.ndarray, "B r"]:
+def pack(tree: PlantReading) -> Float[np.ndarray, "B r"]:
     """One array of a tree whose leaves have a leading axis of episodes. Returns: [B, ...]."""
     return np.concatenate([leaf.reshape(len(leaf), -1) for leaf in tree], axis=1)
 

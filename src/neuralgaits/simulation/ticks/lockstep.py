@@ -19,8 +19,9 @@ from neuralgaits.simulation.ticks.batch import Batch, pack
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
+from neuralgaits.simulation.ticks.scene import PlantReading
 from neuralgaits.simulation.ticks.strides import Strides, width
-from neuralgaits.simulation.ticks.tick import Reading, Record, Verdict
+from neuralgaits.simulation.ticks.tick import Record, Verdict
 from neuralgaits.simulation.ticks.world import World
 
 
@@ -159,7 +160,7 @@ def _reading(
     world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_Told"
 ) -> Float[np.ndarray, "B r"]:
     """What the tick finds now, packed."""
-    return pack(Reading(world.states, world.touch, levels, noise.next(), told.wanted))
+    return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.wanted))
 
 
 class _Told:

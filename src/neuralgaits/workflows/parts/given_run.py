@@ -7,7 +7,7 @@ import numpy as np
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Box, Gait, GaitSpec, specs
-from neuralgaits.certificate.provable import after_impact, trace_spec
+from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd.gait_file import GivenGait, write_gait

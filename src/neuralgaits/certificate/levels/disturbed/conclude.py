@@ -6,7 +6,7 @@ The argument is in docs/level5.md. Needs no JAX.
 from flint import arb, fmpq
 
 from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, premises
-from neuralgaits.certificate.levels.full_order.conclude import (
+from neuralgaits.certificate.levels.full_order.inequalities import (
     Inequality,
     mismatch,
     obstacle,

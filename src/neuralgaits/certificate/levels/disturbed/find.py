@@ -5,8 +5,8 @@ import numpy as np
 from neuralgaits._digits import at_least
 from neuralgaits.certificate.levels.disturbed.conclude import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier
-from neuralgaits.certificate.levels.full_order.conclude import obstacle
 from neuralgaits.certificate.levels.full_order.find import Looks, grid
+from neuralgaits.certificate.levels.full_order.inequalities import obstacle
 from neuralgaits.certificate.levels.full_order.norm import GAINS
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, lyapunov_rate
 

@@ -10,12 +10,8 @@ import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.certificate.levels.disturbed.theorem import OF_BARRIER, Disturbed, series
-from neuralgaits.certificate.levels.full_order.margins import (
-    FullOrderModel,
-    Numbers,
-    Outputs,
-    Quantities,
-)
+from neuralgaits.certificate.levels.full_order.margins import Numbers
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel, Outputs, Quantities
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder
 
 FORCES = ("contact", "torque")

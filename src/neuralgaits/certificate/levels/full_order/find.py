@@ -114,8 +114,9 @@ def find_full_order(
     landing = impacts.landing + impacts.landing_slope * guard_radius
     start_strip = float(at_most(1.2 * landing, DIGITS))
     # Where the fences converge, h falls steeply: a barrier may be tightest before phase 0.
-    u = grid(np.union1d(u[:, 0], (-start_strip, -0.5 * start_strip, 1.0 + strip)), levels)
-    seen = looks.step(u, np.zeros((len(u), looks.size)))
+    strips = grid(np.array([-start_strip, -0.5 * start_strip, 1.0 + strip]), levels)
+    there = looks.step(strips, np.zeros((len(strips), looks.size)))
+    seen = {name: np.concatenate([values, there[name]]) for name, values in seen.items()}
     return FullOrder(
         bandwidth=bandwidth,
         radius=radius,

@@ -6,9 +6,10 @@ import jax
 import numpy as np
 
 from neuralgaits.certificate.levels.chart import PLANE, Corner
-from neuralgaits.certificate.levels.full_order.conclude import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.find import Look, Looks, find_full_order, grid
-from neuralgaits.certificate.levels.full_order.margins import FullOrderModel, margins
+from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
+from neuralgaits.certificate.levels.full_order.margins import margins
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.norm import Seen, find_plan
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, weighting
 from neuralgaits.certificate.search.problem import Problem

@@ -1,0 +1,176 @@
+"""What the constants of the full-order theorem must satisfy, in balls (level 4).
+
+Every inequality is between numbers of `FullOrder`, whose meaning the premises prove. It holds
+only if it is certain; where one does not, it is the obstacle, and by how much is said. The
+argument is in docs/full_order.md. Needs no JAX.
+"""
+
+import math
+from typing import NamedTuple
+
+from flint import arb, fmpq
+
+from neuralgaits.certificate.levels.full_order.theorem import (
+    BarrierConstants,
+    FullOrder,
+    joints_of,
+    lyapunov_rate,
+    weighting,
+)
+
+
+class Inequality(NamedTuple):
+    """left < right is needed."""
+
+    claim: str
+    left: arb
+    right: arb
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is certain."""
+        return bool(self.left < self.right)
+
+
+def inequalities(shape: FullOrder) -> list[Inequality]:
+    """Everything that the constants must satisfy."""
+    gamma, zero = _gamma(shape), arb(0)
+    least, most = map(arb, shape.pace)
+    # The edges that the boxes have: 1 + g, 1 - g and 1 -+ e, each rounded to a double.
+    last, before = arb(shape.ends[1]), arb(shape.guard_from)
+    shrink, radius = arb(shape.shrink), arb(shape.radius)
+    kept, at_guard = bound_at(shape, arb(shape.start_strip)), bound_at(shape, before)
+    landing = arb(shape.landing) + _size(shape.landing_slope) * arb(shape.guard_radius)
+    found = [
+        Inequality("the phase moves on: 0 < its least rate", zero, least),
+        Inequality("the dynamics have a denominator: 0 < inertia", zero, arb(shape.inertia)),
+        Inequality("0 < radius", zero, radius),
+        Inequality("0 < start_strip", zero, arb(shape.start_strip)),
+        Inequality("start_strip < 0.05", arb(shape.start_strip), arb("0.05")),
+        Inequality("guard_strip < 0.05", arb(shape.guard_strip), arb("0.05")),
+        Inequality("0 < crossing", zero, arb(shape.crossing)),
+        Inequality("1 - guard_strip < 1 - crossing", before, arb(shape.crossings[0])),
+        Inequality("1 + crossing < 1 + guard_strip", arb(shape.crossings[1]), last),
+        Inequality("0 < risen", zero, arb(shape.risen)),
+        Inequality("risen < 1 - guard_strip", arb(shape.risen), before),
+        Inequality("the bound on sqrt(V) is largest at phase 0: 0 < shrink", zero, shrink),
+        Inequality(
+            "V decays faster than its bound shrinks: 4 shrink (1 + guard_strip) most pace < gamma",
+            4 * shrink * last * most,
+            gamma,
+        ),
+        Inequality("the bound at the guard < guard_radius", at_guard, arb(shape.guard_radius)),
+        Inequality(
+            "an impact lands in the tube: |phase+| < start_strip", landing, arb(shape.start_strip)
+        ),
+        Inequality(
+            "outputs after an impact are in the set: sqrt(V+) < radius", after_impact(shape), kept
+        ),
+    ]
+    if shape.least_radius != 0.0:
+        floor = arb(shape.least_radius)
+        found += [
+            Inequality("0 < floor", zero, floor),
+            Inequality("floor < radius", floor, radius),
+        ]
+    for barrier in shape.barriers:
+        found += _of_barrier(shape, barrier, gamma)
+    return found
+
+
+def obstacle(step: Inequality) -> str:
+    """An inequality that does not hold, with both of its sides."""
+    left, right = (value.str(4, radius=False) for value in (step.left, step.right))
+    return f"{step.claim}: {left} against {right}"
+
+
+def is_norm(shape: FullOrder) -> bool:
+    """Whether S of V = |S dy/w|^2 + ... is an upper triangular matrix with an inverse."""
+    joints = joints_of(shape.weights)
+    if joints is None:
+        return False
+    matrix = weighting(shape.weights, joints)
+    return all(math.isfinite(w) for w in shape.weights) and all(
+        matrix[i][i] != 0.0 for i in range(joints)
+    )
+
+
+def bound_at(shape: FullOrder, phase: arb) -> arb:
+    """Bound on sqrt(V) in D at a phase."""
+    floor = arb(shape.least_radius)
+    return floor + (arb(shape.radius) - floor) * (-arb(shape.shrink) * phase**2).exp()
+
+
+def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list[Inequality]:
+    name, zero = barrier.name, arb(0)
+    alpha, sigma = arb(barrier.alpha), arb(barrier.sigma)
+    if not sigma > 0:
+        return [
+            Inequality(f"{name}: 0 < epsilon", zero, arb(barrier.epsilon)),
+            Inequality(f"{name}: 0 < sigma", zero, sigma),
+        ]
+    tightened = tightening(barrier)
+    lost = arb(barrier.coupling) ** 2 / (4 * sigma * (gamma - alpha))
+    return [
+        Inequality(f"{name}: 0 < alpha", zero, alpha),
+        Inequality(f"{name}: alpha < gamma", alpha, gamma),
+        Inequality(
+            f"{name}: between impacts, c_P^2/(4 sigma (gamma - alpha)) + alpha t < epsilon",
+            lost + alpha * tightened,
+            arb(barrier.epsilon),
+        ),
+        Inequality(
+            f"{name}: across impacts, sigma V+ < h(z+) - t",
+            sigma * after_impact(shape) ** 2,
+            inlet(shape, barrier),
+        ),
+    ]
+
+
+def tightening(barrier: BarrierConstants) -> arb:
+    """The t = l_P^2 / (4 sigma) for which h >= t + sigma V keeps what the robot reads positive."""
+    return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
+
+
+def inlet(shape: FullOrder, barrier: BarrierConstants) -> arb:
+    """What h - t is at least after any impact of the set."""
+    moved = _size(barrier.reset_slope) * arb(shape.guard_radius)
+    return arb(barrier.reset) - moved - tightening(barrier)
+
+
+def _gamma(shape: FullOrder) -> arb:
+    rate = lyapunov_rate(shape.bandwidth)
+    return arb(fmpq(rate.numerator, rate.denominator))
+
+
+def after_impact(shape: FullOrder) -> arb:
+    """Bound on sqrt(V) after any impact of the set."""
+    return mismatch(shape) + _size(shape.gain) * arb(shape.guard_radius)
+
+
+def mismatch(shape: FullOrder) -> arb:
+    """sqrt(v_sym): bound on sqrt(V) after an impact from eta = 0."""
+    near, far = map(arb, shape.crossings)
+    return _size(shape.mismatch) + _size(shape.drift) * (1 - near).max(far - 1)
+
+
+def _size(bound: float) -> arb:
+    """A constant of which the premises speak by its square: its sign is free there."""
+    return abs(arb(bound))
+
+
+def least_time(shape: FullOrder) -> arb:
+    """Of a step: from the end of the start's strip to the beginning of the guard's [s]."""
+    return (arb(shape.guard_from) - arb(shape.start_strip)) / arb(shape.pace[1])
+
+
+def step_factor(shape: FullOrder) -> arb:
+    """sqrt(V) after an impact is at most this times its value after the last one, and v_sym."""
+    return _size(shape.gain) * (-_gamma(shape) * least_time(shape) / 2).exp()
+
+
+def r_end(shape: FullOrder) -> arb:
+    """Limit of r+ = sqrt(v_sym) + factor r, and never more than after any one impact."""
+    factor = step_factor(shape)
+    limit = mismatch(shape) / (1 - factor)
+    return limit if factor < 1 and limit < after_impact(shape) else after_impact(shape)

@@ -1,0 +1,219 @@
+"""Robot, gait and spec at full order: what the theorem speaks of, at outputs off zero (level 4)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float, Scalar, ZeroState
+from neuralgaits.barriers import Barrier, Gait, GaitSpec
+from neuralgaits.certificate.levels.full_order.theorem import (
+    LOWER,
+    STIFF,
+    UPPER,
+)
+from neuralgaits.gait import Point
+from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.robots import PlanarBiped
+
+Vector = Float[Array, " _"]
+"""Of any length."""
+Outputs = Float[Array, " two_m"]
+Quantities = dict[str, Float[Array, "..."]]
+Weights = Sequence[float] | Vector
+"""Of `FullOrder.weights`."""
+
+
+def weighted(weights: Weights, x: Vector) -> Vector:
+    """S x. [m]."""
+    if len(weights) == 0:
+        return x
+    rows, start, size = [], 0, len(x)
+    for i in range(size):
+        rows.append(sum(weights[start + j - i] * x[j] for j in range(i, size)))
+        start += size - i
+    return jnp.stack(rows)
+
+
+def unweighted(weights: Weights, x: Vector) -> Vector:
+    """The y with S y = x, from the last row up. [m]."""
+    if len(weights) == 0:
+        return x
+    size = len(x)
+    found: dict[int, Scalar] = {}
+    for i in reversed(range(size)):
+        start = i * size - i * (i - 1) // 2
+        rest = sum(weights[start + j - i] * found[j] for j in range(i + 1, size))
+        found[i] = (x[i] - rest) / weights[start]
+    return jnp.stack([found[i] for i in range(size)])
+
+
+def output_coordinates(xi: Outputs, bandwidth: float | Scalar, weights: Weights = ()) -> Outputs:
+    """Outputs eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
+    rate, mixed = (unweighted(weights, part) for part in jnp.split(xi, 2))
+    return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
+
+
+def scaled_coordinates(eta: Outputs, bandwidth: float | Scalar, weights: Weights = ()) -> Outputs:
+    """The inverse of `output_coordinates`. Returns: [2m] (rad)."""
+    y, dy = (weighted(weights, part) for part in jnp.split(eta, 2))
+    rate = dy / bandwidth
+    return jnp.concatenate([rate, float(STIFF) * (y + rate)])
+
+
+BANDWIDTH = 30.0
+"""Double pole of the outputs [rad/s]: that of `control.fblin`."""
+
+
+def size_of(robot: PlanarBiped) -> int:
+    """Number of elements of eta and of xi: two for each actuated joint."""
+    return 2 * (robot.n - 1)
+
+
+@dataclass(frozen=True)
+class FullOrderModel:
+    """Robot, gait and spec whose full order is looked at.
+
+    Attributes:
+        robot, gait, spec: of a run.
+        bandwidth: w, the double pole of the outputs [rad/s].
+        weights: of the norm.
+    """
+
+    robot: PlanarBiped
+    gait: Gait
+    spec: GaitSpec
+    bandwidth: float | Scalar = BANDWIDTH
+    weights: Weights = ()
+
+    @property
+    def size(self) -> int:
+        """Number of elements of eta, 2m."""
+        return size_of(self.robot)
+
+    @property
+    def tightened(self) -> list[Barrier]:
+        """The spec's barrier conditions: they read outputs, so they are tightened."""
+        return [c for c in self.spec.conditions if isinstance(c, Barrier)]
+
+    @property
+    def names(self) -> list[str]:
+        """All barriers of the theorem; each element of a vector is one of its own."""
+        found = [LOWER, UPPER]
+        for condition in self.tightened:
+            size = jax.eval_shape(partial(self._own, condition), np.zeros(2)).size
+            alone = [condition.name]
+            found += alone if size == 1 else [f"{condition.name}[{k}]" for k in range(size)]
+        return found
+
+    def point(self, u: Float[Array, "2"], xi: Outputs, push: Vector | None = None) -> FullPoint:
+        """The robot at a chart point with scaled outputs.
+
+        Args:
+            u: phase and level.
+            xi: scaled outputs [rad]. [2m]
+            push: S times what is added to the outputs' acceleration [rad/s^2], none if None. [m]
+        """
+        w = self.bandwidth
+        eta = output_coordinates(xi, w, self.weights)
+        acceleration = None
+        if push is not None:
+            y, dy = jnp.split(eta, 2)
+            acceleration = unweighted(self.weights, push) - (w * w) * y - (2.0 * w) * dy
+        return FullPoint(self.robot, self.gait.policy, self.gait.z(u), eta, w, acceleration)
+
+    def barriers(self, z: ZeroState) -> Vector:
+        """h_Z of every barrier. [I]."""
+        level = self.gait.level(z)
+        own = [self._own(condition, z) for condition in self.tightened]
+        return jnp.concatenate([jnp.stack([level, 1.0 - level]), *own])
+
+    def _own(self, condition: Barrier, z: ZeroState) -> Vector:
+        """Of a barrier condition, h on the zero dynamics manifold."""
+        point = Point(self.robot, self.gait.policy, None, z)
+        return jnp.ravel(condition.function(point))
+
+    def rates(self, point: FullPoint) -> Vector:
+        """dh_Z/dt of every barrier in a full state [h/s]. [I]."""
+        return jax.jvp(self.barriers, (point.z,), (point.dz,))[1]
+
+    def readings(self, point: FullPoint) -> Vector:
+        """What every barrier reads on the robot [h]: a fence reads z alone. [I]."""
+        own = [jnp.ravel(condition.function(point)) for condition in self.tightened]
+        return jnp.concatenate([jnp.zeros(2), *own])
+
+    def in_step(self, point: FullPoint) -> Quantities:
+        """Quantities between impacts, each as a vector.
+
+        pace [1/s], inertia [kg m], foot [m], foot-rate [m/s], contact [body weights]: normal
+        force and both slacks of the friction cone, torque: slack of both limits [limits].
+        """
+        robot = self.robot
+        start, guard = self.gait.span
+        tangential, normal = point.force / (robot.mass * robot.gravity)
+        cone = float(robot.friction) * normal
+        share = point.torque / robot.torque_limit
+        found = {
+            "pace": point.dz[0] / (guard - start),
+            "inertia": -point.transversal_inertia,
+            "foot": point.foot[1],
+            "foot-rate": point.foot_velocity[1],
+            "contact": jnp.stack([normal, cone - tangential, cone + tangential]),
+            "torque": jnp.concatenate([1.0 - share, 1.0 + share]),
+        }
+        return {name: jnp.atleast_1d(value) for name, value in found.items()}
+
+    def at_impact(self, point: FullPoint) -> Quantities:
+        """Quantities of an impact in this state, each as a vector.
+
+        foot [m], impulse [N s]: normal and both slacks of the friction cone, after: xi after it
+        [rad], momentum: z2 after it, landing: phase after it, reset: all barriers after it [h].
+        """
+        tangential, normal = point.impact.impulse
+        cone = float(self.robot.friction) * normal
+        found = {
+            "foot": point.foot[1],
+            "impulse": jnp.stack([normal, cone - tangential, cone + tangential]),
+            "after": scaled_coordinates(point.eta_after, self.bandwidth, self.weights),
+            "momentum": point.z_after[1],
+            "landing": self.gait.phase(point.z_after[0]),
+            "reset": self.barriers(point.z_after),
+        }
+        return {name: jnp.atleast_1d(value) for name, value in found.items()}
+
+    def at_crossing(self, u: Float[Array, "2"]) -> tuple[Quantities, Vector]:
+        """`at_impact` from eta = 0, and the slope of xi after it in the phase [rad]."""
+
+        def moved(phase: Scalar) -> Quantities:
+            return self.at_impact(self.point(jnp.stack([phase, u[1]]), jnp.zeros(self.size)))
+
+        found, slopes = jax.jvp(moved, (u[0],), (jnp.ones_like(u[0]),))
+        return found, slopes["after"]
+
+    def guard_slopes(self, u: Float[Array, "2"], xi: Outputs) -> "GuardSlopes":
+        """d/d xi of `at_impact` along the guard: the phase gives way so that the foot stays."""
+        phase, level = u
+
+        def moved(at: Vector) -> Quantities:
+            return self.at_impact(self.point(jnp.stack([at[0], level]), at[1:]))
+
+        slopes = jax.jacfwd(moved)(jnp.concatenate([phase[None], xi]))
+        foot = slopes.pop("foot")[0]
+        gives = -foot[1:] / foot[0]
+        along = {name: d[:, 1:] + d[:, :1] * gives[None, :] for name, d in slopes.items()}
+        return GuardSlopes(foot[0], foot[1:], along)
+
+
+class GuardSlopes(NamedTuple):
+    """First derivatives at an impact."""
+
+    fall: Scalar
+    """Of the foot height in the phase [m]."""
+    foot: Vector
+    """Of the foot height in xi at a fixed phase [m/rad]. [2m]"""
+    along: Quantities
+    """Of every other quantity in xi along the guard. [k, 2m] each"""

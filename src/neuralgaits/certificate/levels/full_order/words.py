@@ -1,0 +1,159 @@
+"""The set at full order in words, and its constants with their units (level 4). Needs no JAX."""
+
+from dataclasses import replace
+
+from flint import arb
+
+from neuralgaits.certificate.levels.full_order.inequalities import (
+    after_impact,
+    inlet,
+    least_time,
+    mismatch,
+    r_end,
+    step_factor,
+    tightening,
+)
+from neuralgaits.certificate.levels.full_order.theorem import (
+    STIFF,
+    BarrierConstants,
+    FullOrder,
+    joints_of,
+    lyapunov_rate,
+    premises,
+    weighting,
+)
+from neuralgaits.certificate.levels.premises import Bounds, above, below
+from neuralgaits.records.certified import Constant
+
+_LEAST, _MOST = ("gamma", "radius", "epsilon", "most sigma"), ("step factor", "r_end", "t")
+"""Constants that are bounds from below and from above, where their meaning does not say it."""
+
+
+def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
+    """Every constant of the theorem, and what was proved of contact, torques and foot in D."""
+    w, rate = shape.bandwidth, float(lyapunov_rate(shape.bandwidth))
+    after = above(after_impact(shape))
+    found = [
+        Constant("w", w, "rad/s", "double pole of the outputs, critically damped"),
+        Constant("P stiffness", float(STIFF) ** 2, "1", "V = sum (dy/w)^2 + this (y + dy/w)^2"),
+        Constant("gamma", rate, "1/s", "V' <= -gamma V"),
+        Constant("radius", shape.radius, "rad", "sqrt(V) in the set, at the start of a step"),
+        Constant("shrink", shape.shrink, "1", f"at later phases: {_bound_in_words()}"),
+        Constant("least radius", shape.least_radius, "rad", "what the bound on sqrt(V) shrinks to"),
+        Constant("guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"),
+        Constant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
+        Constant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
+        Constant("T_min", below(least_time(shape)), "s", "time of a step, at least"),
+        Constant("inertia", shape.inertia, "kg m", "-J.s, at least"),
+        Constant("sqrt v_sym", above(mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"),
+        Constant("L_D", shape.gain, "1", "growth of sqrt(V) across an impact, at most"),
+        Constant("r_bar", after, "rad", "sqrt(V+) after any impact of the set, at most"),
+        Constant("step factor", above(step_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
+        Constant("r_end", above(r_end(shape)), "rad", "what sqrt(V+) falls to, step by step"),
+        Constant("L_z", shape.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
+        Constant("start strip", shape.start_strip, "phase", "the set begins so far before phase 0"),
+        Constant("guard strip", shape.guard_strip, "phase", "the guard is met so near to phase 1"),
+        Constant("foot rises", shape.risen, "phase", "until here it rises; then it is up"),
+    ]
+    for barrier in shape.barriers:
+        found += _constants_of(shape, barrier, after)
+    found += [] if bounds is None else _slacks(shape, bounds)
+    return [_sided(constant) for constant in found]
+
+
+def _sided(constant: Constant) -> Constant:
+    """With the side on which it is a bound: as its meaning says, or its name."""
+    if constant.meaning.endswith("at least"):
+        return replace(constant, side="least")
+    if constant.meaning.endswith("at most"):
+        return replace(constant, side="most")
+    name = constant.name.rpartition(": ")[2]
+    if name in _LEAST:
+        return replace(constant, side="least")
+    return replace(constant, side="most") if name in _MOST else constant
+
+
+def _slacks(shape: FullOrder, bounds: Bounds) -> list[Constant]:
+    """Bounds proved of premises that are inequalities of the robot, everywhere in D."""
+    named = {
+        "full/contact": ("contact slack", "weights", "normal force, both sides of the cone"),
+        "full/torque": ("torque slack", "limits", "to both limits of each joint"),
+        "full/foot-rises": ("foot lift", "m/s", "the foot rises by at least this at first"),
+        "full/foot-above": ("foot clearance", "m", "then it is up by this until the guard's strip"),
+        "full/foot-falls": ("foot fall", "m/s", "and falls by at least this in the strip"),
+        "full/impulse": ("impulse slack", "N s", "normal impulse, both sides of the cone"),
+    }
+    return [
+        Constant(name, bounds[output, low, high], unit, f"{meaning}, at least")
+        for output, low, high, _ in premises(shape)
+        if (output, low, high) in bounds and output in named
+        for name, unit, meaning in [named[output]]
+    ]
+
+
+def _constants_of(shape: FullOrder, barrier: BarrierConstants, after: float) -> list[Constant]:
+    name, unit = barrier.name, "1" if barrier.reading == 0.0 else "rad"
+    least = above(arb(barrier.epsilon)) if barrier.sigma <= 0.0 else barrier.epsilon
+    found = [
+        Constant(f"{name}: alpha", barrier.alpha, "1/s", "h' + alpha h >= epsilon at eta = 0"),
+        Constant(f"{name}: epsilon", least, f"{unit}/s", "h' + alpha h >= epsilon at eta = 0"),
+        Constant(f"{name}: c_P", barrier.coupling, f"{unit}/(s rad)", "|d h'/d sqrt(V)|, at most"),
+        Constant(f"{name}: sigma", barrier.sigma, f"{unit}/rad^2", "the set has h - t >= sigma V"),
+        Constant(f"{name}: l_P", barrier.reading, f"{unit}/rad", "|d h/d sqrt(V)| on the robot"),
+        Constant(f"{name}: h(z+)", barrier.reset, unit, "after an impact from eta = 0, at least"),
+        Constant(f"{name}: L_h", barrier.reset_slope, f"{unit}/rad", "d h(z+)/d sqrt(V), at most"),
+    ]
+    if barrier.sigma > 0.0 and after > 0.0:
+        room = below(inlet(shape, barrier) / arb(after) ** 2)
+        # Exactly nothing where outputs do not move it.
+        tightened = above(tightening(barrier)) if barrier.reading != 0.0 else 0.0
+        found += [
+            Constant(f"{name}: t", tightened, unit, "tightening, l_P^2/(4 sigma)"),
+            Constant(
+                f"{name}: most sigma", room, f"{unit}/rad^2", "what the inlet leaves room for"
+            ),
+        ]
+    return found
+
+
+def in_words(shape: FullOrder) -> tuple[str, ...]:
+    """The theorem, one sentence each: what the set is, that it is kept, and what holds in it."""
+    first, last = shape.ends
+    names = [barrier.name for barrier in shape.barriers]
+    steps = "; ".join(f"{_tightened(b)} >= {b.sigma!r} V" for b in shape.barriers)
+    square = float(STIFF) ** 2
+    return (
+        f"D is every full state with z2 > 0, phase from {first!r} to {last!r}, swing foot on or "
+        f"above the ground, sqrt(V) <= {_bound_in_words(shape)}, and {steps}; V is the sum of "
+        f"(dy/w)^2 + {square:g} (y + dy/w)^2 over {_outputs_in_words(shape)}, "
+        f"w = {shape.bandwidth!r} rad/s",
+        "under exact input-output linearisation, ddy = -w^2 y - 2 w dy, in continuous time, every "
+        "trajectory that starts in D stays in D between impacts, meets the ground once and "
+        "transversally in each step, and is in D after the impact: it walks for ever",
+        f"all along, {', '.join(names)} are not negative on the robot itself, outputs included; "
+        "the contact force stays in the friction cone, so does every impulse, and torques stay "
+        "within the robot's limits",
+    )
+
+
+def _bound_in_words(shape: FullOrder | None = None) -> str:
+    """The bound on sqrt(V) along the phase."""
+    if shape is None:
+        return "floor + (radius - floor) exp(-shrink phase^2)"
+    radius, shrink, floor = shape.radius, shape.shrink, shape.least_radius
+    if floor == 0.0:
+        return f"{radius!r} exp(-{shrink!r} phase^2)"
+    return f"{floor!r} + ({radius!r} - {floor!r}) exp(-{shrink!r} phase^2)"
+
+
+def _outputs_in_words(shape: FullOrder) -> str:
+    if not shape.weights:
+        return "the outputs"
+    rows = weighting(shape.weights, joints_of(shape.weights) or 0)
+    return f"the elements of S times the outputs, S = {rows!r}"
+
+
+def _tightened(barrier: BarrierConstants) -> str:
+    if barrier.reading == 0.0:
+        return barrier.name
+    return f"{barrier.name} - {barrier.reading!r}^2/(4 * {barrier.sigma!r})"

@@ -1,0 +1,193 @@
+"""What is put to the search: margins of conditions and of sets as one Program, and root boxes."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float
+from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.certificate.levels.chart import PLAIN, PLANE, Chart, Corner
+from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
+from neuralgaits.certificate.levels.full_order.model import size_of
+from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
+from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
+from neuralgaits.certificate.levels.sets import SOUGHT, Margins, Sets, one_step
+from neuralgaits.certificate.levels.walking_set.theorem import SET
+from neuralgaits.certificate.search.branch_and_bound import Confirm
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.traced import step_at
+from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
+from neuralgaits.programs import Program
+from neuralgaits.programs.prune import prune
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.records.certified import Counterexample
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import model_of
+
+CLAIMED = 0.4
+"""Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
+TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25, DISTURBED: 0.0}
+"""Share of the smallest margin seen that is proved, by label: level 4 tells slack, and each further
+box costs; of the others the sign is all that matters."""
+APART = {
+    "full/contact": "forces",
+    "full/torque": "forces",
+    "disturbed/contact": "forces",
+    "disturbed/torque": "forces",
+    "full/gain": "impact",
+    "full/landing-slope": "impact",
+    "full/reset-slope": "impact",
+    "full/coupling": "coupling",
+}
+"""Outputs that share most of their operations, and many of those: they are bounded apart."""
+SIGN_ONLY: dict[str, Any] = {"claimed": CLAIMED, "tight": 0.0}
+"""In many axes a larger margin costs too many boxes."""
+
+
+def trace_certificate(
+    spec: GaitSpec,
+    robot: PlanarBiped,
+    gait: AnyGait,
+    sets: Sets,
+    residuals: Residuals = NO_RESIDUALS,
+) -> Program:
+    """Margins of the spec's conditions and of the sets, as one Program of the chart point u.
+
+    And of xi, anywhere in the unit ball, if a set is about outputs off zero.
+
+    Raises: SpecError naming the operation and line that cannot be traced.
+    """
+    model = model_of(robot, spec.parameters)
+
+    def margins(u, xi=None):
+        step, zd = step_at(model, gait, u, residuals)
+        return spec.margins(step, zd, u[:PLANE]) | set_margins(spec, step, zd, sets, u, xi)
+
+    inputs = {"u": (spec.chart_size,)}
+    if sets.full_order:
+        inputs["xi"] = (size_of(robot),)
+    parameters = {"policy": gait.policy, "tube": gait.tube}
+    return trace(margins, inputs, parameters=parameters | _named(sets))
+
+
+def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
+    """Parameters of the sets under the names that constants of the Program get."""
+    known = sets.parameters
+    return {
+        level.part: {
+            name: np.array(value) for name, value in level.constants(known[level.number]).items()
+        }
+        for level in LEVELS
+        if level.number in known
+    }
+
+
+def set_margins(
+    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, " n"], xi: Any = None
+) -> Margins:
+    """Margins of the sets at one chart point and one xi, by output name."""
+    found = {}
+    for number in sets.parameters:
+        found |= SOUGHT[number].margins(spec, gait, zd, sets.parameters, u, xi)
+    return found
+
+
+def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
+    """Every box of every condition of the spec, by condition name."""
+    return [
+        (condition.name, box.low, box.high)
+        for condition in spec.conditions
+        for box in spec.regions[condition.region]
+    ]
+
+
+def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -> list[Problem]:
+    """One for each box of each region that has conditions; in more axes, for each condition.
+
+    In many axes boxes are many, and those that one condition needs are no help to another.
+    """
+    problems = []
+    for region, boxes in spec.regions.items():
+        conditions = [c for c in spec.conditions if c.region == region]
+        apart = [[c] for c in conditions] if chart.parameters else [conditions]
+        for group in filter(None, apart):
+            names = tuple(condition.name for condition in group)
+            scales = tuple(float(condition.scale) for condition in group)
+            part, how = prune(program, names), (_sign_only(spec) if chart.parameters else {})
+            problems += [
+                Problem(
+                    region,
+                    *chart.whole(box.low, box.high),
+                    names,
+                    scales,
+                    part,
+                    near=chart.near,
+                    **how,
+                )
+                for box in boxes
+            ]
+    return problems
+
+
+def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Confirm:
+    """Asks the margins' own Python functions, in float64, about one point, with outputs zero."""
+    conditions = {condition.name: condition for condition in spec.conditions}
+    at = one_step(gait, zd, spec.parameters)
+    xi = jnp.zeros(size_of(zd.robot))
+
+    def confirm(name: str, u: np.ndarray) -> Counterexample | None:
+        step, moving = at(jnp.asarray(u))
+        z = step.z(u[:PLANE])
+        if name in conditions:
+            condition = conditions[name]
+            margin = np.min(condition.margins(step, moving, moving.point(z))) / condition.scale
+        else:
+            margin = np.min(set_margins(spec, step, moving, sets, jnp.asarray(u), xi)[name])
+        if not margin < 0.0:
+            return None
+        state = (float(z[0]), float(z[1]))
+        return Counterexample(tuple(map(float, u)), state, float(margin))
+
+    return confirm
+
+
+def premise_problems(
+    spec: GaitSpec, sets: Sets, program: Program, chart: Chart = PLAIN
+) -> list[Problem]:
+    """Root boxes of the levels above 1 with what must hold on each."""
+    scales = {condition.name: float(condition.scale) for condition in spec.conditions}
+    roots: dict[tuple[str, str, Corner, Corner], list[str]] = {}
+    found = labelled_premises(sets.parameters, condition_boxes(spec))
+    for region, name, low, high in found:
+        kind = APART.get(name.split(" ")[0], "")
+        if chart.parameters:
+            kind = name
+        names = roots.setdefault((region, kind, low, high), [])
+        if name not in names:
+            names.append(name)
+    return [
+        Problem(
+            region,
+            *chart.whole(low, high),
+            tuple(names),
+            tuple(scales.get(name, 1.0) for name in names),
+            prune(program, names),
+            least=tuple(sets.least.get(name, 0.0) for name in names),
+            near=chart.near,
+            **(_sign_only(spec) if chart.parameters else _how_near(region)),
+        )
+        for (region, _, low, high), names in roots.items()
+    ]
+
+
+def _sign_only(spec: GaitSpec) -> dict[str, Any]:
+    """In many axes: the sign is proved, and the robot's parameters are halved last."""
+    return {**SIGN_ONLY, "late": len(spec.parameters)}
+
+
+def _how_near(label: str) -> dict[str, Any]:
+    """How near the margins of premises are found and claimed, in the plane."""
+    claimed = Problem.claimed if label == SET else CLAIMED
+    return {"claimed": claimed, "tight": TIGHT.get(label, 0.0)}

@@ -1,0 +1,93 @@
+"""The Program of a gait under its spec: traced once, read by every other interpreter."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float
+from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.barriers.functions import (
+    foot_height,
+    output_mismatch,
+    rate_mismatch,
+)
+from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.certificate.levels.chart import PLANE
+from neuralgaits.errors import SpecError
+from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
+from neuralgaits.gait.commands import Pair, all_pairs
+from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameters import Model, member, model_of, nominal
+
+GUARD_LEVELS = 33
+"""Levels of the guard at which the impact is looked at."""
+
+
+def trace_spec(
+    spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
+) -> Program:
+    """Margins of all conditions as a Program of the chart point u.
+
+    Raises: SpecError naming the operation and line that cannot be traced.
+    """
+    model = model_of(robot, spec.parameters)
+
+    def margins(u):
+        step, zd = step_at(model, gait, u, residuals)
+        return spec.margins(step, zd, u[:PLANE])
+
+    return trace(margins, {"u": (spec.chart_size,)}, parameters=gait)
+
+
+def step_at(
+    model: Model, gait: AnyGait, u: Float[Array, " n"], residuals: Residuals = NO_RESIDUALS
+) -> tuple[Gait, ZeroDynamics]:
+    """Gait and zero dynamics of the step that a chart point belongs to, as one smooth formula.
+
+    Where commands move both ends of a step, phases are told from that of the chart point. Axes
+    behind those of commands are parameters of the robot, which the policy does not know.
+    """
+    end = PLANE + 2 * len(gait.commands)
+    if isinstance(gait, Gait):
+        step = gait
+    else:
+        pair = Pair(u[PLANE:end:2], u[PLANE + 1 : end : 2])
+        step = gait.of_pair(nominal(model), pair, residuals.reset, exact=True, bounded=True)
+        start, guard = step.span
+        anchor = jnp.stack([u[0], start + u[0] * (guard - start)])
+        step = eqx.tree_at(
+            lambda g: g.policy.anchor, step, anchor, is_leaf=lambda leaf: leaf is None
+        )
+    return step, ZeroDynamics(member(model, u[end:]), step.policy, *residuals)
+
+
+def after_impact(
+    robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
+) -> dict[str, float] | None:
+    """What the real impact leaves of the outputs, the worst over the end of the tube.
+
+    Zero to rounding for a hybrid-invariant policy whose end points lie inside its bounds.
+
+    Returns: output_rad, rate_rad_s, foot_height_m; None if the policy cannot be traced.
+    """
+
+    def errors(u):
+        step, zd = step_at(robot, gait, u, residuals)
+        point = zd.point(step.z(u[:PLANE]))
+        return {
+            "output_rad": output_mismatch(point),
+            "rate_rad_s": rate_mismatch(point),
+            "foot_height_m": foot_height(point),
+        }
+
+    try:
+        program = trace(errors, {"u": (PLANE + 2 * len(gait.commands),)})
+    except SpecError:
+        return None
+    guard = np.stack([np.ones(GUARD_LEVELS), np.linspace(0.0, 1.0, GUARD_LEVELS)], axis=1)
+    pairs = all_pairs(gait.commands, 2)
+    guard = np.concatenate([np.hstack([guard, np.tile(v, (GUARD_LEVELS, 1))]) for v in pairs])
+    values = evaluate(program, {"u": guard}, POINT)
+    return {name: float(np.max(np.abs(value))) for name, value in values.items()}

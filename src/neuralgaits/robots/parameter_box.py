@@ -1,0 +1,104 @@
+"""Boxes of robots and floors as they are given, `mass=2%,com=5mm`: half widths by kind."""
+
+import math
+import re
+from collections.abc import Mapping
+
+from neuralgaits._names import meant
+from neuralgaits.errors import InputError
+
+Box = Mapping[str, float]
+"""Half widths by kind of parameter: shares of the file's value, or metres. Of the floor: how many
+metres a foothold may be higher or lower than meant; the least coefficient of friction."""
+UNITS: dict[str, dict[str, float]] = {
+    "mass": {"%": 0.01, "": 1.0},
+    "com": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
+    "inertia": {"%": 0.01, "": 1.0},
+    "rotor": {"%": 0.01, "": 1.0},
+    "floor": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
+    "friction": {"": 1.0},
+}
+"""Kinds of parameter, in the order of their axes, and the units that they may be given in."""
+GROUND = "floor", "friction"
+"""Those of the floor, which have no axes: no quantity at a state depends on them."""
+_MOST = {
+    "com": (0.5, " m", "write a unit, as in 5mm"),
+    "floor": (0.5, " m", "write a unit, as in 5mm"),
+    "friction": (5.0, "", "it is the least coefficient, as in 0.5"),
+}
+"""Largest size of what is no share, and what is said beyond: no foot here steps half a metre wrong,
+and hardly a pair of materials has more friction."""
+_NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
+
+
+def parse_box(text: str) -> dict[str, float]:
+    """Read `mass=2%,com=5mm,inertia=5%,rotor=5%`. Returns: half widths by kind.
+
+    Raises: InputError on unknown names, on values that are none, and on units that do not fit.
+    """
+    box: dict[str, float] = {}
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if not equals:
+            raise InputError(
+                f"--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found {part!r}"
+            )
+        _refuse_unknown(name)
+        if name in box:
+            raise InputError(f"--parameters: expected {name} once, found it twice")
+        box[name] = _size(name, value)
+    if not box:
+        raise InputError("--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found none")
+    return checked_box(box)
+
+
+def _size(name: str, value: str) -> float:
+    found, units = _NUMBER.fullmatch(value), UNITS[name]
+    if found is None or found[2] not in units:
+        known = " or ".join(filter(None, units))
+        known = f" in {known}" if known else " without a unit, the coefficient, as in 0.5"
+        raise InputError(
+            f"--parameters: expected {name} as a number above 0{known}, found {value!r}"
+        )
+    try:
+        half = float(found[1]) * units[found[2]]
+    except ValueError:
+        raise InputError(f"--parameters: expected a number for {name}, found {value!r}") from None
+    if not found[2] and name not in _MOST and 1.0 <= half < math.inf:
+        raise InputError(
+            f"--parameters: expected {name} as a share such as 2% or 0.02, found {value}: "
+            "write the per cent sign"
+        )
+    return half
+
+
+def _refuse_unknown(name: object) -> None:
+    if name not in UNITS:
+        hint = meant(str(name), UNITS)
+        raise InputError(
+            f"--parameters: expected {', '.join(UNITS)}, found {name!r}{'; ' if hint else ''}{hint}"
+        )
+
+
+def checked_box(box: Box) -> dict[str, float]:
+    """A box in the order of `UNITS`, known to hold robots.
+
+    Raises: InputError on unknown names, sizes that are none, and boxes with negative masses.
+    """
+    for name, half in box.items():
+        _refuse_unknown(name)
+        if not (math.isfinite(half) and half > 0.0):
+            raise InputError(f"--parameters: expected {name} above 0, found {half:g}: leave it out")
+        most, unit, meant_so = _MOST.get(name, (math.inf, "", ""))
+        if half > most:
+            raise InputError(
+                f"--parameters: expected {name} of at most {most:g}{unit}, found {half:g}{unit}: "
+                f"{meant_so}"
+            )
+        if name not in _MOST and half >= 1.0:
+            what = {"rotor": "rotor inertia"}.get(name, name)
+            raise InputError(
+                f"--parameters: expected {name} below 100 %, found {100.0 * half:g} %: the box "
+                f"would hold robots whose {what} is zero or negative"
+            )
+    return {name: float(box[name]) for name in UNITS if name in box}

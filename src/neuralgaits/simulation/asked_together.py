@@ -1,0 +1,111 @@
+"""Settings of a walk that do not go together: each pair is refused in one line.
+
+`simulate` asks here before anything is compiled.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.control import AbstractLaw
+from neuralgaits.errors import InputError
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameter_box import checked_box
+from neuralgaits.simulation.linked.config import LinkConfig, parse_link
+from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
+from neuralgaits.simulation.setup.orders import parsed
+from neuralgaits.simulation.setup.terrain_kinds import told_by
+
+REMOTE = "c"
+"""Name of the controller that is a process of its own."""
+
+
+def drawn_robots(
+    robot: PlanarBiped,
+    parameters: Mapping[str, float] | None,
+    seed: int,
+    plant: str | Path | None,
+    terrain: str | Path | None,
+    controller: str | AbstractLaw,
+) -> DrawnRobots | None:
+    """Robots of a box; None without one. Raises: InputError where something else says who walks."""
+    box = checked_box(parameters or {})
+    if not box:
+        return None
+    others = {"--plant": plant, "--terrain": terrain}
+    given = [name for name, value in others.items() if value is not None]
+    if controller == REMOTE:
+        given.append(f"--controller {REMOTE}")
+    if given:
+        raise InputError(
+            f"expected --parameters without {given[0]}, found both: robots are drawn around the "
+            "run's own, and walk on its floor; leave one out"
+        )
+    return DrawnRobots(robot, box, seed)
+
+
+def refuse_shared(
+    controller: str | AbstractLaw,
+    log: str | Path | None,
+    film: str | Path | None,
+    terrain: str | Path | None,
+) -> None:
+    """Refuse what only this process can do."""
+    if not isinstance(controller, str) or controller == REMOTE:
+        raise InputError(
+            "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
+            "another: leave them out"
+        )
+    if log is not None or film is not None:
+        raise InputError(
+            "expected --workers or --ray without --log and --video, found them together: walk the "
+            "one that is to be kept by itself"
+        )
+    if terrain is not None:
+        raise InputError(
+            "expected --terrain without --workers or --ray, found them together: leave these out"
+        )
+
+
+def link_of(
+    link: str | Mapping[str, Any] | LinkConfig | None,
+    controller: str | AbstractLaw,
+    disturbance: Disturbance,
+) -> LinkConfig | None:
+    """How a controller's process is reached; None without one."""
+    if controller != REMOTE:
+        if link is not None:
+            raise InputError(f"expected --link with --controller {REMOTE} only, found {link!r}")
+        return None
+    if disturbance.estimator:
+        raise InputError(
+            f"expected perfect sensing with --controller {REMOTE}, found encoders: its readings "
+            "carry rates and velocity; take pd, fblin or paper, which estimate them in the same C"
+        )
+    return parse_link(link)
+
+
+def refuse_beside_terrain(
+    terrain: str,
+    command: str | Mapping[str, float] | None,
+    commands: str | Path | None,
+    disturbance: Disturbance,
+) -> None:
+    """Refuse what a terrain leaves no room for. Raises: InputError."""
+    if commands is not None:
+        raise InputError(
+            "expected --terrain or --commands, found both: the robot is told what it sees"
+        )
+    given = parsed(command) if isinstance(command, str) else command or {}
+    taken = [name for name in given if name in told_by(terrain)]
+    if taken:
+        raise InputError(
+            f"expected --command without {taken[0]} on a terrain, found {taken[0]}: there the "
+            "robot is told what it sees; leave it out"
+        )
+    if disturbance.slope_deg or disturbance.floor_height:
+        raise InputError(
+            "expected a terrain or a floor that is disturbed, found both: leave out slope_deg and "
+            "floor_height"
+        )

@@ -1,0 +1,136 @@
+"""What stays fixed while an episode walks, and what the plant reads at each tick."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import numpy as np
+
+from neuralgaits._types import Array, Float, Int
+from neuralgaits.control import (
+    Controller,
+)
+from neuralgaits.control.estimator import Estimator
+from neuralgaits.gait.commands import Limits
+from neuralgaits.robots import MjcfLayout, PlanarBiped
+from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.simulation.setup.plant import Plant
+from neuralgaits.simulation.ticks.falls import FallConfig
+
+
+class PlantReading(NamedTuple):
+    """The plant as one tick finds it."""
+
+    state: Float[Array, " s"]
+    """Time, qpos and qvel."""
+    touch: Float[Array, "2"]
+    """Normal force on each foot [N]."""
+    floor: Float[Array, "2"]
+    """Floor level under each foot at x = 0 [m]; on a course, of the foothold each had last."""
+    noise: Float[Array, "2 j"]
+    """Standard normal noise of angles and rates: pitch first, then the joints of both legs."""
+    wanted: Float[Array, " p"]
+    """What the next touchdown is to latch."""
+
+
+class Scene(eqx.Module):
+    """Everything a tick needs that stays fixed during a simulation.
+
+    Attributes:
+        controller: of all episodes; unless they share a policy, `policy` and `bounds` have a
+            leading axis of episodes.
+        plant_robot: the plant's own numbers, disturbances left out.
+        slope: rise of the floor per metre forward.
+        noise: standard deviation of angles, rates and pitch [rad], [rad/s], [rad]. [3]
+        pitch_offset: of the pitch [rad].
+        encoder_step: resolution of angles, 0 for exact ones [rad].
+        steps: walking steps of an episode.
+        first: command that episodes begin with. [p]
+        gap_depth: how far below its stones a foot has missed them, infinite without any [m].
+        layout: of the plant's file.
+        sizes: of the plant's qpos and ctrl.
+        estimator: of rates and hip velocity; None where they are measured.
+        delay_ticks: from a reading to its torque.
+        addresses: of root, joints and motors in the plant's arrays, as in `StateMap`.
+        falls: thresholds of a fall.
+    """
+
+    controller: Controller
+    plant_robot: PlanarBiped
+    slope: Float[Array, ""]
+    noise: Float[Array, "3"]
+    pitch_offset: Float[Array, ""]
+    encoder_step: Float[Array, ""]
+    steps: Int[Array, ""]
+    first: Float[Array, " p"]
+    gap_depth: Float[Array, ""]
+    layout: MjcfLayout = eqx.field(static=True)
+    sizes: tuple[int, int] = eqx.field(static=True)
+    addresses: tuple[tuple, tuple, tuple] = eqx.field(static=True)
+    falls: FallConfig = eqx.field(static=True)
+    on_course: bool = eqx.field(static=True)
+    estimator: Estimator | None = eqx.field(static=True)
+    delay_ticks: int = eqx.field(static=True)
+
+    @classmethod
+    def of(
+        cls,
+        plant: Plant,
+        controller: Controller,
+        steps: int,
+        falls: FallConfig,
+        first: Float[np.ndarray, " p"] | None = None,
+        gap_depth: float = np.inf,
+    ) -> "Scene":
+        """The scene of a plant and a controller; `first` is the middle of the ranges if None."""
+        if first is None:
+            first = Limits.of(controller.policy.commands).middle
+        wires, disturbance = plant.wires, plant.disturbance
+        return cls(
+            controller=controller,
+            plant_robot=plant.robot,
+            slope=np.asarray(plant.slope),
+            noise=np.array(
+                [disturbance.encoder_noise, disturbance.rate_noise, disturbance.noise_of_pitch]
+            ),
+            pitch_offset=np.asarray(disturbance.pitch_offset),
+            encoder_step=np.asarray(disturbance.encoder_step),
+            steps=np.asarray(steps, dtype=np.int32),
+            first=first,
+            gap_depth=np.asarray(gap_depth),
+            layout=wires.layout,
+            sizes=(wires.nq, wires.nu),
+            addresses=(_frozen(wires.root), _frozen(wires.joints), _frozen(wires.actuators)),
+            falls=falls,
+            on_course=plant.course is not None,
+            estimator=Estimator() if disturbance.estimator else None,
+            delay_ticks=plant.delay_ticks if disturbance.estimator else 0,
+        )
+
+    @property
+    def wires(self) -> StateMap:
+        """Where the robot's coordinates live in the plant."""
+        return StateMap(self.layout, *self.sizes, *(np.array(part) for part in self.addresses))
+
+    @property
+    def reading_size(self) -> int:
+        """Length of a packed `PlantReading`."""
+        return sum(int(np.prod(shape)) for shape in self._reading_shapes())
+
+    def reading(self, packed: Float[Array, " r"]) -> PlantReading:
+        """Unpack a `PlantReading`."""
+        parts, at = [], 0
+        for shape in self._reading_shapes():
+            size = int(np.prod(shape))
+            parts.append(packed[at : at + size].reshape(shape))
+            at += size
+        return PlantReading(*parts)
+
+    def _reading_shapes(self) -> tuple[tuple[int, ...], ...]:
+        nq, _ = self.sizes
+        joints = sum(len(leg) for leg in self.addresses[1])
+        return ((1 + 2 * nq,), (2,), (2,), (2, 1 + joints), self.first.shape)
+
+
+def _frozen(addresses: np.ndarray) -> tuple:
+    nested = addresses.tolist()
+    return tuple(tuple(part) if isinstance(part, list) else part for part in nested)

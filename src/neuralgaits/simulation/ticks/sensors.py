@@ -1,0 +1,71 @@
+"""What there is to measure at a tick, and what the controller is told of it."""
+
+from typing import NamedTuple, cast
+
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float, Int, Planar, Scalar, ZeroState
+from neuralgaits.control import (
+    Measurement,
+)
+from neuralgaits.control.measurement import coordinates, stance_foot_velocity
+from neuralgaits.control.momentum import zero_state
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.ticks.scene import PlantReading, Scene
+from neuralgaits.simulation.ticks.wiring import measure
+
+
+class Sensed(NamedTuple):
+    """What there is to measure, and what is measured of it."""
+
+    truth: Measurement
+    """Without noise."""
+    seen: Measurement
+    """As the controller is told."""
+    hip: Planar
+    """Hip position in the world, (x, z) [m]."""
+
+
+def sense(scene: Scene, reading: PlantReading) -> Sensed:
+    """Read the sensors of one episode."""
+    wires = scene.wires
+    time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
+    # Written for NumPy, but with nothing that JAX arrays cannot do.
+    sensors = wires.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
+    arm, swept = wires.layout.hip_arm(sensors.pitch - wires.layout.root_angle, jnp)
+    truth = measure(sensors, swept, time, reading.touch)
+    shifted = truth._replace(pitch=truth.pitch + scene.pitch_offset)
+    seen = _rounded(_noisy(shifted, reading.noise, scene.noise), scene.encoder_step)
+    return Sensed(truth, seen, sensors.base + arm)
+
+
+def _noisy(
+    truth: Measurement, draws: Float[Array, "2 j"], deviation: Float[Array, "3"]
+) -> Measurement:
+    angles, rates = deviation[:2, None] * draws
+    shape = truth.angles.shape
+    return truth._replace(
+        pitch=truth.pitch + deviation[2] * draws[0, 0],
+        dpitch=truth.dpitch + rates[0],
+        angles=truth.angles + angles[1:].reshape(shape),
+        rates=truth.rates + rates[1:].reshape(shape),
+    )
+
+
+def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
+    """Angles as an encoder counts them."""
+    exact = resolution == 0.0
+    unit = jnp.where(exact, 1.0, resolution)
+
+    def counted(angle):
+        return jnp.where(exact, angle, unit * jnp.round(angle / unit))
+
+    return measured._replace(pitch=counted(measured.pitch), angles=counted(measured.angles))
+
+
+def true_z(robot: PlanarBiped, truth: Measurement, leg: Int[Array, ""]) -> ZeroState:
+    """Z of a robot standing on `leg` (m, kg m^2/s). Returns: [2]."""
+    q, dq = coordinates(robot, truth, leg)
+    z, _ = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, truth))
+    return z

@@ -1,0 +1,27 @@
+"""A law has a name wherever one can be asked for."""
+
+from typing import get_args, get_type_hints
+
+import pytest
+
+from neuralgaits.cli import arguments
+from neuralgaits.control.laws import EXPORTED, LAWS, law_named
+from neuralgaits.errors import InputError
+from neuralgaits.records.walked import EpisodesAsked
+from neuralgaits.simulation.asked_together import REMOTE
+
+
+def test_the_command_line_knows_every_law():
+    assert get_args(get_type_hints(arguments.Simulate)["controller"]) == (*LAWS, REMOTE)
+
+
+def test_episodes_are_read_back_under_every_law():
+    assert get_args(get_type_hints(EpisodesAsked)["controller"]) == tuple(LAWS)
+
+
+def test_a_law_is_found_by_its_name_or_is_itself():
+    for name, law in LAWS.items():
+        assert law_named(name) is law_named(law) is law
+    assert set(EXPORTED) < set(LAWS)
+    with pytest.raises(InputError, match="expected one of pd, fblin, paper, clf-qp"):
+        law_named("pid")
