@@ -38,6 +38,8 @@ TORQUE_SHARE = 0.927
 """Share of the torque limit the zero dynamics may use: 38 of 41 N m on AMBER-3M."""
 CLEARANCE = 0.02
 """Height of the arc that the swing foot stays above, of the reference robot [m]."""
+OVER_EDGES = 0.005
+"""Height above the edge of a stair, likewise [m]."""
 LEAST_BEND = 0.05
 """Bend of a knee away from straight that is always kept [rad]."""
 START_ENERGIES = (0.23, 0.57)
@@ -272,15 +274,11 @@ def _knee_bend(robot: "PlanarBiped") -> Quantity:
 
 
 def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]:
-    """Rise, clear, fall: the swing foot touches the ground only at the guard.
-
-    Heights are above the line between footholds, and the edge of a stair is half its rise above
-    that line.
-    """
+    """Rise, clear, fall: the swing foot touches the ground only at the guard."""
     unit = units(robot)
     # Without rotor inertia the faster lift-off is out of reach (LESSONS 46).
     rise = (0.1 if np.any(robot.armature > 0) else 0.05) * unit.speed
-    ceiling, clearance = 0.12 * unit.length, CLEARANCE * unit.length + 0.5 * highest
+    ceiling, clearance = 0.12 * unit.length, _clearance(unit, highest)
     speed = 0.5 * unit.speed
     velocity = f.foot_vertical_velocity
     return [
@@ -289,6 +287,15 @@ def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]
         Pointwise("foot-clears", "swing", 0.05 * unit.length, f.foot_above_arc(clearance)),
         Pointwise("foot-falls", "landing", speed, f.at_most(velocity, -0.1 * unit.speed)),
     ]
+
+
+def _clearance(unit: Units, highest: float) -> float:
+    """Of an arc over the line between footholds, so that it is above the edges of stairs [m].
+
+    An edge is half a rise above that line, and half-way between two stairs: met at about three
+    quarters of a step, where the arc has three quarters of its height.
+    """
+    return max(CLEARANCE * unit.length, (0.5 * highest + OVER_EDGES * unit.length) / 0.75)
 
 
 def _tube() -> list[AbstractCondition]:
