@@ -1,8 +1,8 @@
 """The default spec: what makes a gait physically walk, and provable.
 
 Lengths scale with the leg length l, speeds with sqrt(g l), forces with m g, torques in the
-margins with the robot's own limits. The numbers were found on AMBER-3M (leg 0.8731 m, LESSONS
-42-46) and stand here as that robot's values.
+margins with the robot's own limits. The numbers were found by trials on AMBER-3M (leg 0.8731 m)
+and stand here as that robot's values.
 """
 
 from functools import partial
@@ -276,7 +276,7 @@ def _knee_bend(robot: "PlanarBiped") -> Quantity:
 def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]:
     """Rise, clear, fall: the swing foot touches the ground only at the guard."""
     unit = units(robot)
-    # Without rotor inertia the faster lift-off is out of reach (LESSONS 46).
+    # Without rotor inertia no gait was found that lifts off faster.
     rise = (0.1 if np.any(robot.armature > 0) else 0.05) * unit.speed
     ceiling, clearance = 0.12 * unit.length, _clearance(unit, highest)
     speed = 0.5 * unit.speed
