@@ -247,6 +247,7 @@ class LeafChecker {
  private:
   static constexpr int kMoreSplits = 6;   // How often a leaf may be split again along each axis.
   static constexpr size_t kMostMore = 1 << 18;  // Boxes for one leaf: in many axes it would not end.
+  static constexpr double kMostlyTold = 4.0;  // Twice what coefficients make a range wide.
   static constexpr size_t kCorners = 3;   // With more axes, corners are too many to be tried.
   Bounder& bounder_;
   const Chart& chart_;
@@ -288,15 +289,24 @@ class LeafChecker {
     return left;
   }
 
-  // The axis along which to halve: the one with most influence on the worst margin, or the longest.
+  // The axis along which to halve: the one with most influence on the worst margin. Of a range that
+  // is wide mostly by what has a higher degree, which no coefficient tells of, and without a bound,
+  // the longest.
   std::optional<size_t> axis_to_halve(const Box& box, const vector<Failing>& left) const {
+    const std::optional<Estimate>& worst = left[0].worst;
+    bool told = false;
+    if (worst) {
+      double influence = 0.0;
+      for (size_t axis = 0; axis < box.low.size(); ++axis) influence += worst->influence[axis];
+      told = worst->range.high() - worst->range.low() < kMostlyTold * influence;
+    }
     std::optional<size_t> best;
     double most = 0.0;
     for (size_t axis = 0; axis < box.low.size(); ++axis) {
       if (!(box.low[axis] < box.high[axis])) continue;
-      double weight = (box.high[axis] - box.low[axis]) / (chart_[axis].high - chart_[axis].low);
-      for (const Failing& one : left)
-        if (one.worst && one.claim == left[0].claim) weight = one.worst->influence[axis];
+      const double weight = told ? worst->influence[axis]
+                                 : (box.high[axis] - box.low[axis]) /
+                                       (chart_[axis].high - chart_[axis].low);
       if (!best || weight > most) {
         best = axis;
         most = weight;
