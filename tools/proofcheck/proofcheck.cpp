@@ -46,7 +46,7 @@
 // numbers, and nothing says that the Program is about them.
 //
 // Boxes are shared out among the machine's threads, at most eight; proofcheck --one-thread bounds all
-// of them in one. Answers do not depend on it.
+// of them in one. Answers do not depend on it. How far a long statement is goes to standard error.
 //
 // It is compiled in one line:
 // g++ -std=c++17 -O1 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
