@@ -247,6 +247,7 @@ class LeafChecker {
  private:
   static constexpr int kMoreSplits = 6;   // How often a leaf may be split again along each axis.
   static constexpr size_t kMostMore = 1 << 18;  // Boxes for one leaf: in many axes it would not end.
+  static constexpr double kMostlyTold = 4.0;  // Twice what coefficients make a range wide.
   static constexpr size_t kCorners = 3;   // With more axes, corners are too many to be tried.
   Bounder& bounder_;
   const Chart& chart_;
@@ -288,15 +289,24 @@ class LeafChecker {
     return left;
   }
 
-  // The axis along which to halve: the one with most influence on the worst margin, or the longest.
+  // The axis along which to halve: the one with most influence on the worst margin. Of a range that
+  // is wide mostly by what has a higher degree, which no coefficient tells of, and without a bound,
+  // the longest.
   std::optional<size_t> axis_to_halve(const Box& box, const vector<Failing>& left) const {
+    const std::optional<Estimate>& worst = left[0].worst;
+    bool told = false;
+    if (worst) {
+      double influence = 0.0;
+      for (size_t axis = 0; axis < box.low.size(); ++axis) influence += worst->influence[axis];
+      told = worst->range.high() - worst->range.low() < kMostlyTold * influence;
+    }
     std::optional<size_t> best;
     double most = 0.0;
     for (size_t axis = 0; axis < box.low.size(); ++axis) {
       if (!(box.low[axis] < box.high[axis])) continue;
-      double weight = (box.high[axis] - box.low[axis]) / (chart_[axis].high - chart_[axis].low);
-      for (const Failing& one : left)
-        if (one.worst && one.claim == left[0].claim) weight = one.worst->influence[axis];
+      const double weight = told ? worst->influence[axis]
+                                 : (box.high[axis] - box.low[axis]) /
+                                       (chart_[axis].high - chart_[axis].low);
       if (!best || weight > most) {
         best = axis;
         most = weight;
@@ -381,8 +391,13 @@ size_t all_threads() {
 
 class Checker {
  public:
-  Checker(const Bounding& bounding, const Chart& chart, const Statement& statement, size_t threads)
-      : chart_(chart), statement_(statement) {
+  // `told` hears every now and then which share of the leaves is done.
+  using Told = std::function<void(double)>;
+
+  Checker(const Bounding& bounding, const Chart& chart, const Statement& statement, size_t threads,
+          Told told)
+      : chart_(chart), statement_(statement), told_(std::move(told)),
+        count_(static_cast<double>(std::count(statement.tree.begin(), statement.tree.end(), '-'))) {
     for (const Claim& claim : statement_.claims)
       if (claim.output->unknown.empty()) known_.push_back(&claim);
     for (size_t k = 0; k < threads; ++k) {
@@ -392,8 +407,8 @@ class Checker {
   }
 
   // A leaf that is undecided does not end the search for a point that breaks the statement. Leaves
-  // are bounded by several threads, and looked at in their order, up to the first that is rejected:
-  // what is found does not depend on the number of threads.
+  // are bounded by several threads, and answers looked at in the leaves' order, up to the first that
+  // is rejected: what is found does not depend on the number of threads.
   Finding run() {
     for (const Claim& claim : statement_.claims)
       if (!claim.output->unknown.empty())
@@ -402,9 +417,10 @@ class Checker {
     Leaves leaves(statement_);
     for (bool more = true; more && found_.verdict != rejected;) {
       leaves_.clear();
-      while (leaves_.size() < kBlock && (more = leaves.next()))
+      const double before = passed_;
+      for (; leaves_.size() < kBlock && (more = leaves.next()); ++passed_)
         if (is_asked(leaves.box(), chart_)) leaves_.push_back(leaves.box());
-      check_leaves();
+      check_leaves(before);
       for (const Answer& answer : answers_) {
         if (answer.problem) std::rethrow_exception(answer.problem);
         note(answer.finding);
@@ -415,7 +431,7 @@ class Checker {
   }
 
  private:
-  static constexpr size_t kBlock = 8192, kWorthAThread = 64;
+  static constexpr size_t kBlock = 1 << 16, kWorthAThread = 64;
   struct Answer {
     Finding finding = {undecided, "a leaf was not looked at", 0};
     std::exception_ptr problem;  // Instead, if the file contradicts itself.
@@ -423,6 +439,9 @@ class Checker {
   };
   const Chart& chart_;
   const Statement& statement_;
+  const Told told_;
+  const double count_;   // Leaves of the statement,
+  double passed_ = 0.0;  // and of these, those that were gone to.
   vector<const Claim*> known_;
   vector<std::unique_ptr<Bounder>> bounders_;  // One for each thread, as are these:
   vector<std::unique_ptr<LeafChecker>> checkers_;
@@ -437,15 +456,40 @@ class Checker {
     found_.reason = finding.reason;
   }
 
-  // Leaves are taken in their order, so all before one that is taken have been: none is left out
-  // before the first that ends the search.
-  void check_leaves() {
+  // Leaves over the same commands one after the other, and of these, over the same phases: a bounder
+  // keeps what depends on nothing else.
+  vector<size_t> neighbours() const {
+    vector<size_t> found(leaves_.size()), axes;
+    for (size_t k = 0; k < found.size(); ++k) found[k] = k;
+    for (size_t axis = 2; axis < chart_.size(); ++axis) axes.push_back(axis);
+    for (const size_t axis : {0, 1}) axes.push_back(axis);
+    std::sort(found.begin(), found.end(), [&](size_t a, size_t b) {
+      for (const size_t axis : axes) {
+        if (leaves_[a].low[axis] != leaves_[b].low[axis])
+          return leaves_[a].low[axis] < leaves_[b].low[axis];
+        if (leaves_[a].high[axis] != leaves_[b].high[axis])
+          return leaves_[a].high[axis] < leaves_[b].high[axis];
+      }
+      return a < b;
+    });
+    return found;
+  }
+
+  // No leaf is left out before the first, by its number, that ends the search.
+  void check_leaves(double before) {
     answers_.assign(leaves_.size(), {});
+    const vector<size_t> order = neighbours();
     std::atomic<size_t> next{0}, end{leaves_.size()};
     const size_t at_once = bounders_[0]->most_boxes();
     const auto work = [&](size_t thread) {
-      for (size_t first; (first = next.fetch_add(at_once)) < end;)
-        check_some(*checkers_[thread], first, std::min(first + at_once, leaves_.size()), end);
+      for (size_t first; (first = next.fetch_add(at_once)) < order.size();) {
+        vector<size_t> some;
+        for (size_t k = first; k < std::min(first + at_once, order.size()); ++k)
+          if (order[k] < end) some.push_back(order[k]);
+        if (!some.empty()) check_some(*checkers_[thread], some, end);
+        const double share = static_cast<double>(first) / static_cast<double>(order.size());
+        if (thread == 0) told_((before + share * (passed_ - before)) / count_);
+      }
     };
     const size_t count = std::min(bounders_.size(), 1 + leaves_.size() / kWorthAThread);
     vector<std::thread> others;
@@ -461,17 +505,19 @@ class Checker {
     for (std::thread& other : others) other.join();
   }
 
-  void check_some(LeafChecker& checker, size_t first, size_t last, std::atomic<size_t>& end) {
+  void check_some(LeafChecker& checker, const vector<size_t>& some, std::atomic<size_t>& end) {
     vector<const Box*> boxes;
-    for (size_t k = first; k < last; ++k) boxes.push_back(&leaves_[k]);
+    for (const size_t k : some) boxes.push_back(&leaves_[k]);
     vector<bool> reached(boxes.size());
     try {
       checker.look(boxes, known_, reached);
     } catch (...) {  // Whatever it is, it is met again at the leaf that it is due to.
     }
-    for (size_t k = first; k < last && k < end; ++k) {
+    for (size_t i = 0; i < some.size(); ++i) {
+      const size_t k = some[i];
+      if (k >= end) continue;
       Answer& answer = answers_[k];
-      if (reached[k - first]) {
+      if (reached[i]) {
         answer.finding = {proved, "", 1};
         continue;
       }

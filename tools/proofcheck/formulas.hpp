@@ -17,11 +17,13 @@ namespace {
 struct Element {
   enum Kind { axis, fibre, number, negative, plus, minus, times, scaled, row, expanded };
   Kind kind;
-  vector<size_t> operands;  // Of a row: k_1, t_1, k_2, t_2, .. and perhaps c.
+  vector<size_t> operands;  // Of a row: k_1, t_1, k_2, t_2, .. and perhaps c; the k_i are doubles.
   size_t which = 0;         // Of an axis or a fibre.
   I value;                  // Of a number.
   Expansion (*near)(double, double) = nullptr;
   std::uint32_t needs = 0;  // A bit for each axis that it depends on, and kXi.
+
+  bool is_double() const { return kind == number && value.low() == value.high(); }
 };
 constexpr std::uint32_t kXi = std::uint32_t{1} << kMostAxes;
 

@@ -42,22 +42,28 @@ inline V size(V x) { return (V)((Bits)x & INT64_MAX); }  // |x|: without its sig
 constexpr double kEps = 0x1p-52, kTiny = 0x1p-1000;
 
 // Where the numbers of a value are: its coefficients 1, e_i, e_i e_j for i <= j row by row, those of
-// xi, then r, and bounds on the magnitudes of what has first degree in e, and of what is neither
-// that nor constant: |c_1| + .. + |c_n| and sum |c_ij| + |s|.
+// xi, then r, and what magnitudes add up to: |c_1| + .. + |c_n|, of first degree in e; of what is
+// neither that nor constant, sum |c_ij| + |s|; and of all that but r.
+template <int N>
 struct Layout {
-  size_t axes, fibres;
+  static constexpr size_t kPolynomial = 1 + N + N * (N + 1) / 2;
+  size_t fibres;
 
-  size_t polynomial() const { return 1 + axes + axes * (axes + 1) / 2; }
-  size_t terms() const { return polynomial() + fibres; }
-  size_t remainder() const { return terms(); }
-  size_t first() const { return terms() + 1; }
-  size_t higher() const { return terms() + 2; }
-  size_t numbers() const { return terms() + 3; }
+  size_t remainder() const { return kPolynomial + fibres; }
+  size_t first() const { return remainder() + 1; }
+  size_t higher() const { return remainder() + 2; }
+  size_t whole() const { return remainder() + 3; }
+  size_t numbers() const { return remainder() + 4; }
 };
 
+// Of N coordinates. Loops over coefficients are unrolled: they are short, and what they add up stays in
+// registers.
+template <int N>
 class Arithmetic {
  public:
-  explicit Arithmetic(Layout layout) : at_(layout), n_(layout.axes), terms_(layout.terms()) {}
+  explicit Arithmetic(Layout<N> layout)
+      : terms_(layout.remainder()), first_(layout.first()), higher_(layout.higher()),
+        whole_(layout.whole()) {}
 
   // [low, high] on each lane, as in section 3: middle + radius e_axis.
   void coordinate(V* y, size_t axis, const std::array<I, kLanes>& ends) const {
@@ -74,7 +80,7 @@ class Arithmetic {
 
   void fibre(V* y, size_t k) const {
     clear(y);
-    y[at_.polynomial() + k] = all(1.0);
+    y[kPolynomial + k] = all(1.0);
     measure(y);
   }
 
@@ -83,23 +89,28 @@ class Arithmetic {
     const double m = middle(number);
     y[0] = all(m);
     y[terms_] = all(larger(number.n + m, number.h - m));
+    measure(y);
   }
 
   // A sign is exact.
   void negative(const V* a, V* y) const {
     for (size_t i = 0; i < terms_; ++i) y[i] = -a[i];
-    for (size_t i = terms_; i < at_.numbers(); ++i) y[i] = a[i];
+    for (size_t i = terms_; i <= whole_; ++i) y[i] = a[i];
   }
 
   // One rounding for each coefficient.
   void plus(const V* a, const V* b, V* y) const {
-    for (size_t i = 0; i < terms_; ++i) y[i] = a[i] + b[i];
-    y[terms_] = a[terms_] + b[terms_] + kEps * (magnitude(a) + magnitude(b));
+#pragma GCC unroll 64
+    for (size_t i = 0; i < kPolynomial; ++i) y[i] = a[i] + b[i];
+    for (size_t i = kPolynomial; i < terms_; ++i) y[i] = a[i] + b[i];
+    y[terms_] = a[terms_] + b[terms_] + kEps * (a[whole_] + b[whole_]);
     measure(y);
   }
   void minus(const V* a, const V* b, V* y) const {
-    for (size_t i = 0; i < terms_; ++i) y[i] = a[i] - b[i];
-    y[terms_] = a[terms_] + b[terms_] + kEps * (magnitude(a) + magnitude(b));
+#pragma GCC unroll 64
+    for (size_t i = 0; i < kPolynomial; ++i) y[i] = a[i] - b[i];
+    for (size_t i = kPolynomial; i < terms_; ++i) y[i] = a[i] - b[i];
+    y[terms_] = a[terms_] + b[terms_] + kEps * (a[whole_] + b[whole_]);
     measure(y);
   }
 
@@ -109,15 +120,21 @@ class Arithmetic {
   void times(const V* a, const V* b, V* y) const {
     const V a0 = a[0], b0 = b[0];
     y[0] = a0 * b0;
-    for (size_t i = 1; i < terms_; ++i) y[i] = a0 * b[i] + a[i] * b0;
-    size_t pair = 1 + n_;
-    for (size_t i = 1; i <= n_; ++i) {
+#pragma GCC unroll 64
+    for (size_t i = 1; i <= kAxes; ++i) y[i] = a0 * b[i] + a[i] * b0;
+    size_t pair = 1 + kAxes;
+#pragma GCC unroll 16
+    for (size_t i = 1; i <= kAxes; ++i) {
       const V ai = a[i], bi = b[i];
-      y[pair++] += ai * bi;
-      for (size_t j = i + 1; j <= n_; ++j) y[pair++] += ai * b[j] + a[j] * bi;
+      y[pair] = a0 * b[pair] + a[pair] * b0 + ai * bi;
+      ++pair;
+#pragma GCC unroll 16
+      for (size_t j = i + 1; j <= kAxes; ++j, ++pair)
+        y[pair] = a0 * b[pair] + a[pair] * b0 + (ai * b[j] + a[j] * bi);
     }
-    const V al = a[at_.first()], ah = a[at_.higher()], ar = a[terms_], am = magnitude(a);
-    const V bl = b[at_.first()], bh = b[at_.higher()], br = b[terms_], bm = magnitude(b);
+    for (size_t i = kPolynomial; i < terms_; ++i) y[i] = a0 * b[i] + a[i] * b0;
+    const V al = a[first_], ah = a[higher_], ar = a[terms_], am = a[whole_];
+    const V bl = b[first_], bh = b[higher_], br = b[terms_], bm = b[whole_];
     y[terms_] = am * br + bm * ar + ar * br + (al * bh + ah * bl + ah * bh) +
                 (5.0 * kEps * (am * bm) + kTiny);
     measure(y);
@@ -125,29 +142,26 @@ class Arithmetic {
 
   // The same where `k` does not depend on e and xi: one product, one rounding.
   void scaled(const V* k, const V* a, V* y) const {
-    const V k0 = k[0], k_size = size(k0), kr = k[terms_], ar = a[terms_], am = magnitude(a);
-    for (size_t i = 0; i < terms_; ++i) y[i] = k0 * a[i];
+    const V k0 = k[0], k_size = size(k0), kr = k[terms_], ar = a[terms_], am = a[whole_];
+#pragma GCC unroll 64
+    for (size_t i = 0; i < kPolynomial; ++i) y[i] = k0 * a[i];
+    for (size_t i = kPolynomial; i < terms_; ++i) y[i] = k0 * a[i];
     y[terms_] = k_size * ar + kr * (am + ar) + (2.0 * kEps * (k_size * am) + kTiny);
     measure(y);
   }
 
-  // sum_i k_i t_i + c (c may be none), where no k_i depends on e and xi. A product passes through one
-  // rounding of its own and one in each later addition: not more than `count` of them.
-  void row(const V* const* k, const V* const* t, size_t count, const V* c, V* y) const {
-    V r = all(0.0), sizes = all(0.0);
-    if (c) {
-      for (size_t i = 0; i < terms_; ++i) y[i] = c[i];
-      r = c[terms_];
-      sizes = magnitude(c);
-    } else {
-      for (size_t i = 0; i < terms_; ++i) y[i] = all(0.0);
-    }
+  // sum_i k_i t_i + c (c may be none) of numbers k_i. A product passes through one rounding of its own
+  // and one in each later addition: not more than `count` of them.
+  void row(const double* k, const V* const* t, size_t count, const V* c, V* y) const {
+    size_t i = 0;
+    for (; i + kBlock <= kPolynomial; i += kBlock) sums<kBlock>(i, k, t, count, c, y);
+    sums<kPolynomial % kBlock>(i, k, t, count, c, y);
+    for (i = kPolynomial; i < terms_; ++i) sums<1>(i, k, t, count, c, y);
+    V r = c ? c[terms_] : all(0.0), sizes = c ? c[whole_] : all(0.0);
     for (size_t m = 0; m < count; ++m) {
-      const V k0 = k[m][0], k_size = size(k0), kr = k[m][terms_];
-      const V *term = t[m], tr = term[terms_], tm = magnitude(term);
-      for (size_t i = 0; i < terms_; ++i) y[i] += k0 * term[i];
-      r += k_size * tr + kr * (tm + tr);
-      sizes += k_size * tm;
+      const V k_size = all(std::abs(k[m]));
+      r += k_size * t[m][terms_];
+      sizes += k_size * t[m][whole_];
     }
     y[terms_] = r + (static_cast<double>(count + 2) * kEps * sizes + kTiny);
     measure(y);
@@ -156,7 +170,7 @@ class Arithmetic {
   // f(m + d) = f + f' d + f''/2 d^2 + x, |x| <= third |d|^3 / 6, with m the constant of a and
   // d = L + H + x of it. Of d^2, L^2 is kept. A lane without a bound has an infinite remainder.
   void expanded(Expansion (*near)(double, double), const V* a, V* y) const {
-    const V l = a[at_.first()], h = a[at_.higher()], ar = a[terms_], reach = l + h + ar;
+    const V l = a[first_], h = a[higher_], ar = a[terms_], reach = l + h + ar;
     V f, slope, curve, error;
     for (int lane = 0; lane < kLanes; ++lane) {
       const Split found = split(near, a[0][lane], reach[lane]);
@@ -167,11 +181,11 @@ class Arithmetic {
     }
     y[0] = f;
     for (size_t i = 1; i < terms_; ++i) y[i] = slope * a[i];
-    size_t pair = 1 + n_;
-    for (size_t i = 1; i <= n_; ++i) {
+    size_t pair = 1 + kAxes;
+    for (size_t i = 1; i <= kAxes; ++i) {
       const V bent = curve * a[i];
       y[pair++] += bent * a[i];
-      for (size_t j = i + 1; j <= n_; ++j) {
+      for (size_t j = i + 1; j <= kAxes; ++j) {
         const V mixed = bent * a[j];
         y[pair++] += mixed + mixed;
       }
@@ -186,51 +200,58 @@ class Arithmetic {
   }
 
   // The value on one lane, as section 3 has it. Throws if it has no bound.
-  template <int N>
   Taylor<N, false> on_lane(const V* a, int lane) const {
-    if (n_ > N) throw NoBound();
     Taylor<N, false> found(finite(-a[0][lane], a[0][lane]));
     const double left_out = a[terms_][lane] + length(a)[lane];
     found.c[0] = found.c[0] + symmetric(left_out);
-    size_t pair = 1 + n_;
-    for (size_t i = 0; i < n_; ++i) {
-      found.c[1 + i] = I(a[1 + i][lane]);
-      for (size_t j = i; j < n_; ++j)
-        found.c[found.pair(static_cast<int>(i), static_cast<int>(j))] = I(a[pair++][lane]);
-    }
+    for (size_t i = 1; i < kPolynomial; ++i) found.c[i] = I(a[i][lane]);
     return found;
   }
 
  private:
-  const Layout at_;
-  const size_t n_, terms_;
+  static constexpr size_t kAxes = N, kPolynomial = Layout<N>::kPolynomial, kBlock = 8;
+  const size_t terms_, first_, higher_, whole_;
 
   void clear(V* y) const {
-    for (size_t i = 0; i < at_.numbers(); ++i) y[i] = all(0.0);
+    for (size_t i = 0; i <= whole_; ++i) y[i] = all(0.0);
   }
 
-  // All of |p| + |s . xi| but the remainder.
-  V magnitude(const V* a) const { return size(a[0]) + a[at_.first()] + a[at_.higher()]; }
+  // Coefficients `from` to from + count - 1 of a row.
+  template <size_t kSome>
+  void sums(size_t from, const double* k, const V* const* t, size_t count, const V* c, V* y) const {
+    V sum[kSome];
+#pragma GCC unroll 8
+    for (size_t i = 0; i < kSome; ++i) sum[i] = c ? c[from + i] : all(0.0);
+    for (size_t m = 0; m < count; ++m) {
+      const V factor = all(k[m]);
+      const V* term = t[m] + from;
+#pragma GCC unroll 8
+      for (size_t i = 0; i < kSome; ++i) sum[i] += factor * term[i];
+    }
+#pragma GCC unroll 8
+    for (size_t i = 0; i < kSome; ++i) y[from + i] = sum[i];
+  }
 
   // Bound on |s . xi|.
   V length(const V* a) const {
     V squares = all(0.0);
-    for (size_t k = at_.polynomial(); k < terms_; ++k) squares += a[k] * a[k];
-    for (int lane = 0; at_.fibres && lane < kLanes; ++lane) squares[lane] = std::sqrt(squares[lane]);
+    for (size_t k = kPolynomial; k < terms_; ++k) squares += a[k] * a[k];
+    for (int lane = 0; kPolynomial < terms_ && lane < kLanes; ++lane)
+      squares[lane] = std::sqrt(squares[lane]);
     return squares;
   }
 
   void measure(V* y) const {
     V first = all(0.0), even = all(0.0), odd = all(0.0);
-    for (size_t i = 1; i <= n_; ++i) first += size(y[i]);
-    size_t i = 1 + n_;
-    for (; i + 1 < at_.polynomial(); i += 2) {
-      even += size(y[i]);
-      odd += size(y[i + 1]);
-    }
-    if (i < at_.polynomial()) even += size(y[i]);
-    y[at_.first()] = first;
-    y[at_.higher()] = at_.fibres ? even + odd + length(y) : even + odd;
+#pragma GCC unroll 16
+    for (size_t i = 1; i <= kAxes; ++i) first += size(y[i]);
+#pragma GCC unroll 64
+    for (size_t i = 1 + kAxes; i < kPolynomial; ++i) ((i % 2) ? even : odd) += size(y[i]);
+    V higher = even + odd;
+    if (kPolynomial < terms_) higher += length(y);
+    y[first_] = first;
+    y[higher_] = higher;
+    y[whole_] = size(y[0]) + first + higher;
   }
 
   // An expansion as numbers, and what they are off by wherever |d| <= reach.

@@ -158,6 +158,50 @@ struct Pose {
     return found;
   }
 
+  // Angular momentum of each link per rate of each, about joints: of the sum of m (arm_k e_k) . (arm_l
+  // e_l) only the angle from link k to link l matters. Taken as one, its cosine is bounded better than
+  // as the product of directions that both of them are uncertain.
+  vector<vector<S>> mass_of_links() const {
+    const size_t n = theta.size();
+    vector<vector<S>> found(n, vector<S>(n, S(0.0)));
+    for (size_t k = 0; k < n; ++k)
+      for (size_t l = k; l < n; ++l) {
+        Complex sum{I(0.0), I(0.0)};  // Of m conjugate(arm_k) arm_l.
+        for (size_t i = 0; i < n; ++i) {
+          const Complex &a = robot.centre[i][k], &b = robot.centre[i][l];
+          sum.along = sum.along + robot.mass[i] * (a.along * b.along + a.across * b.across);
+          sum.across = sum.across + robot.mass[i] * (a.along * b.across - a.across * b.along);
+        }
+        if (k == l) {
+          found[k][k] = S(sum.along + robot.inertia[k]);
+          continue;
+        }
+        S sine, cosine;
+        sincos(theta[l] - theta[k], sine, cosine);
+        found[k][l] = sum.along * cosine;
+        if (magnitude(sum.across) != 0.0) found[k][l] = found[k][l] - sum.across * sine;
+        found[l][k] = found[k][l];
+      }
+    return found;
+  }
+
+  // Momenta conjugate to q per rate of each coordinate: T' times that of links times T, and what
+  // motors add.
+  vector<vector<S>> mass_matrix() const {
+    const vector<vector<S>> links = mass_of_links();
+    vector<vector<S>> found;  // Its columns are its rows.
+    for (size_t j = 0; j < links.size(); ++j) {
+      vector<S> column(links.size(), S(0.0));
+      for (size_t k = 0; k < links.size(); ++k)
+        for (size_t l = j; l < links.size(); ++l)
+          column[k] = robot.turn(int(l), int(j)) > 0 ? column[k] + links[k][l]
+                                                     : column[k] - links[k][l];
+      found.push_back(gathered(robot, column));
+      found[j][j] = found[j][j] + S(robot.armature[j]);
+    }
+    return found;
+  }
+
   vector<Vec<S>> velocities(const vector<S>& w) const {
     const auto moving = spin(w);
     vector<Vec<S>> out;
@@ -187,16 +231,7 @@ Struck<S> struck(const Robot& robot, const Pose<S>& before, vector<S> w) {
   Struck<S> found{Pose<S>(robot, unturned(robot, theta)), unturned(robot, w), {}};
   const size_t n = w.size();
   const vector<S> kept = found.pose.momenta(vector<Vec<S>>(n, carried), vector<S>(n, S(0.0)));
-  // Columns of the mass matrix: momenta for unit rates of the coordinates.
-  vector<vector<S>> mass(n, vector<S>(n, S(0.0)));
-  for (size_t j = 0; j < n; ++j) {
-    vector<S> unit(n, S(0.0));
-    unit[j] = S(I(1.0));
-    const vector<S> turning = turned(robot, unit);
-    const vector<S> column = found.pose.momenta(found.pose.velocities(turning), turning);
-    for (size_t i = 0; i < n; ++i) mass[i][j] = column[i];
-  }
-  const vector<S> change = solved(mass, kept);
+  const vector<S> change = solved(found.pose.mass_matrix(), kept);
   const vector<Vec<S>> more = found.pose.velocities(turned(robot, change));
   Vec<S> impulse{S(0.0), S(0.0)};
   for (size_t i = 0; i < n; ++i) {

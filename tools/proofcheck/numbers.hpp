@@ -75,9 +75,6 @@ inline I times_positive(I a, I p) {
   return finite(a.n * (a.n > 0.0 ? p.h : p.low()), a.h * (a.h > 0.0 ? p.h : p.low()));
 }
 
-// a / k for k > 0.
-inline I over(I a, int k) { return finite(a.n / k, a.h / k); }
-
 inline I inverse(I a) {
   if (!(a.n < 0.0 || a.h < 0.0)) throw NoBound();  // 0 may lie in a.
   return finite(-1.0 / a.h, -1.0 / a.n);
@@ -139,11 +136,20 @@ bool rounding_works() {
 const I LN2(-0x1.62e42fefa39efp-1, 0x1.62e42fefa39f0p-1);      // 0.693147180559945309417232...
 const I HALF_PI(-0x1.921fb54442d18p+0, 0x1.921fb54442d19p+0);  // 1.570796326794896619231321...
 
-// r^count / count!, rounded up.
-double term_bound(double r, int count) {
-  double term = 1.0;
-  for (int j = 1; j <= count; ++j) term = term * r / j;
-  return term;
+// 1 / j! for j from 0 to 22: these factorials are doubles. Made when first asked for: rounding is upward
+// by then.
+using Reciprocals = std::array<I, 23>;
+const Reciprocals& over_factorials() {
+  static const Reciprocals known = [] {
+    Reciprocals found;
+    double factorial = 1.0;
+    for (size_t j = 0; j < found.size(); ++j) {
+      if (j > 1) factorial *= static_cast<double>(j);
+      found[j] = inverse(I(factorial));
+    }
+    return found;
+  }();
+  return known;
 }
 
 // exp x = 2^k exp r, r = x - k ln 2.
@@ -153,11 +159,13 @@ I exp_at(double x) {
   const int k = static_cast<int>(x * 1.4426950408889634 + (x < 0.0 ? -0.5 : 0.5));
   const I r = I(x) - I(k) * LN2;
   if (!(magnitude(r) <= 0.5)) throw NoBound();
-  const int terms = 18;
-  I sum(1.0);
-  for (int j = terms - 1; j >= 1; --j) sum = I(1.0) + over(times_positive(r, sum), j);  // > 0, as |r| <= 1/2
-  // Rest: |r|^18/18! (1 + |r|/19 + ...) <= 2 |r|^18/18!
-  sum = sum + symmetric(2.0 * term_bound(magnitude(r), terms));
+  const Reciprocals& share = over_factorials();
+  const size_t terms = 18;
+  I sum = share[terms - 1];
+  // Positive: more than 1 / j! - |r| exp |r| / (j + 1)!, and |r| <= 1/2.
+  for (size_t j = terms - 1; j-- > 0;) sum = share[j] + times_positive(r, sum);
+  // Rest: |r|^18/18! (1 + |r|/19 + ...) <= 2 |r|^18/18!, and |r|^18 <= 2^-18.
+  sum = sum + symmetric(0x1p-17 * share[terms].high());
   double scale = 1.0;  // A power of two within the normal range: exact.
   for (int j = 0; j < (k < 0 ? -k : k); ++j) scale *= k < 0 ? 0.5 : 2.0;
   return sum * I(scale);
@@ -239,15 +247,16 @@ SineCosine sincos_at(double x) {
   const int k = static_cast<int>(x * 0.6366197723675814 + (x < 0.0 ? -0.5 : 0.5));
   const I r = I(x) - I(k) * HALF_PI, r2 = square(r);
   if (!(magnitude(r) <= 1.0)) throw NoBound();
-  const int terms = 10;
-  I s(1.0), c(1.0);  // And in [1/2, 1] from then on.
-  for (int j = terms - 1; j >= 1; --j) {
-    s = I(1.0) - over(times_positive(r2, s), (2 * j) * (2 * j + 1));
-    c = I(1.0) - over(times_positive(r2, c), (2 * j - 1) * (2 * j));
+  const Reciprocals& share = over_factorials();
+  const size_t terms = 10;
+  I s = share[2 * terms - 1], c = share[2 * terms - 2];
+  for (size_t j = terms - 1; j-- > 0;) {  // Positive: terms alternate and decrease, as r^2 <= 1.
+    s = share[2 * j + 1] - times_positive(r2, s);
+    c = share[2 * j] - times_positive(r2, c);
   }
-  // Alternating with decreasing terms: the rest is at most the first term left out.
-  s = r * s + symmetric(term_bound(magnitude(r), 2 * terms + 1));
-  c = c + symmetric(term_bound(magnitude(r), 2 * terms));
+  // The rest is at most the first term left out, and |r| <= 1.
+  s = r * (s + symmetric(share[2 * terms + 1].high()));
+  c = c + symmetric(share[2 * terms].high());
   switch (((k % 4) + 4) % 4) {
     case 0: return {s, c};
     case 1: return {c, -s};

@@ -145,10 +145,10 @@ Program program_of(const Json& table, const vector<vector<double>>& constants) {
 // Outputs as elements, each after what it needs: those of a Program, or of what was recorded.
 class Listing {
  public:
-  Listing(size_t axes, vector<Element> recorded, std::map<string, vector<size_t>> named)
-      : layout{axes, 0}, elements(std::move(recorded)), outputs(std::move(named)) {}
+  Listing(size_t axis_count, vector<Element> recorded, std::map<string, vector<size_t>> named)
+      : axes(axis_count), elements(std::move(recorded)), outputs(std::move(named)) {}
 
-  explicit Listing(const Program& program) : layout{program.axes, program.fibres} {
+  explicit Listing(const Program& program) : axes(program.axes), fibres(program.fibres) {
     vector<vector<size_t>> values(1);
     for (size_t k = 0; k < program.axes; ++k)
       values[0].push_back(add({Element::axis, {}, k, I(0.0), nullptr, std::uint32_t{1} << k}));
@@ -169,7 +169,7 @@ class Listing {
     for (const auto& [name, value] : program.outputs) outputs[name] = values[value];
   }
 
-  const Layout layout;
+  const size_t axes, fibres = 0;
   vector<Element> elements;
   std::map<string, vector<size_t>> outputs;
 
@@ -204,16 +204,28 @@ class Listing {
     return found;
   }
 
-  // sum_k a_ik b_kj + c_i
+  // sum_k a_ik b_kj + c_i: a row if the a_ik are numbers, else its products and sums.
   size_t row(const Operation& op, const vector<const vector<size_t>*>& operands, size_t i, size_t j) {
     const size_t inner = operands[1]->size() / op.columns;
-    vector<size_t> all;
+    vector<size_t> factors, terms, all;
+    bool numbers = true;
     for (size_t k = 0; k < inner; ++k) {
-      all.push_back((*operands[0])[i * inner + k]);
-      all.push_back((*operands[1])[k * op.columns + j]);
+      factors.push_back((*operands[0])[i * inner + k]);
+      terms.push_back((*operands[1])[k * op.columns + j]);
+      all.insert(all.end(), {factors[k], terms[k]});
+      numbers = numbers && elements[factors[k]].is_double();
     }
-    if (operands.size() == 3) all.push_back((*operands[2])[operands[2]->size() == 1 ? 0 : i]);
-    return add(Element::row, std::move(all));
+    std::optional<size_t> sum;
+    if (operands.size() == 3) sum = (*operands[2])[operands[2]->size() == 1 ? 0 : i];
+    if (numbers) {
+      if (sum) all.push_back(*sum);
+      return add(Element::row, std::move(all));
+    }
+    for (size_t k = 0; k < inner; ++k) {
+      const size_t term = product(factors[k], terms[k]);
+      sum = sum ? add(Element::plus, {*sum, term}) : term;
+    }
+    return *sum;
   }
 
   // The sum of a_j, or of a_j b_j, over the i-th part of them.
@@ -243,33 +255,33 @@ class Listing {
   }
 };
 
-// The elements that some outputs need, and their values on the boxes last looked at.
+// The elements that some outputs need, as instructions, and their values on the boxes last looked at.
+template <int N>
 class Evaluation {
  public:
   Evaluation(const Listing& listing, const vector<const Claim*>& claims)
-      : listing_(listing), arithmetic_(listing.layout), place_(listing.elements.size(), kNone) {
+      : axes_(listing.axes), layout_{listing.fibres}, arithmetic_(layout_),
+        place_(listing.elements.size(), kNone) {
     for (const Claim* claim : claims)
       for (const size_t element : listing.outputs.at(claim->name)) place_[element] = 0;
     for (size_t k = place_.size(); k-- > 0;)
       if (place_[k] != kNone)
         for (const size_t operand : listing.elements[k].operands) place_[operand] = 0;
-    size_t numbers = 0, most = 0;
-    for (size_t k = 0; k < place_.size(); ++k) {
-      if (place_[k] == kNone) continue;
-      place_[k] = numbers;
-      numbers += listing.layout.numbers();
-      needed_.push_back(k);
-      most = std::max(most, listing.elements[k].operands.size());
+    size_t numbers = 0;
+    for (size_t& place : place_) {
+      if (place == kNone) continue;
+      place = numbers;
+      numbers += layout_.numbers();
     }
     values_.resize(numbers);
-    factors_.resize(most);
-    terms_.resize(most);
+    for (size_t k = 0; k < place_.size(); ++k)
+      if (place_[k] != kNone) write_down(listing.elements, k);
   }
 
   // What depends on axes only along which no lane has another box than before still holds.
   void over(const vector<const Box*>& boxes) {
     const bool first = ends_.empty();
-    ends_.resize(listing_.layout.axes);
+    ends_.resize(axes_);
     std::uint32_t changed = 0;
     for (size_t axis = 0; axis < ends_.size(); ++axis)
       for (size_t lane = 0; lane < kLanes; ++lane) {
@@ -279,49 +291,75 @@ class Evaluation {
         ends = {-box.low[axis], box.high[axis]};
         changed |= std::uint32_t{1} << axis;
       }
-    for (const size_t k : needed_)
-      if (first || (listing_.elements[k].needs & changed)) evaluate(listing_.elements[k], at(k));
+    for (const Instruction& one : instructions_)
+      if (first || (one.needs & changed)) carry_out(one);
   }
 
   // An element on one of the boxes.
-  template <int N>
-  Taylor<N, false> value(size_t element, size_t box) {
-    return arithmetic_.on_lane<N>(at(element), static_cast<int>(box));
+  Taylor<N, false> value(size_t element, size_t box) const {
+    return arithmetic_.on_lane(&values_[place_[element]], static_cast<int>(box));
   }
 
  private:
   static constexpr size_t kNone = SIZE_MAX;
-  const Listing& listing_;
-  const Arithmetic arithmetic_;
-  vector<size_t> place_;   // Of each element's numbers among values_; kNone if it is not needed.
-  vector<size_t> needed_;
+  struct Instruction {
+    Element::Kind kind = Element::number;
+    std::uint32_t needs = 0;
+    V* y = nullptr;
+    const V *a = nullptr, *b = nullptr;  // Of a row, a is what is added, if anything is.
+    size_t which = 0;                    // Of a row, where its terms begin;
+    size_t count = 0;                    // and how many there are.
+    I value;
+    Expansion (*near)(double, double) = nullptr;
+  };
+  const size_t axes_;
+  const Layout<N> layout_;
+  const Arithmetic<N> arithmetic_;
+  vector<size_t> place_;  // Of each element's numbers among values_; kNone if it is not needed.
   vector<V> values_;
-  vector<const V*> factors_, terms_;
+  vector<Instruction> instructions_;
+  vector<double> weights_;  // Of rows.
+  vector<const V*> terms_;
   vector<std::array<I, kLanes>> ends_;  // Of each axis, on each lane.
 
-  V* at(size_t element) { return &values_[place_[element]]; }
-
-  void evaluate(const Element& e, V* y) {
-    const auto operand = [&](size_t k) { return at(e.operands[k]); };
-    switch (e.kind) {
-      case Element::axis: return arithmetic_.coordinate(y, e.which, ends_[e.which]);
-      case Element::fibre: return arithmetic_.fibre(y, e.which);
-      case Element::number: return arithmetic_.constant(y, e.value);
-      case Element::negative: return arithmetic_.negative(operand(0), y);
-      case Element::plus: return arithmetic_.plus(operand(0), operand(1), y);
-      case Element::minus: return arithmetic_.minus(operand(0), operand(1), y);
-      case Element::times: return arithmetic_.times(operand(0), operand(1), y);
-      case Element::scaled: return arithmetic_.scaled(operand(0), operand(1), y);
-      case Element::expanded: return arithmetic_.expanded(e.near, operand(0), y);
-      case Element::row: {
-        const size_t count = e.operands.size() / 2;
-        for (size_t k = 0; k < count; ++k) {
-          factors_[k] = operand(2 * k);
-          terms_[k] = operand(2 * k + 1);
-        }
-        const V* offset = e.operands.size() % 2 ? operand(2 * count) : nullptr;
-        return arithmetic_.row(factors_.data(), terms_.data(), count, offset, y);
+  void write_down(const vector<Element>& elements, size_t k) {
+    const Element& e = elements[k];
+    const auto at = [&](size_t operand) { return &values_[place_[e.operands[operand]]]; };
+    Instruction one;
+    one.kind = e.kind;
+    one.needs = e.needs;
+    one.y = &values_[place_[k]];
+    one.which = e.which;
+    one.value = e.value;
+    one.near = e.near;
+    if (e.kind == Element::row) {
+      one.which = terms_.size();
+      one.count = e.operands.size() / 2;
+      for (size_t m = 0; m < one.count; ++m) {
+        weights_.push_back(elements[e.operands[2 * m]].value.high());
+        terms_.push_back(at(2 * m + 1));
       }
+      if (e.operands.size() % 2) one.a = at(2 * one.count);
+    } else {
+      if (e.operands.size() > 0) one.a = at(0);
+      if (e.operands.size() > 1) one.b = at(1);
+    }
+    instructions_.push_back(one);
+  }
+
+  void carry_out(const Instruction& one) {
+    switch (one.kind) {
+      case Element::axis: return arithmetic_.coordinate(one.y, one.which, ends_[one.which]);
+      case Element::fibre: return arithmetic_.fibre(one.y, one.which);
+      case Element::number: return arithmetic_.constant(one.y, one.value);
+      case Element::negative: return arithmetic_.negative(one.a, one.y);
+      case Element::plus: return arithmetic_.plus(one.a, one.b, one.y);
+      case Element::minus: return arithmetic_.minus(one.a, one.b, one.y);
+      case Element::times: return arithmetic_.times(one.a, one.b, one.y);
+      case Element::scaled: return arithmetic_.scaled(one.a, one.b, one.y);
+      case Element::expanded: return arithmetic_.expanded(one.near, one.a, one.y);
+      case Element::row:
+        return arithmetic_.row(&weights_[one.which], &terms_[one.which], one.count, one.a, one.y);
     }
   }
 };
@@ -337,7 +375,7 @@ class ListingBounder : public Bounder {
     auto found = known_.find(claims);
     if (found == known_.end()) {
       if (known_.size() == kMostKnown) known_.clear();
-      found = known_.emplace(claims, std::make_unique<Evaluation>(*listing_, claims)).first;
+      found = known_.emplace(claims, std::make_unique<Evaluation<N>>(*listing_, claims)).first;
     }
     now_ = found->second.get();
     now_->over(boxes);
@@ -346,22 +384,22 @@ class ListingBounder : public Bounder {
   vector<Estimate> margins(size_t box, const Claim& claim) override {
     vector<Estimate> found;
     for (const size_t element : listing_->outputs.at(claim.name))
-      found.push_back(estimate(now_->value<N>(element, box)));
+      found.push_back(estimate(now_->value(element, box)));
     return found;
   }
 
   double least(size_t box, const Claim& claim) override {
     double found = -HUGE_VAL;  // Minus it.
     for (const size_t element : listing_->outputs.at(claim.name))
-      found = larger(found, finite(minus_least(now_->value<N>(element, box)), 0.0).n);
+      found = larger(found, finite(minus_least(now_->value(element, box)), 0.0).n);
     return -found;
   }
 
  private:
   static constexpr size_t kMostKnown = 8;
   const std::shared_ptr<const Listing> listing_;
-  std::map<vector<const Claim*>, std::unique_ptr<Evaluation>> known_;
-  Evaluation* now_ = nullptr;
+  std::map<vector<const Claim*>, std::unique_ptr<Evaluation<N>>> known_;
+  Evaluation<N>* now_ = nullptr;
 };
 
 template <int N>
@@ -371,7 +409,7 @@ Bounding bounding_in(std::shared_ptr<const Listing> listing) {
 
 // Bounds of the outputs of a listing. Each number of axes is compiled for itself: only some are.
 Bounding by_the_listing(std::shared_ptr<const Listing> listing) {
-  const size_t axes = listing->layout.axes;
+  const size_t axes = listing->axes;
   if (axes <= 2) return bounding_in<2>(listing);
   if (axes <= 4) return bounding_in<4>(listing);
   if (axes <= 8) return bounding_in<8>(listing);

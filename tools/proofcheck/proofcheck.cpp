@@ -46,7 +46,7 @@
 // numbers, and nothing says that the Program is about them.
 //
 // Boxes are shared out among the machine's threads, at most eight; proofcheck --one-thread bounds all
-// of them in one. Answers do not depend on it.
+// of them in one. Answers do not depend on it. How far a long statement is goes to standard error.
 //
 // It is compiled in one line:
 // g++ -std=c++17 -O1 -frounding-math -ffp-contract=off -pthread proofcheck.cpp
@@ -135,10 +135,28 @@ Bounding bounding_of(const ProofFile& file) {
   return file.recorded ? by_the_listing(file.recorded) : by_the_model(file.model, file.theorems);
 }
 
-// Checks one statement and prints it.
-Finding check(const ProofFile& file, const Bounding& bounding, const Statement& s, size_t threads) {
+// How far a statement is, on standard error: a line whenever so many seconds have gone by.
+constexpr double kSilence = 10.0;
+Checker::Told progress(const ProofFile& file, size_t number) {
   const auto start = std::chrono::steady_clock::now();
-  const Finding found = Checker(bounding, file.chart, s, threads).run();
+  return [&file, number, start, told = 0.0](double share) mutable {
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    if (taken.count() < told + kSilence) return;
+    told = taken.count();
+    char text[60];
+    snprintf(text, sizeof text, ": %.0f %% of its boxes after %.0f s", 100.0 * share, told);
+    say("statement " + std::to_string(number + 1) + " of " + std::to_string(file.statements.size()) +
+            ", " + file.statements[number].claims[0].name + text,
+        stderr);
+  };
+}
+
+// Checks one statement and prints it.
+Finding check(const ProofFile& file, const Bounding& bounding, size_t number, size_t threads) {
+  const auto start = std::chrono::steady_clock::now();
+  const Statement& s = file.statements[number];
+  const Finding found =
+      Checker(bounding, file.chart, s, threads, progress(file, number)).run();
   const char* const words[] = {good(file), "undecided", "rejected"};
   say(s.region + "," + words_for(s.root_box, file.chart) + "; " + effort(found.boxes, start) + ": " +
       words[found.verdict]);
@@ -256,10 +274,10 @@ int check(const ProofFile& file, size_t threads) {
   Finding worst;
   long boxes = 0;
   size_t claims = 0;
-  for (const Statement& s : file.statements) {
-    const Finding found = check(file, bounding, s, threads);
+  for (size_t number = 0; number < file.statements.size(); ++number) {
+    const Finding found = check(file, bounding, number, threads);
     boxes += found.boxes;
-    claims += s.claims.size();
+    claims += file.statements[number].claims.size();
     if (found.verdict > worst.verdict) worst = found;
     if (worst.verdict == rejected) break;
   }
