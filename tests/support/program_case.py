@@ -8,7 +8,7 @@ from neuralgaits.programs import Program
 from neuralgaits.programs.program import Constant, Input, Operation, Output
 from support.checker_case import chart_table
 
-MORE = tuple((f"parameter {k}", -1.0 - k, 2.0 + k) for k in range(6))
+MORE = tuple((f"parameter {k}", -1.0 - k, 2.0 + k) for k in range(14))
 """Axes beyond phase and level, with their ends."""
 UNARY = "neg square sqrt exp log1p sin cos tanh logistic".split()
 BINARY = "add sub mul div".split()

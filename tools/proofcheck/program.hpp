@@ -412,6 +412,7 @@ Bounding by_the_listing(std::shared_ptr<const Listing> listing) {
   const size_t axes = listing->axes;
   if (axes <= 2) return bounding_in<2>(listing);
   if (axes <= 4) return bounding_in<4>(listing);
+  if (axes <= 6) return bounding_in<6>(listing);
   if (axes <= 8) return bounding_in<8>(listing);
   if (axes <= 12) return bounding_in<12>(listing);
   return bounding_in<kMostAxes>(listing);
