@@ -7,6 +7,8 @@ from typing import Annotated, Any, Literal
 import tyro
 from tyro.conf import Positional
 
+from neuralgaits.records.levels import WORDS
+
 
 def arg(**settings: Any) -> Any:
     """As `tyro.conf.arg`, without the default in the help where that is None or False."""
@@ -175,17 +177,19 @@ class Simulate:
     output: Annotated[Output, arg(name="")] = Output()
 
 
+_LEVELS = (
+    f"What to prove; {', '.join(f'{n}: {words.asks}' for n, words in WORDS.items())}. 3 if not "
+    "given, which is the most with parameters."
+)
+
+
 @dataclass(frozen=True)
 class Certify:
     """Prove the gait's conditions for every state of their regions."""
 
     run: Run
     """Run folder, or latest."""
-    level: Annotated[int | None, arg(metavar="N")] = None
-    """What to prove; 1: every condition on its region, 2: and that the walking set is invariant,
-    3: and that one orbit attracts all of it, 4: and that the robot walks on at full order, with
-    outputs off zero and across impacts, 5: and does so under torques that are not exact, up to a
-    bound that is found. 3 if not given, which is the most with parameters."""
+    level: Annotated[int | None, arg(metavar="N", help=_LEVELS)] = None
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
     """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
     the run's residual may still be off by."""
@@ -299,7 +303,7 @@ class Sweep:
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps of each training; the spec's own number if not given."""
     certify: Annotated[int | None, arg(metavar="LEVEL")] = None
-    """Prove each run up to this level, 1 to 5; no proof if not given."""
+    """Prove each run up to this level; no proof if not given."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """With --certify: time for each proof. What is proved then depends on the machine."""
     controllers: Annotated[str | None, arg(metavar="C,...")] = None

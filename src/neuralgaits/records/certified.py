@@ -5,19 +5,14 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Annotated, Literal
 
+from neuralgaits.records.levels import WORDS
 from neuralgaits.records.record import Count, Pair, Record, Texts
 from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 
 FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
 PROOF = f"{FOLDER}/proof.json"
-LEVELS = {
-    1: "conditions",
-    2: "walking set",
-    3: "orbit",
-    4: "full order",
-    5: "full order, disturbed",
-}
+LEVELS = {number: words.about for number, words in WORDS.items()}
 """What each is about."""
 HIGHEST = max(LEVELS)
 FULL_ORDER = 4

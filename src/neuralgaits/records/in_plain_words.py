@@ -2,46 +2,16 @@
 
 from neuralgaits._digits import at_least
 from neuralgaits.records.certified import FULL_ORDER, HIGHEST, Certified, Verdict
+from neuralgaits.records.levels import FOR_EVER, WORDS
 
-LEVELS = {
-    1: "every condition holds at every state of its region",
-    2: "every trajectory that starts in the walking set walks for ever",
-    3: "one periodic orbit attracts the whole walking set",
-    4: "the whole robot walks for ever, joints that are off their targets included",
-    5: "and does so under any error of the motors, or of what computes them, up to a bound",
-}
+LEVELS = {number: words.states for number, words in WORDS.items()}
 """What each level states, as in docs/guarantees.md."""
-ORBIT = 3
-_FOR_EVER = (
-    "as long as the joints are exactly where the gait wants them, the robot walks for ever from "
-    "every state of the walking set"
-)
-PROVED = {
-    1: "every condition holds at every state of its region. That is about single states: nothing "
-    "follows yet for whole walks.",
-    2: f"{_FOR_EVER}.",
-    3: f"{_FOR_EVER}, and comes nearer and nearer to one motion that repeats.",
-    4: "as long as the motors do at once exactly what the controller asks, the whole robot walks "
-    "for ever from every state of a set in which joints may be a little off their targets. With "
-    "joints exactly on target, it comes nearer and nearer to one motion that repeats.",
-    5: "the whole robot walks for ever from every state of a set in which joints may be a little "
-    "off their targets, as long as what the motors do and what the controller asks differ by no "
-    "more than a bound. With joints exactly on target, it comes nearer and nearer to one motion "
-    "that repeats.",
-}
+PROVED = {number: words.means for number, words in WORDS.items()}
 """What the highest proved level means for a reader who knows none of the words."""
-_TOLD = {
-    2: "from every state of the walking set the zero dynamics walk for ever, however what they are "
-    "told changes within its bounds",
-    3: "any two walks in the walking set that are told the same come together",
-}
-"""What a level states of a gait that takes commands, where it differs from `LEVELS`."""
-_PROVED_TOLD = {
-    2: f"{_FOR_EVER}, whatever it is told within its bounds.",
-    3: f"{_FOR_EVER}, whatever it is told within its bounds, and walks that are told the same come "
-    "nearer and nearer to each other.",
-}
-"""The same for `PROVED`."""
+_TOLD = {number: words.states_told or words.states for number, words in WORDS.items()}
+_PROVED_TOLD = {number: words.means_told or words.means for number, words in WORDS.items()}
+"""Both of a gait that takes commands."""
+ORBIT = 3
 _OWN_ORBITS = "one periodic orbit attracts the whole walking set, of each robot its own"
 """What level 3 states of a box of robots."""
 _UNEVEN = (
@@ -50,7 +20,7 @@ _UNEVEN = (
 )
 """The same with footholds higher or lower than meant."""
 _PROVED_UNEVEN = (
-    f"{_FOR_EVER}. "
+    f"{FOR_EVER}. "
     "Any two walks{of_one} whose footholds lie equally high, step by step, "
     "come nearer and nearer to each other; where all lie as meant, to one motion that "
     "repeats{own}."
@@ -113,7 +83,7 @@ def states(level: int, told: bool, found: Certified | None = None) -> str:
             return _uneven(_UNEVEN, found)
         if found.robots:
             return _OWN_ORBITS
-    return (LEVELS | _TOLD if told else LEVELS)[level]
+    return (_TOLD if told else LEVELS)[level]
 
 
 def _uneven(said: str, found: Certified) -> str:
@@ -130,7 +100,7 @@ def proved(found: Certified, told: bool) -> str:
         told: whether the gait takes commands.
     """
     level, count = found.proved_level, len(found.conditions)
-    meant = (PROVED | _PROVED_TOLD if told else PROVED)[level]
+    meant = (_PROVED_TOLD if told else PROVED)[level]
     uneven = "floor" in found.parameters and level == ORBIT and not told
     if uneven:
         meant = _uneven(_PROVED_UNEVEN, found)

@@ -1,0 +1,75 @@
+"""The levels of a proof: what each is about, in the words that its readers get."""
+
+from typing import NamedTuple
+
+
+class LevelWords(NamedTuple):
+    """One level in words.
+
+    Attributes:
+        about: its name.
+        asks: what is to be proved, beside what the levels below ask.
+        states: what it states of a gait, as in docs/guarantees.md.
+        means: what it means, as the highest that is proved, for a reader who knows none of the
+            words.
+        states_told, means_told: the same of a gait that takes commands, where that differs.
+    """
+
+    about: str
+    asks: str
+    states: str
+    means: str
+    states_told: str | None = None
+    means_told: str | None = None
+
+
+FOR_EVER = (
+    "as long as the joints are exactly where the gait wants them, the robot walks for ever from "
+    "every state of the walking set"
+)
+WORDS = {
+    1: LevelWords(
+        about="conditions",
+        asks="every condition on its region",
+        states="every condition holds at every state of its region",
+        means="every condition holds at every state of its region. That is about single states: "
+        "nothing follows yet for whole walks.",
+    ),
+    2: LevelWords(
+        about="walking set",
+        asks="and that the walking set is invariant",
+        states="every trajectory that starts in the walking set walks for ever",
+        means=f"{FOR_EVER}.",
+        states_told="from every state of the walking set the zero dynamics walk for ever, however "
+        "what they are told changes within its bounds",
+        means_told=f"{FOR_EVER}, whatever it is told within its bounds.",
+    ),
+    3: LevelWords(
+        about="orbit",
+        asks="and that one orbit attracts all of it",
+        states="one periodic orbit attracts the whole walking set",
+        means=f"{FOR_EVER}, and comes nearer and nearer to one motion that repeats.",
+        states_told="any two walks in the walking set that are told the same come together",
+        means_told=f"{FOR_EVER}, whatever it is told within its bounds, and walks that are told "
+        "the same come nearer and nearer to each other.",
+    ),
+    4: LevelWords(
+        about="full order",
+        asks="and that the robot walks on at full order, with outputs off zero and across impacts",
+        states="the whole robot walks for ever, joints that are off their targets included",
+        means="as long as the motors do at once exactly what the controller asks, the whole robot "
+        "walks for ever from every state of a set in which joints may be a little off their "
+        "targets. With joints exactly on target, it comes nearer and nearer to one motion that "
+        "repeats.",
+    ),
+    5: LevelWords(
+        about="full order, disturbed",
+        asks="and does so under torques that are not exact, up to a bound that is found",
+        states="and does so under any error of the motors, or of what computes them, up to a bound",
+        means="the whole robot walks for ever from every state of a set in which joints may be a "
+        "little off their targets, as long as what the motors do and what the controller asks "
+        "differ by no more than a bound. With joints exactly on target, it comes nearer and "
+        "nearer to one motion that repeats.",
+    ),
+}
+"""By number."""
