@@ -12,8 +12,8 @@ from neuralgaits.certificate.levels.sets import SOUGHT
 from neuralgaits.certificate.proof_file import check, coverage, theorem_tables
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.programs import Constant, Input, Operation, Output, Program
-from neuralgaits.records import certified, in_plain_words
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.records.levels import WORDS
 from support import small_proof
 
 BOX = (0.0, 0.0), (1.0, 1.0)
@@ -99,8 +99,7 @@ def test_without_its_entry_it_is_refused():
 def test_every_level_is_sought_read_and_told_of():
     numbers = [level.number for level in ladder.LEVELS]
     assert list(SOUGHT) == numbers
-    for table in (certified.LEVELS, in_plain_words.LEVELS, in_plain_words.PROVED):
-        assert list(table) == [1, *numbers]
+    assert list(WORDS) == [1, *numbers]
 
 
 def test_numbers_rise_and_what_a_level_rests_on_stands_before_it():

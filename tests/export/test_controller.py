@@ -91,7 +91,9 @@ def test_float_is_inside_its_bound(design, agreements, asked):
 PLANTED = {
     "a gain": (r"(\.stiffness = \{NG\(\d+\.\d\d\d)\d", r"\1", "gait.c"),
     "a weight": (r"(network_weights_1_columns.*\n *\{NG\()(-?)0\.(\d)", r"\1\g<2>0.1\3", "gait.c"),
-    "a sign": (r"ddz1 \+= mass", "ddz1 -= mass", "controller.c"),
+    "a sign": (r"moment \+= mass", "moment -= mass", "controller.c"),
+    "bounds at a touchdown": (r"(POLICY_RATE\(by_z2, )at", r"\1z", "controller.c"),
+    "rates that settle": (r"balanced\(mass, z\[1\]", "balanced(mass, -z[1]", "controller.c"),
     "the hold": (r"ticks_to_policy <= 0", "ticks_to_policy <= 1", "controller.c"),
     "a threshold": (r"(NG_TOUCHDOWN_FORCE NG\()", r"\g<1>1", "gait.h"),
     "the blend": (r"NG\(3\.0\) - NG\(2\.0\) \* s", "NG(2.0) - s", "controller.c"),

@@ -41,11 +41,8 @@ def settled(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Reading:
     Returns: `Reading`, its dq and dz1 replaced.
     """
     _, d1, d2 = _with_slopes(outputs, reading.z)
-    row = robot.mass_matrix(reading.q)[0]
-    along = lift(robot, jnp.ones(()), d1)
-    rest = lift(robot, jnp.zeros(()), d2 * reading.dz[1])
-    dz1 = -(reading.z[1] + row @ rest) / _divisor(robot, row @ along)
-    return reading._replace(dq=along * dz1 + rest, dz=jnp.stack([dz1, reading.dz[1]]))
+    dq, dz1 = _balanced(robot, reading, d1, d2 * reading.dz[1], reading.z[1])
+    return reading._replace(dq=dq, dz=jnp.stack([dz1, reading.dz[1]]))
 
 
 def inverse_dynamics(
@@ -67,18 +64,25 @@ def consistent_acceleration(
 
     Returns: [n] (rad/s^2).
     """
+    moment = robot.bias(reading.q, reading.dq)[0]
+    return _balanced(robot, reading, slope, known, moment)[0]
+
+
+def _balanced(
+    robot: PlanarBiped, reading: Reading, slope: Actuated, known: Actuated, moment: Scalar
+) -> tuple[Coordinates, Scalar]:
+    """Rates or accelerations x, x_a = slope x1 + known, with D x about the foot of -moment.
+
+    Returns: x, [n], and x1, that of z1.
+    """
     row = robot.mass_matrix(reading.q)[0]
     along = lift(robot, jnp.ones(()), slope)
     rest = lift(robot, jnp.zeros(()), known)
-    ddz1 = -(robot.bias(reading.q, reading.dq)[0] + row @ rest) / _divisor(robot, row @ along)
-    return along * ddz1 + rest
-
-
-def _divisor(robot: PlanarBiped, denominator: Scalar) -> Scalar:
-    """A denominator, larger in size than what is safe to divide by [kg m]."""
+    denominator = row @ along
     smallest = SMALLEST_DENOMINATOR * robot.mass * jnp.sum(robot.hip)
     size = jnp.maximum(jnp.abs(denominator), smallest)
-    return jnp.where(denominator < 0.0, -size, size)
+    of_z1 = -(moment + row @ rest) / jnp.where(denominator < 0.0, -size, size)
+    return along * of_z1 + rest, of_z1
 
 
 def _with_slopes(outputs: Outputs, z: ZeroState) -> tuple[Actuated, Actuated, Actuated]:

@@ -90,16 +90,6 @@ static void latch(ng_state *state)
 #define Z1_MARGIN ng_z_margin[0]
 #endif
 
-/* The first of some rates or accelerations, from that of z1 and those of the actuated joints. */
-static void lift(ng_real of_z1, ng_real of_q[NG_COORDINATES])
-{
-    of_q[0] = of_z1;
-    for (int i = 1; i < NG_COORDINATES; ++i) {
-        of_q[0] -= ng_hip_gradient[i] * of_q[i];
-    }
-    of_q[0] /= ng_hip_gradient[0];
-}
-
 /* z inside the policy's bounds, levelling off smoothly outside; with first two derivatives. */
 static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
                     ng_real first[2], ng_real second[2])
@@ -143,12 +133,33 @@ static void ask(const ng_law *law, const ng_real z[2], const ng_real dz[2], ng_r
     }
 }
 
-/* Larger in size than what is safe to divide by. */
-static ng_real divisor(ng_real denominator)
+/* The first of some rates or accelerations, from that of z1 and those of the actuated joints. */
+static void lift(ng_real of_z1, ng_real of_q[NG_COORDINATES])
 {
-    const ng_real size = ng_abs(denominator);
-    const ng_real safe = size < NG_SMALLEST_DENOMINATOR ? NG_SMALLEST_DENOMINATOR : size;
-    return denominator < NG(0.0) ? -safe : safe;
+    of_q[0] = of_z1;
+    for (int i = 1; i < NG_COORDINATES; ++i) {
+        of_q[0] -= ng_hip_gradient[i] * of_q[i];
+    }
+    of_q[0] /= ng_hip_gradient[0];
+}
+
+/*
+ * Rates or accelerations along x1 + rest whose D x about the foot is -moment: x1, that of z1.
+ * Of along and rest the joints are given and the first is filled in.
+ */
+static ng_real balanced(const ng_real mass[NG_COORDINATES * NG_COORDINATES], ng_real moment,
+                        ng_real along[NG_COORDINATES], ng_real rest[NG_COORDINATES])
+{
+    ng_real denominator = NG(0.0);
+    lift(NG(1.0), along);
+    lift(NG(0.0), rest);
+    for (int i = 0; i < NG_COORDINATES; ++i) {
+        denominator += mass[i] * along[i];
+        moment += mass[i] * rest[i];
+    }
+    ng_real size = ng_abs(denominator);
+    size = size < NG_SMALLEST_DENOMINATOR ? NG_SMALLEST_DENOMINATOR : size;
+    return moment / (denominator < NG(0.0) ? size : -size);
 }
 
 /*
@@ -165,15 +176,8 @@ static void settle(const ng_state *state, const ng_real q[NG_COORDINATES], const
     const ng_real by_z1[2] = {first[0], NG(0.0)}, by_z2[2] = {NG(0.0), first[1] * dz2};
     POLICY_RATE(by_z1, at, along + 1, y);
     POLICY_RATE(by_z2, at, rest + 1, y);
-    lift(NG(1.0), along);
-    lift(NG(0.0), rest);
     ng_dynamics(dq, q, bias, mass);
-    ng_real denominator = NG(0.0), momentum = z[1];
-    for (int i = 0; i < NG_COORDINATES; ++i) {
-        denominator += mass[i] * along[i];
-        momentum += mass[i] * rest[i];
-    }
-    const ng_real dz1 = -momentum / divisor(denominator);
+    const ng_real dz1 = balanced(mass, z[1], along, rest);
     for (int i = 0; i < NG_COORDINATES; ++i) {
         dq[i] = along[i] * dz1 + rest[i];
     }
@@ -192,15 +196,8 @@ static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
         along[i] = wanted->slope[i - 1];
         rest[i] = wanted->drift[i - 1] - w * w * error - NG(2.0) * w * rate;
     }
-    lift(NG(1.0), along);
-    lift(NG(0.0), rest);
     ng_dynamics(dq, q, bias, mass);
-    ng_real denominator = NG(0.0), ddz1 = bias[0];
-    for (int i = 0; i < NG_COORDINATES; ++i) {
-        denominator += mass[i] * along[i];
-        ddz1 += mass[i] * rest[i];
-    }
-    ddz1 /= -divisor(denominator);
+    const ng_real ddz1 = balanced(mass, bias[0], along, rest);
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] = bias[i + 1];
     }
