@@ -14,11 +14,16 @@ import jax
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def _quick() -> dict[str, bool | int]:
-    options: dict[str, bool | int] = {"xla_backend_optimization_level": 1}
+Options = dict[str, bool | int | str]
+
+
+def _quick() -> Options:
+    options: Options = {"xla_backend_optimization_level": 1}
     if jax.__version_info__ < (0, 11):
-        # Later compilers know no such option, and refuse what they do not know.
+        # Later compilers may know no such options, and refuse what they do not know.
         options["xla_cpu_use_fusion_emitters"] = False
+        # Its matrix products are for large ones: of many of 5 by 5 they take twice as long.
+        options["xla_cpu_experimental_ynn_fusion_type"] = ""
     flags = os.environ.get("XLA_FLAGS", "").split()
     told = {flag.lstrip("-").partition("=")[0] for flag in flags}
     return {name: value for name, value in options.items() if name not in told}
