@@ -22,7 +22,7 @@ _flags = "--xla_cpu_multi_thread_eigen=false"
 _flags += " --xla_backend_optimization_level=0 --xla_cpu_parallel_codegen_split_count=1"
 if tuple(map(int, version("jax").split(".")[:2])) < (0, 11):
     # Later compilers refuse what they do not know, as in `neuralgaits._quick_jit`.
-    _flags += " --xla_cpu_use_fusion_emitters=false"
+    _flags += " --xla_cpu_use_fusion_emitters=false --xla_cpu_experimental_ynn_fusion_type="
 os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {_flags}".strip()
 os.environ["JAX_ENABLE_X64"] = "1"
 os.environ["JAX_NUMPY_RANK_PROMOTION"] = "raise"

@@ -4,10 +4,11 @@ Conditions are those of the plain gait, asked at every pair of commands that may
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
 
 import equinox as eqx
 import numpy as np
@@ -35,12 +36,35 @@ MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
 """Rows that aims are looked at for: any will do, they look at the whole middle."""
 SLOWEST = 0.4
 """Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for."""
-WEIGHTS = {
-    "speed": {"forward": 5.0, "flow-above-lower-fence": 2.0},
-    "step_length": {"reset-above-lower-fence": 2.0, "reset-below-upper-fence": 2.0},
+
+
+class ForCommand(NamedTuple):
+    """What the training for one command asks.
+
+    Attributes:
+        weights: of conditions that give way first.
+        effort: of the recipe; of commands that come together, the least.
+        steps: gradient steps; of commands that come together, the most.
+    """
+
+    weights: Mapping[str, float] = MappingProxyType({})
+    effort: float = 0.3
+    steps: int = 5000
+
+
+_AT_RESET = "reset-above-lower-fence", "reset-below-upper-fence"
+FOR_COMMANDS = {
+    # Tubes that are to fit many speeds give way at a lower fence that falls to zero; those that
+    # are to take little torque, at all fences.
+    "speed": ForCommand(
+        {"forward": 5.0, "flow-above-lower-fence": 3.0, "flow-below-upper-fence": 2.0}
+        | dict.fromkeys(_AT_RESET, 3.0),
+        effort=4.0,
+        steps=6500,
+    ),
+    # Where any foothold may follow any, the reset gives way.
+    "step_length": ForCommand(dict.fromkeys(_AT_RESET, 2.0)),
 }
-"""Of conditions that give way first: where tubes are to fit many speeds, a lower fence that falls
-to zero; where any foothold may follow any, the reset."""
 FENCES = "fence-lower", "fence-upper"
 """Regions with twice the samples: what is missed there is missed next to the start of a step, where
 the network has no say."""
@@ -48,7 +72,7 @@ SHORTEST = 0.9
 """Least step length, as a share of the shortest asked for: footholds are met exactly."""
 APART = 0.1
 """Scale of how far the fences are from zero and from each other, in the unit of zeta."""
-MORE_SAMPLES, MORE_STEPS, LEARNING_RATE, EFFORT = 2, 5000, 3e-3, 0.3
+MORE_SAMPLES, LEARNING_RATE = 2, 3e-3
 
 
 Interval = tuple[float, float]
@@ -93,12 +117,14 @@ def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool =
     if any(c.name == "speed" for c in commands):
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015))
     samples = {name: MORE_SAMPLES * count for name, count in plain.recipe.samples.items()}
+    asked = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
+    weights = {name: value for one in asked for name, value in one.weights.items()}
     recipe = replace(
         plain.recipe,
-        steps=MORE_STEPS,
+        steps=max(one.steps for one in asked),
         samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in FENCES},
         learning_rate=LEARNING_RATE,
-        effort=EFFORT,
+        effort=min(one.effort for one in asked),
         curriculum=0.5,
         corners=0.35,
         worst_weight=0.3,
@@ -113,7 +139,7 @@ def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool =
         recipe=recipe,
         commands=commands,
         aims=aims,
-        weights=dict(plain.weights) | _weights(lowest),
+        weights=dict(plain.weights) | weights,
     )
 
 
@@ -121,10 +147,6 @@ def _highest(commands: Commands) -> float:
     """Largest difference in height of two footholds that follow each other (m)."""
     height = command_named(commands, "step_height")
     return 0.0 if height is None else max(-height.low, height.high)
-
-
-def _weights(names: Iterable[str]) -> dict[str, float]:
-    return {key: value for name in names for key, value in WEIGHTS.get(name, {}).items()}
 
 
 def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
