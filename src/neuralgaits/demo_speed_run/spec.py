@@ -1,8 +1,8 @@
 """The default spec: what makes a gait physically walk, and provable.
 
 Lengths scale with the leg length l, speeds with sqrt(g l), forces with m g, torques in the
-margins with the robot's own limits. The numbers were found on AMBER-3M (leg 0.8731 m, LESSONS
-42-46) and stand here as that robot's values.
+margins with the robot's own limits. The numbers were found by trials on AMBER-3M (leg 0.8731 m)
+and stand here as that robot's values.
 """
 
 from functools import partial
@@ -36,6 +36,10 @@ LIFT_OFF, LANDING = 0.15, 0.85
 """Phases between which the swing foot must be clear of the ground."""
 TORQUE_SHARE = 0.927
 """Share of the torque limit the zero dynamics may use: 38 of 41 N m on AMBER-3M."""
+CLEARANCE = 0.02
+"""Height of the arc that the swing foot stays above, of the reference robot [m]."""
+OVER_EDGES = 0.005
+"""Height above the edge of a stair, likewise [m]."""
 LEAST_BEND = 0.05
 """Bend of a knee away from straight that is always kept [rad]."""
 START_ENERGIES = (0.23, 0.57)
@@ -66,12 +70,32 @@ def pendulum_height(robot: "PlanarBiped") -> float:
     return 1.03 * robot.leg_length
 
 
+def regions_of_step(lift_off: float, landing: float) -> dict[str, tuple[Box, ...]]:
+    """Regions of the tube, in phase and level, of which conditions of a step speak.
+
+    Args:
+        lift_off: phase up to which the swing foot may be on the ground.
+        landing: phase from which it may be there again.
+    """
+    everywhere, ends = (0.0, 1.0), ((0.0, 0.0), (1.0, 1.0))
+    return {
+        "tube": (_box(everywhere, everywhere),),
+        "lift-off": (_box((0.0, lift_off), everywhere),),
+        "swing": (_box((lift_off, landing), everywhere),),
+        "landing": (_box((landing, 1.0), everywhere),),
+        "fence-lower": (_box(everywhere, ends[0]),),
+        "fence-upper": (_box(everywhere, ends[1]),),
+        "guard": (_box(ends[1], everywhere),),
+    }
+
+
 def walking(
     robot: "PlanarBiped",
     policy: Literal["hybrid-invariant", "mlp"] = "hybrid-invariant",
     *,
     forward: float | None = None,
     shortest: float | None = None,
+    highest: float = 0.0,
 ) -> GaitSpec:
     """The default gait specification for a robot.
 
@@ -81,6 +105,7 @@ def walking(
             learn to match outputs and rates through the impact.
         forward: least rate of z1 (m/s), None for one that fits the robot.
         shortest: least step length (m); likewise.
+        highest: largest difference in height of two footholds that follow each other (m).
     """
     if policy not in ("hybrid-invariant", "mlp"):
         raise SpecError(f"walking: expected policy hybrid-invariant or mlp, found {policy!r}")
@@ -89,20 +114,16 @@ def walking(
             f"spec walking: expected a robot with knees, found none in {robot.name!r}: straight "
             "legs cannot clear the ground; write a spec of your own, FILE.py:NAME"
         )
-    conditions = [*_stance(robot, forward), *_swing_foot(robot), *_tube(), *_guard(robot, shortest)]
+    conditions = [
+        *_stance(robot, forward),
+        *_swing_foot(robot, highest),
+        *_tube(),
+        *_guard(robot, shortest),
+    ]
     free = policy == "mlp"
     if free:
         conditions += _match(robot)
-    everywhere, ends = (0.0, 1.0), ((0.0, 0.0), (1.0, 1.0))
-    regions = {
-        "tube": (_box(everywhere, everywhere),),
-        "lift-off": (_box((0.0, LIFT_OFF), everywhere),),
-        "swing": (_box((LIFT_OFF, LANDING), everywhere),),
-        "landing": (_box((LANDING, 1.0), everywhere),),
-        "fence-lower": (_box(everywhere, ends[0]),),
-        "fence-upper": (_box(everywhere, ends[1]),),
-        "guard": (_box(ends[1], everywhere),),
-    }
+    regions = regions_of_step(LIFT_OFF, LANDING)
     samples = {
         "tube": 48,
         "lift-off": 12,
@@ -252,12 +273,12 @@ def _knee_bend(robot: "PlanarBiped") -> Quantity:
     return f.knee_bend(tuple(knees.tolist()), tuple(sides.tolist()), LEAST_BEND)
 
 
-def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
+def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]:
     """Rise, clear, fall: the swing foot touches the ground only at the guard."""
     unit = units(robot)
-    # Without rotor inertia the faster lift-off is out of reach (LESSONS 46).
+    # Without rotor inertia no gait was found that lifts off faster.
     rise = (0.1 if np.any(robot.armature > 0) else 0.05) * unit.speed
-    ceiling, clearance = 0.12 * unit.length, 0.02 * unit.length
+    ceiling, clearance = 0.12 * unit.length, _clearance(unit, highest)
     speed = 0.5 * unit.speed
     velocity = f.foot_vertical_velocity
     return [
@@ -266,6 +287,15 @@ def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
         Pointwise("foot-clears", "swing", 0.05 * unit.length, f.foot_above_arc(clearance)),
         Pointwise("foot-falls", "landing", speed, f.at_most(velocity, -0.1 * unit.speed)),
     ]
+
+
+def _clearance(unit: Units, highest: float) -> float:
+    """Of an arc over the line between footholds, so that it is above the edges of stairs [m].
+
+    An edge is half a rise above that line, and half-way between two stairs: met at about three
+    quarters of a step, where the arc has three quarters of its height.
+    """
+    return max(CLEARANCE * unit.length, (0.5 * highest + OVER_EDGES * unit.length) / 0.75)
 
 
 def _tube() -> list[AbstractCondition]:
