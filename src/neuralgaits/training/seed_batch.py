@@ -17,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
+from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.errors import InputError, NonFiniteError
@@ -103,7 +104,7 @@ class SeedBatch:
 
     def report(self, gaits: Sequence[AnyGait], *, seed: int) -> list[FreshMargins]:
         """`Trainer.report` of one gait for each seed."""
-        found = zip(*self._look(gaits, seed, 0.0), strict=True)
+        found = zip(*self._look(_stack(self._filled(list(gaits))), seed, 0.0), strict=True)
         fresh = [self.trainer.fresh(float(loss), margins) for loss, margins in found]
         return fresh[: len(gaits)]
 
@@ -121,8 +122,9 @@ class SeedBatch:
         began = time.perf_counter()
         self._over = self.trainer.over_seeds()
         with ThreadPoolExecutor(1) as beside:
-            looked = beside.submit(self._validation_losses)
-            self._advance(self._stacked([one.state for one in self.members]), 1)
+            states = self._stacked([one.state for one in self.members])
+            looked = beside.submit(self._validation_losses, states.parameters)
+            self._advance(states, 1)
             looked.result()
         return time.perf_counter() - began
 
@@ -185,7 +187,8 @@ class SeedBatch:
                 one.state = one.kept = jax.tree.map(np.asarray, smaller)
         if not looked:
             return
-        found = self._validation_losses()
+        parameters = [one.state.parameters for one in self.members]
+        found = self._validation_losses(self._put(np.stack(self._filled(parameters))))
         for number, loss in looked:
             one = self.members[number]
             state = self.trainer.better(one.state, float(found[number]))
@@ -231,18 +234,16 @@ class SeedBatch:
         )
         return moved, loss
 
-    def _validation_losses(self) -> np.ndarray:
-        """Of the parameters of all seeds as they stand. [S]."""
-        gaits = [self.trainer.gait(one.state.parameters) for one in self.members]
-        return self._look(gaits, 0, 1.0)[0]
-
-    def _look(
-        self, gaits: Sequence[AnyGait], seed: int, share: float
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Losses and margins of a gait for each seed. [S], [S, N, K]."""
+    def _validation_losses(self, parameters: Array) -> np.ndarray:
+        """Of the parameters of all seeds, [S, P]. Returns: [S]."""
         assert self._over is not None
-        stacked = self._put(_stack(self._filled(list(gaits))))
-        loss, margins = self._over.look(stacked, jax.random.key(seed), jnp.asarray(share))
+        return self._look(self._over.gaits(parameters), 0, 1.0)[0]
+
+    def _look(self, gaits: AnyGait, seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:
+        """Losses and margins of gaits in one tree. Returns: [S], [S, N, K]."""
+        assert self._over is not None
+        key, share_of = jax.random.key(seed), jnp.asarray(share)
+        loss, margins = self._over.look(self._put(gaits), key, share_of)
         return np.asarray(loss.total), np.asarray(margins)
 
     def _stacked(self, states: Sequence[TrainState]) -> TrainState:

@@ -68,6 +68,8 @@ class OverSeeds(NamedTuple):
     step: Callable
     """(parameters, optimiser states, keys, first steps, one count for all, rates) to parameters,
     states and `Loss`."""
+    gaits: Callable
+    """(parameters) to the gaits with these, see `Trainer.gait`."""
     look: Callable
     """(gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
 
@@ -296,16 +298,21 @@ class Trainer:
 
     def over_seeds(self) -> OverSeeds:
         """The same steps and looks for many trainings that differ in their seeds."""
-        steps = partial(self._steps, extra=None)
-        look = partial(self._look, extra=None)
+        steps = jax.vmap(partial(self._steps, extra=None), in_axes=(0, 0, 0, 0, None, 0))
+        look = eqx.filter_vmap(self._look, in_axes=(eqx.if_array(0), None, None, None))
 
-        def looks(gaits, key, share):
-            arrays, rest = eqx.partition(gaits, eqx.is_array)
-            one = jax.vmap(lambda mine: look(eqx.combine(mine, rest), key, share=share))
-            return one(arrays)
+        def gaits(parameters, template, robot):
+            def one(mine):
+                double = jax.tree.map(lambda leaf: leaf.astype(float), self._unflatten(mine))
+                return eqx.combine(double, template).matched(robot, self.residuals.reset)
 
+            return eqx.filter_vmap(one)(parameters)
+
+        made, looked = quick_filter_jit(gaits), quick_filter_jit(look)
         return OverSeeds(
-            quick_jit(jax.vmap(steps, in_axes=(0, 0, 0, 0, None, 0))), quick_filter_jit(looks)
+            step=quick_jit(steps),
+            gaits=lambda parameters: made(parameters, self._template, self.robot),
+            look=lambda gaits, key, share: looked(gaits, key, None, share),
         )
 
     def fits(self, gait: AnyGait) -> bool:
