@@ -250,7 +250,7 @@ def test_ctrl_c_keeps_every_seed_and_says_how_to_go_on(amber, tmp_path, monkeypa
     folder = resolve_unfinished("latest", tmp_path)
     assert folder.path.name == "1" and folder.path.parents[2] == tmp_path / "seeds"
     assert stopped.value.command.endswith(f"train --resume {folder.path.with_name('0')}")
-    assert stopped.value.more == ", and with 1 others likewise; seeds 2 to 4 were not begun"
+    assert stopped.value.more == ", and so with each of 1 more; seeds 2 to 4 were not begun"
     assert not folder.path.with_name("2").exists()
 
 

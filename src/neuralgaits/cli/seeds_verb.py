@@ -52,8 +52,8 @@ def show_seeds(result: TrainedSeeds) -> None:
     """How many seeds hold, those that do not, and the best."""
     every, holding, refused = len(result.seeds), result.holding, result.refused
     state = Text("trained", "yellow" if refused else "green")
-    held = f"all {result.conditions} conditions hold on fresh samples in {len(holding)}"
-    show_sentence(state, f": {every - len(refused)} of {every} seeds, {held}")
+    held = f"all {result.conditions} conditions hold on fresh samples of {len(holding)}"
+    show_sentence(state, f": {every - len(refused)} of {every} seeds; {held}")
     for one in refused[:ROWS]:
         show_sentence(f"seed {one.seed}: {one.refused}", hang=2)
     failing = sorted((one for one in result.seeds if one.broken), key=lambda one: -_count(one))

@@ -232,7 +232,7 @@ class _ManySeeds:
                 "train", self.first.asked.robot, "--seeds", f"{later[0]}:{later[-1] + 1}"
             )
             return Interrupted(again, " and the settings that were given")
-        others = f", and with {len(left) - 1} others likewise" if len(left) > 1 else ""
+        others = f", and so with each of {len(left) - 1} more" if len(left) > 1 else ""
         return Interrupted(resuming(left[0].path), f"{others}{rest and '; ' + rest}")
 
 
