@@ -289,7 +289,7 @@ def test_a_gait_that_differs_in_more_than_weights_is_refused(amber, tmp_path):
     def lower(key, init, hidden):
         gait = spec.new_gait(key, init, hidden)
         share = float(jax.random.uniform(key))
-        return eqx.tree_at(lambda g: g.policy.lower, gait, gait.policy.lower - share)
+        return eqx.tree_at(lambda g: g.policy.lower, gait, replace_fn=lambda low: low - share)
 
     with pytest.raises(InputError, match=r"alone, found others in that of seed 1"):
         train_seeds(amber, replace(spec, new_gait=lower), seeds=(0, 2), steps=1, root=tmp_path)
