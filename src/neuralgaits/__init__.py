@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.simulate import simulate
     from neuralgaits.workflows.sweep import sweep
     from neuralgaits.workflows.train import train
+    from neuralgaits.workflows.train_seeds import train_seeds
     from neuralgaits.workflows.view import view
 
 _HOMES = {
@@ -62,6 +63,7 @@ _HOMES = {
     "specs": "neuralgaits.barriers",
     "sweep": "neuralgaits.workflows.sweep",
     "train": "neuralgaits.workflows.train",
+    "train_seeds": "neuralgaits.workflows.train_seeds",
     # `report` is the room of figures and pages.
     "view": "neuralgaits.workflows.view",
     "write_report": "neuralgaits.workflows.report",
@@ -92,6 +94,7 @@ __all__ = [
     "specs",
     "sweep",
     "train",
+    "train_seeds",
     "view",
     "write_report",
 ]

@@ -14,6 +14,15 @@ def check_seed(seed: int) -> None:
         raise InputError(f"expected a seed from 0 to 2147483647, found {seed}")
 
 
+def check_seeds(seeds: tuple[int, int]) -> None:
+    """Raises: InputError unless there is a seed from the first up to the one before the last."""
+    first, end = seeds
+    if not first < end:
+        raise InputError(f"expected seeds A:B with A < B, found {first}:{end}")
+    check_seed(first)
+    check_seed(end - 1)
+
+
 def check_steps(steps: int | None) -> None:
     """Raises: InputError if there are no gradient steps; None leaves the number open."""
     if steps is not None and steps < 1:

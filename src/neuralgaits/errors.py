@@ -48,11 +48,17 @@ def is_full(error: BaseException) -> bool:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during work that can be gone on with. Attributes: command: that does."""
+    """Ctrl-C during work that can be gone on with.
 
-    def __init__(self, command: str):
+    Attributes:
+        command: that does.
+        more: what is to be said after it.
+    """
+
+    def __init__(self, command: str, more: str = ""):
         super().__init__(command)
         self.command = command
+        self.more = more
 
 
 class NonFiniteError(NeuralGaitsError):

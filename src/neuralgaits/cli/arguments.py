@@ -62,6 +62,9 @@ class Train:
     """Widths of the policy's hidden layers; the spec's own if not given."""
     seed: Annotated[int | None, arg(metavar="N")] = None
     """Seed of initial weights and samples; 0 if not given."""
+    seeds: Annotated[str | None, arg(metavar="A:B")] = None
+    """Seeds A, A+1, ... up to B-1 at once, as one compiled program: a run folder each, in --out or
+    runs/seeds/ROBOT/<time>-A; see the page 'From a laptop to a cluster'."""
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; the spec's own number if not given."""
     speed: Annotated[str | None, arg(metavar="V|A:B")] = None

@@ -150,7 +150,7 @@ def _of_graphics(error: Exception) -> str | None:
 def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
     """What to type after Ctrl-C: only what was kept can be gone on with."""
     if isinstance(error, Interrupted):
-        return f"; go on with `{error.command}`"
+        return f"; go on with `{error.command}`{error.more}"
     if not any(verb in arguments[:2] for verb in _LONG):
         return ""
     again = f"`{shlex.join(['neuralgaits', *arguments])}`"

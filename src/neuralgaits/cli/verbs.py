@@ -34,6 +34,7 @@ from neuralgaits.cli.learning_verbs import (
 )
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.report_verb import carry_out_report
+from neuralgaits.cli.seeds_verb import carry_out_seeds
 from neuralgaits.cli.sweep_verb import carry_out_sweep
 from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
 from neuralgaits.cli.words import Verb, options
@@ -44,6 +45,7 @@ _COMMANDS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "d
 _TRAINING = (
     "spec",
     "seed",
+    "seeds",
     "init",
     "hidden",
     "steps",
@@ -121,6 +123,8 @@ def _train(verb: Train) -> Outcome:
         given["parameters"] = parse_box(given["parameters"])
     if verb.resume is not None:
         given = {"resume": _unfinished(verb.resume, given, verb.output.json)}
+    if "seeds" in given:
+        return carry_out_seeds(verb.robot, given, quiet=verb.output.json)
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.parts.proof_rounds import Watch

@@ -1,11 +1,14 @@
-"""What `train` and `refine` found: `summary.json` of a run, and `nan.json` of one that failed."""
+"""What `train` and `refine` found: `summary.json` of a run, `nan.json` of one that failed.
+
+Of many seeds that were trained as one: `seeds.json` of the folder that holds their runs.
+"""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from neuralgaits.errors import RunError
-from neuralgaits.records.asked import Range
+from neuralgaits.records.asked import Range, Seed
 from neuralgaits.records.record import Count, Pair, Record, Texts
 from neuralgaits.runs.commands import resuming
 from neuralgaits.runs.names import SUMMARY
@@ -112,7 +115,7 @@ class Trained(Record):
             speed, mechanical cost of transport on the zero dynamics [1], slope of the Poincare map.
         step_size: share of the recipe's that the last step had, if it is less than all of it: where
             steps turn to NaN, smaller ones go on from the best weights before that.
-        compile_s, train_s, wall_s: times.
+        compile_s, train_s, wall_s: times; where many seeds were trained as one, of all of them.
     """
 
     run: str = ""
@@ -167,6 +170,62 @@ class EndedInNan(Record):
     step: Count
     kept_step: int = 0
     conditions: Texts
+
+
+@dataclass(frozen=True)
+class TrainedSeed:
+    """What became of one seed of many.
+
+    Attributes:
+        seed, run: its number and its run folder.
+        loss: on fresh samples; None if it is not finite, or refused.
+        broken: conditions that some fresh sample breaks; None if it is refused.
+        refused: why, in one line; None if it is trained.
+    """
+
+    seed: Seed
+    run: str
+    loss: float | None = None
+    broken: Texts | None = None
+    refused: str | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TrainedSeeds(Record):
+    """What came of `train --seeds`: `seeds.json` of the folder that holds the runs.
+
+    Attributes:
+        folder: of the runs.
+        robot, spec: names.
+        conditions: how many there are.
+        steps: gradient steps of each seed.
+        seeds: in order.
+        batch: seeds that were trained as one program.
+        devices: that shared a batch.
+        compile_s, train_s, wall_s: times of all of it.
+    """
+
+    folder: str
+    robot: str
+    spec: str
+    conditions: Count
+    steps: Count
+    seeds: tuple[TrainedSeed, ...]
+    batch: Count
+    devices: Count
+    compile_s: float
+    train_s: float
+    wall_s: float
+
+    @property
+    def holding(self) -> list[TrainedSeed]:
+        """Those whose conditions all hold on fresh samples."""
+        return [one for one in self.seeds if one.broken == ()]
+
+    @property
+    def refused(self) -> list[TrainedSeed]:
+        """Those that could not be trained."""
+        return [one for one in self.seeds if one.refused is not None]
 
 
 def trained_of(run: Path) -> Trained:

@@ -14,6 +14,8 @@ from neuralgaits.runs.commands import LATEST, command, resuming
 from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
 
 RUNS_ROOT = Path("runs")
+SEEDS = "seeds"
+"""Folder below it for the runs of many seeds: ROBOT/<UTC time>-<first seed>/<seed>."""
 
 
 def finish(folder: RunFolder, summary: Mapping[str, Any], root: Path = RUNS_ROOT) -> None:
@@ -98,7 +100,8 @@ def about_latest(root: Path = RUNS_ROOT) -> str | None:
 
 
 def _unfinished(root: Path) -> list[Path]:
-    configs = [*root.glob(f"*/{CONFIG}"), *root.glob(f"*/*/{CONFIG}")]
+    places = ("*", "*/*", f"{SEEDS}/*/*/*")
+    configs = [file for place in places for file in root.glob(f"{place}/{CONFIG}")]
     return [file.parent for file in configs if not (file.parent / SUMMARY).exists()]
 
 

@@ -1,4 +1,4 @@
-"""What a trainer compiles: gradient steps in one loop, and the look at a gait."""
+"""What a trainer compiles, as plain functions: gradient steps in one loop, the look at a gait."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,6 @@ import jax
 import jax.numpy as jnp
 import optax
 
-from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.gait import Residuals
 from neuralgaits.robots.parameters import Model, nominal
@@ -81,7 +80,7 @@ def make_steps(
         start = Loss(zero, jnp.zeros(len(spec.trained_for), single), zero)
         return jax.lax.fori_loop(0, count, body, (parameters, state, start))
 
-    return quick_jit(steps)
+    return steps
 
 
 def make_evaluate(
@@ -103,4 +102,4 @@ def make_evaluate(
         margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes, layout.aimed)
         return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
 
-    return quick_filter_jit(evaluate)
+    return evaluate

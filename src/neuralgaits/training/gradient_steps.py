@@ -19,6 +19,7 @@ from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState
 Progress = Callable[[int, int, float], None]
 """(steps done, steps in all, loss)."""
 Save = Callable[[TrainState], None]
+StepFrom = Callable[[TrainState], tuple[TrainState, Loss]]
 Rows = list[Mapping[str, float]]
 
 AT_ONCE_S = 0.2
@@ -86,12 +87,12 @@ class GradientSteps:
             if not (np.isfinite(float(loss.total)) and np.isfinite(state.parameters).all()):
                 smaller = trainer.careful(kept)
                 if smaller is None:
-                    self._refuse_nan(trainer, kept, save)
+                    self.refuse_nan(trainer, trainer.step, kept, save)
                 state = kept = smaller
                 continue
             state = trainer.validate(state)
             kept = state
-            self.rows.append(self._row(before + step, loss, state))
+            self.rows.append(self.row(before + step, loss, state))
             if self.progress is not None:
                 self.progress(before + step, before + trainer.steps, float(loss.total))
             if time.perf_counter() - saved > CHECKPOINT_S or trainer.done(state):
@@ -100,7 +101,8 @@ class GradientSteps:
                 saved = time.perf_counter()
         return state
 
-    def _row(self, step: int, loss: Loss, state: TrainState) -> dict[str, float]:
+    def row(self, step: int, loss: Loss, state: TrainState) -> dict[str, float]:
+        """What the table says of a step and of the best weights by then."""
         terms = dict(zip(self._names(), np.asarray(loss.terms).tolist(), strict=True))
         head = {
             "step": step,
@@ -113,12 +115,23 @@ class GradientSteps:
     def _names(self) -> Sequence[str]:
         return [condition.name for condition in self.spec.trained_for]
 
-    def _refuse_nan(self, trainer: Trainer, kept: TrainState, save: Save) -> NoReturn:
-        """Save the last good state, and walk on from it to the step that turned to NaN."""
+    def refuse_nan(
+        self, trainer: Trainer, step_from: StepFrom, kept: TrainState, save: Save
+    ) -> NoReturn:
+        """Save the last good state, and walk on from it to the step that turned to NaN.
+
+        Args:
+            trainer: of the run.
+            step_from: takes one step.
+            kept: the last good state.
+            save: writes a checkpoint.
+
+        Raises: NonFiniteError.
+        """
         save(kept)
-        state, loss = trainer.step(kept)
+        state, loss = step_from(kept)
         while np.isfinite(float(loss.total)) and not trainer.done(state):
-            state, loss = trainer.step(state)
+            state, loss = step_from(state)
         terms = zip(self._names(), np.asarray(loss.terms), strict=True)
         bad = [name for name, value in terms if not np.isfinite(value)]
         step, kept_step = int(state.step), int(kept.step)

@@ -50,7 +50,7 @@ def take_all_steps(run: Run, progress: Progress | None) -> Session:
         disturbance=asked.disturbance,
         rate=asked.rate,
     )
-    state = _start(run, trainer)
+    state = start_of(run, trainer)
     compiling = time.perf_counter()
     # Two programs to compile and at least two cores: results are thrown away.
     with ThreadPoolExecutor(1) as beside:
@@ -65,7 +65,7 @@ def take_all_steps(run: Run, progress: Progress | None) -> Session:
     return Session(trainer, steps, state, training - compiling, time.perf_counter() - training)
 
 
-def _start(run: Run, trainer: Trainer) -> TrainState:
+def start_of(run: Run, trainer: Trainer) -> TrainState:
     """The last checkpoint if there is one, else the beginning."""
     if (run.path / STATE).is_file():
         return run.folder.read_tree(STATE, trainer.init(run.trained))

@@ -17,7 +17,7 @@ import numpy as np
 import optax
 from jax.flatten_util import ravel_pytree
 
-from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.barriers.regions import AnyGait
@@ -62,6 +62,18 @@ class TrainState(NamedTuple):
     """Share of the recipe's step size; less than 1 after steps that turned to NaN. float32."""
 
 
+class OverSeeds(NamedTuple):
+    """Steps and looks of many trainings as one program each: arrays begin with an axis of seeds."""
+
+    step: Callable
+    """(parameters, optimiser states, keys, first steps, one count for all, rates) to parameters,
+    states and `Loss`."""
+    gaits: Callable
+    """(parameters) to the gaits with these, see `Trainer.gait`."""
+    look: Callable
+    """(gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
+
+
 class FreshMargins(NamedTuple):
     """Conditions on fresh samples, inside the regions, in float64."""
 
@@ -97,6 +109,8 @@ class Trainer:
     validation: Sampler
     residuals: Residuals
     disturbance: Disturbance
+    _steps: Callable
+    _look: Callable
     _step: Callable
     _evaluate: Callable
     _unflatten: Callable
@@ -158,9 +172,9 @@ class Trainer:
             cast(fixed, np.float32),
             cast(residuals, np.float32),
         )
-        step = make_steps(spec, light, disturbance, unflatten, optimizer, steps)
+        taken = make_steps(spec, light, disturbance, unflatten, optimizer, steps)
         checked = lay_out(spec, model, template, validation)
-        evaluate = make_evaluate(spec, model, validation, checked, residuals, disturbance)
+        look = make_evaluate(spec, model, validation, checked, residuals, disturbance)
         return cls(
             robot=robot,
             spec=spec,
@@ -170,8 +184,10 @@ class Trainer:
             validation=validation,
             residuals=residuals,
             disturbance=disturbance,
-            _step=step,
-            _evaluate=evaluate,
+            _steps=taken,
+            _look=look,
+            _step=quick_jit(taken),
+            _evaluate=quick_filter_jit(look),
             _unflatten=unflatten,
             _optimizer=optimizer,
             _template=template,
@@ -185,8 +201,9 @@ class Trainer:
         factor = REPAIR_RATE * width_factor(self.spec, self._template)
         optimizer = _optimizer(self.spec.recipe, steps, factor)
         parts = self.spec, self._light, self.disturbance, self._unflatten
-        step = make_steps(*parts, optimizer)
-        return replace(self, steps=steps, _step=step, _optimizer=optimizer)
+        taken = make_steps(*parts, optimizer)
+        compiled = quick_jit(taken)
+        return replace(self, steps=steps, _steps=taken, _step=compiled, _optimizer=optimizer)
 
     def on(self, extra: Extra, number: int) -> "Trainer":
         """The trainer of one round: these boxes get samples too. Nothing is compiled again."""
@@ -247,7 +264,10 @@ class Trainer:
         """Keep the parameters if their loss on the validation samples is the lowest."""
         gait = self.gait(state.parameters)
         result, _ = self._evaluate(gait, jax.random.key(0), self.extra, jnp.ones(()))
-        loss = float(result.total)
+        return self.better(state, float(result.total))
+
+    def better(self, state: TrainState, loss: float) -> TrainState:
+        """The same, the parameters having this loss on the validation samples."""
         if loss < float(state.best_loss):
             return state._replace(best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64))
         return state
@@ -264,13 +284,41 @@ class Trainer:
         Samples of extra boxes count for the loss alone.
         """
         loss, margins = self._evaluate(gait, jax.random.key(seed), self.extra, jnp.zeros(()))
+        return self.fresh(float(loss.total), np.asarray(margins))
+
+    def fresh(self, loss: float, margins: Float[np.ndarray, "N K"]) -> FreshMargins:
+        """What a look found, by condition."""
         rows = self._validation_layout.counts
-        margins = np.asarray(margins)[: len(rows)]
+        margins = margins[: len(rows)]
         named = {
             name: margins[rows[:, block.start]][:, block]
             for name, block in self._validation_layout.columns.items()
         }
-        return FreshMargins(float(loss.total), named)
+        return FreshMargins(loss, named)
+
+    def over_seeds(self) -> OverSeeds:
+        """The same steps and looks for many trainings that differ in their seeds."""
+        steps = jax.vmap(partial(self._steps, extra=None), in_axes=(0, 0, 0, 0, None, 0))
+        look = eqx.filter_vmap(self._look, in_axes=(eqx.if_array(0), None, None, None))
+
+        def gaits(parameters, template, robot):
+            def one(mine):
+                double = jax.tree.map(lambda leaf: leaf.astype(float), self._unflatten(mine))
+                return eqx.combine(double, template).matched(robot, self.residuals.reset)
+
+            return eqx.filter_vmap(one)(parameters)
+
+        made, looked = quick_filter_jit(gaits), quick_filter_jit(look)
+        return OverSeeds(
+            step=quick_jit(steps),
+            gaits=lambda parameters: made(parameters, self._template, self.robot),
+            look=lambda gaits, key, share: looked(gaits, key, None, share),
+        )
+
+    def fits(self, gait: AnyGait) -> bool:
+        """Whether a gait differs from what the trainer was built for in trained weights alone."""
+        others = [eqx.partition(one, one.trainable())[1] for one in (gait, self._template)]
+        return bool(eqx.tree_equal(*others))
 
     def done(self, state: TrainState) -> bool:
         """Whether all steps are taken."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from neuralgaits._settings import check_budget, check_seed, check_steps
+from neuralgaits._settings import check_budget, check_seeds, check_steps
 from neuralgaits.barriers.commanded import Interval
 from neuralgaits.control.laws import law_named
 from neuralgaits.engine import Done, Engine, Job, engine_for
@@ -156,11 +156,7 @@ def _given(
 ) -> dict[str, Any]:
     """What was given of a `SweepAsked`, checked as far as it can be without a robot."""
     if seeds is not None:
-        first, end = seeds
-        if not first < end:
-            raise InputError(f"expected seeds A:B with A < B, found {first}:{end}")
-        check_seed(first)
-        check_seed(end - 1)
+        check_seeds(seeds)
     check_steps(steps)
     check_budget(budget)
     if certify is not None and certify not in LEVELS:

@@ -3,32 +3,30 @@
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
-import jax
 import numpy as np
 
-from neuralgaits._settings import check_proof_budget, check_seed, check_steps
 from neuralgaits.analysis.orbit import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
-from neuralgaits.barriers import GaitSpec, specs, user_code
-from neuralgaits.barriers.commanded import Interval, commands_of
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
+from neuralgaits.barriers import GaitSpec
+from neuralgaits.barriers.commanded import Interval
+from neuralgaits.barriers.regions import CommandedGait
 from neuralgaits.barriers.spec import Init
-from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError, Interrupted, RunError
-from neuralgaits.gait.commands import Commands
-from neuralgaits.records.asked import Asked, Proving, Range, asked_of
+from neuralgaits.records.asked import asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.commands import command, resuming
-from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
+from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.training.session import Session, take_all_steps
+from neuralgaits.training.session import take_all_steps
+from neuralgaits.training.trainer import FreshMargins, TrainState
+from neuralgaits.workflows.parts.new_training import new_training
 from neuralgaits.workflows.parts.proof_rounds import ProofRounds, Watch
 
 FRESH_SAMPLES_SEED = 2**31
@@ -90,70 +88,30 @@ def train(
     began = time.perf_counter()
     if resume is not None:
         folder, robot, loaded = _resumed(resume, robot, root)
-        gait = untrained(folder, loaded)
+        run = Run(folder, robot, loaded, untrained(folder, loaded))
     elif robot is None:
         raise InputError(
             "expected ROBOT, found none: name one, as in "
             f"`{command('train', 'amber3m')}`, or a run to go on with by --resume RUN"
         )
     else:
-        _check(seed, init, hidden, steps)
-        check_proof_budget(certify, budget)
-        one, spread = (None, speed) if isinstance(speed, tuple) else (speed, None)
-        told = commands_of(
-            speed=spread, step_length=step_length, step_height=step_height, slope=slope
-        )
-        if one is not None and told:
-            raise InputError(
-                "expected one speed, or a range of it beside other commands, found --speed "
-                f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"
-            )
-        if (told or one is not None or parameters) and not isinstance(spec, str):
-            raise InputError(
-                "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
-                "build it with specs.commanded or specs.robust"
-            )
-        box = checked_box(parameters or {})
-        loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
-        refuse_many_axes(loaded)
-        with user_code.blamed():
-            gait = loaded.new_gait(jax.random.key(seed), init, hidden)
-        if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
-            # The built-in ones are traced by the tests.
-            file = specs.source_path(spec) if isinstance(spec, str) else None
-            refuse_untraceable(loaded, robot, gait, file)
-        if certify and loaded.commands:
-            raise InputError(
-                "expected a gait without commands to train until it is proved, found one that is "
-                f"told {', '.join(c.name for c in loaded.commands)}: its proof takes many minutes; "
-                "train without --certify, then certify the run"
-            )
-        if certify and loaded.parameters:
-            raise InputError(
-                "expected a gait for one robot to train until it is proved, found --parameters: "
-                "train without --certify, then certify the run"
-            )
-        unprovable = why_not_provable(gait)
-        if certify and unprovable is not None:
-            raise InputError(f"expected a gait that can be certified, found that {unprovable}")
-        config = Asked(
-            robot=robot.name,
-            spec=spec if isinstance(spec, str) else spec.name,
+        place = None if out is None else Path(out)
+        asked = new_training(
+            robot,
+            spec,
             seed=seed,
             init=init,
-            hidden=_widths(gait),
-            steps=loaded.recipe.steps if steps is None else steps,
-            described=loaded.describe(),
-            not_provable_because=unprovable,
-            certify=Proving(budget) if certify else None,
-            commands=ranges_of(told),
-            speed=one,
-            parameters=box,
+            hidden=hidden,
+            steps=steps,
+            certify=certify,
+            budget=budget,
+            speed=speed,
+            step_length=step_length,
+            step_height=step_height,
+            slope=slope,
+            parameters=parameters,
         )
-        copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
-        place = None if out is None else Path(out)
-        folder = RunFolder.create(config, copies, name=robot.name, seed=seed, root=root, out=place)
-    run = Run(folder, robot, loaded, gait)
+        run = asked.begun(root, place)
     return train_to_the_end(run, progress=progress, watch=watch, root=root, began=began)
 
 
@@ -182,19 +140,49 @@ def train_to_the_end(
             rounds = ProofRounds(run.folder, run.robot, run.spec, session.steps, watch or Watch())
             gait, proof = rounds.run(session.trainer, gait, run.asked.certify.budget_s)
         done = replace(run, trained=gait)
-        finish(run.folder, _summary(done, session, proof, began), root)
+        report = partial(session.trainer.report, seed=FRESH_SAMPLES_SEED)
+        fresh = report(gait)
+        found = summary_of(
+            done,
+            fresh,
+            report(session.gait) if run.spec.aims else fresh,
+            state=session.state,
+            compile_s=session.compile_s,
+            train_s=session.train_s,
+            began=began,
+            proof=proof,
+        )
+        finish(run.folder, found, root)
         return done
     except KeyboardInterrupt as stop:
         raise Interrupted(resuming(run.path)) from stop
 
 
-def _summary(run: Run, session: Session, proof: TrainingProof | None, began: float) -> Trained:
-    """What a training says of itself, with the hash of its conditions as a Program."""
-    asked, report = run.asked, session.trainer.report(run.trained, seed=FRESH_SAMPLES_SEED)
-    # Aims are those of the middle of the tubes, which calibration leaves for the orbit.
-    aimed = (
-        session.trainer.report(session.gait, seed=FRESH_SAMPLES_SEED) if run.spec.aims else report
-    )
+def summary_of(
+    run: Run,
+    report: FreshMargins,
+    aimed: FreshMargins,
+    *,
+    state: TrainState,
+    compile_s: float,
+    train_s: float,
+    began: float,
+    proof: TrainingProof | None = None,
+) -> Trained:
+    """What a training says of itself, with the hash of its conditions as a Program.
+
+    Args:
+        run: with its trained gait.
+        report: of that gait.
+        aimed: the same before calibration: aims are those of the middle of the tubes, which
+            calibration leaves for the orbit.
+        state: at the last step.
+        compile_s: time that compiling took.
+        train_s: time of the steps.
+        began: when the command did (s, of `time.perf_counter`).
+        proof: that was asked for.
+    """
+    asked = run.asked
     aims = {aim.name: violations(aimed.margins[aim.name], aim.scale) for aim in run.spec.aims}
     found = {
         condition.name: violations(report.margins[condition.name], condition.scale)
@@ -208,7 +196,7 @@ def _summary(run: Run, session: Session, proof: TrainingProof | None, began: flo
         robot=asked.robot,
         spec=asked.spec,
         seed=asked.seed,
-        steps=int(session.state.step) + (0 if proof is None else proof.repair_steps),
+        steps=int(state.step) + (0 if proof is None else proof.repair_steps),
         loss=aimed.loss,
         conditions=found,
         provable=program is not None,
@@ -218,9 +206,9 @@ def _summary(run: Run, session: Session, proof: TrainingProof | None, began: flo
         commands=asked.commands,
         aims=aims,
         orbit_speeds_m_s=_orbit_speeds(run),
-        step_size=round(float(session.state.rate), 6),
-        compile_s=session.compile_s,
-        train_s=session.train_s,
+        step_size=round(float(state.rate), 6),
+        compile_s=compile_s,
+        train_s=train_s,
         wall_s=time.perf_counter() - began,
     )
 
@@ -255,34 +243,6 @@ def _resumed(
     if robot is not None:
         _same_robot(folder, robot)
     return folder, *open_parts(folder)
-
-
-def ranges_of(commands: Commands) -> dict[str, Range]:
-    """Commands as a run's config has them."""
-    return {c.name: Range(c.low, c.high, c.largest_change) for c in commands}
-
-
-def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | None) -> None:
-    check_seed(seed)
-    if init not in ("posture", "random"):
-        raise InputError(f"expected init posture or random, found {init!r}")
-    if hidden is not None and (not hidden or min(hidden) < 1):
-        raise InputError(f"expected hidden widths of at least 1, found {hidden}")
-    check_steps(steps)
-
-
-def _widths(gait: AnyGait) -> tuple[int, ...] | None:
-    """Widths of the hidden layers, None for a policy without a network."""
-    network = getattr(gait.policy, "network", None)
-    return None if network is None else tuple(len(bias) for bias in network.biases[:-1])
-
-
-def _source(spec: str | GaitSpec) -> str:
-    """The file that defines the spec, or the names that an object without a file has."""
-    if isinstance(spec, str):
-        return specs.source_path(spec).read_text()
-    names = "".join(f"# {condition.name}\n" for condition in spec.conditions)
-    return f"# A GaitSpec made in Python, {spec.name!r}, in no file. Its conditions:\n{names}"
 
 
 def _same_robot(folder: RunFolder, robot: PlanarBiped) -> None:

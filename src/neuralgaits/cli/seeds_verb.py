@@ -1,0 +1,84 @@
+"""`train --seeds`: its settings, and how the seeds are shown."""
+
+from typing import Any
+
+from rich.text import Text
+
+from neuralgaits.cli.outcome import Outcome
+from neuralgaits.cli.sweep_verb import seeds_of
+from neuralgaits.cli.tables import ROWS, number, show_facts, show_sentence, show_table
+from neuralgaits.errors import InputError
+from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
+from neuralgaits.runs.commands import command, named
+
+
+def carry_out_seeds(robot: str | None, given: dict[str, Any], *, quiet: bool) -> Outcome:
+    """Train many seeds. Good if none is refused.
+
+    Args:
+        robot: name or path.
+        given: settings of `train_seeds`, as far as they were given; `seeds` as A:B.
+        quiet: show no progress.
+
+    Raises: InputError.
+    """
+    if "seed" in given:
+        raise InputError(
+            f"expected --seed N or --seeds A:B, found both: for one seed, leave out --seeds "
+            f"{given['seeds']}"
+        )
+    for name in ("certify", "budget"):
+        if name in given:
+            raise InputError(
+                f"expected --seeds without --{name}, found both: train first, then certify each "
+                "run, or sweep with --certify LEVEL"
+            )
+    if robot is None:
+        raise InputError(
+            "expected ROBOT with --seeds, found none: name one, as in "
+            f"`{command('train', 'amber3m', '--seeds', given['seeds'])}`"
+        )
+    settings: dict[str, Any] = given | {"seeds": seeds_of(given["seeds"])}
+    from neuralgaits.cli.progress import TrainingProgress
+    from neuralgaits.robots import load_robot
+    from neuralgaits.workflows.train_seeds import train_seeds
+
+    with TrainingProgress(quiet=quiet) as progress:
+        done = train_seeds(load_robot(robot), progress=progress, **settings)
+    return Outcome(done.summary, not done.summary.refused, show_seeds)
+
+
+def show_seeds(result: TrainedSeeds) -> None:
+    """How many seeds hold, those that do not, and the best."""
+    every, holding, refused = len(result.seeds), result.holding, result.refused
+    state = Text("trained", "yellow" if refused else "green")
+    held = f"all {result.conditions} conditions hold on fresh samples of {len(holding)}"
+    show_sentence(state, f": {every - len(refused)} of {every} seeds; {held}")
+    for one in refused[:ROWS]:
+        show_sentence(f"seed {one.seed}: {one.refused}", hang=2)
+    failing = sorted((one for one in result.seeds if one.broken), key=lambda one: -_count(one))
+    rows = [(str(one.seed), number(one.loss), _broken(one)) for one in failing]
+    show_table(("seed", "loss", "conditions that fail somewhere"), rows[:ROWS])
+    for count, what in ((len(refused), "refused"), (len(rows), "with such conditions")):
+        if count > ROWS:
+            show_sentence(f"and {count - ROWS} more {what}")
+    together = f"{result.batch} at a time" + (
+        f" on {result.devices} devices" if result.devices > 1 else ""
+    )
+    spent = f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling, {together}"
+    facts = [("robot", result.robot), ("spec", result.spec), ("time", spent)]
+    facts.append(("runs", result.folder))
+    known = [one for one in result.seeds if one.loss is not None]
+    if known:
+        best = min(known, key=lambda one: (_count(one), one.loss))
+        facts.append(("least loss", f"seed {best.seed}, {number(best.loss)}"))
+        facts.append(("next", command("simulate", named(best.run))))
+    show_facts(facts)
+
+
+def _count(one: TrainedSeed) -> int:
+    return len(one.broken or ())
+
+
+def _broken(one: TrainedSeed) -> str:
+    return ", ".join(one.broken or ())

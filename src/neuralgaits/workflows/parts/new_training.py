@@ -1,0 +1,171 @@
+"""A training before it has a folder: what was asked is checked, and its untrained gait made."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import jax
+
+from neuralgaits._settings import check_proof_budget, check_seed, check_steps
+from neuralgaits.analysis.run import Run
+from neuralgaits.barriers import GaitSpec, specs, user_code
+from neuralgaits.barriers.commanded import Interval, commands_of
+from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.barriers.spec import Init
+from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
+from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Commands
+from neuralgaits.records.asked import Asked, Proving, Range
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameter_box import checked_box
+from neuralgaits.runs import RunFolder
+from neuralgaits.runs.names import ROBOT, SPEC
+
+
+@dataclass(frozen=True)
+class NewTraining:
+    """What a training begins with.
+
+    Attributes:
+        robot: the model.
+        spec: the conditions.
+        gait: untrained.
+        asked: what becomes the run's config.
+        copies: file name to content: inputs the run must be able to read again.
+    """
+
+    robot: PlanarBiped
+    spec: GaitSpec
+    gait: AnyGait
+    asked: Asked
+    copies: Mapping[str, str]
+
+    def of_seed(self, seed: int) -> "NewTraining":
+        """The same with other weights and samples."""
+        asked = replace(self.asked, seed=seed)
+        return replace(self, gait=_new_gait(self.spec, asked), asked=asked)
+
+    def begun(self, root: Path, out: Path | None) -> Run:
+        """The run, with a folder of its own.
+
+        Args:
+            root: folder of the runs.
+            out: exact place instead.
+        """
+        name, seed = self.robot.name, self.asked.seed
+        folder = RunFolder.create(self.asked, self.copies, name=name, seed=seed, root=root, out=out)
+        return Run(folder, self.robot, self.spec, self.gait)
+
+
+def new_training(
+    robot: PlanarBiped,
+    spec: str | GaitSpec,
+    *,
+    seed: int,
+    init: Init,
+    hidden: tuple[int, ...] | None,
+    steps: int | None,
+    speed: float | Interval | None,
+    step_length: Interval | None,
+    step_height: Interval | None,
+    slope: Interval | None,
+    parameters: Mapping[str, float] | None,
+    certify: bool = False,
+    budget: float | None = None,
+) -> NewTraining:
+    """Check what was asked, see `workflows.train`, and make the untrained gait.
+
+    Raises: InputError on settings that make no sense, alone or together.
+    """
+    _check(seed, init, hidden, steps)
+    check_proof_budget(certify, budget)
+    one, spread = (None, speed) if isinstance(speed, tuple) else (speed, None)
+    told = commands_of(speed=spread, step_length=step_length, step_height=step_height, slope=slope)
+    if one is not None and told:
+        raise InputError(
+            "expected one speed, or a range of it beside other commands, found --speed "
+            f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"
+        )
+    if (told or one is not None or parameters) and not isinstance(spec, str):
+        raise InputError(
+            "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
+            "build it with specs.commanded or specs.robust"
+        )
+    box = checked_box(parameters or {})
+    loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
+    refuse_many_axes(loaded)
+    with user_code.blamed():
+        gait = loaded.new_gait(jax.random.key(seed), init, hidden)
+    if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
+        # The built-in ones are traced by the tests.
+        file = specs.source_path(spec) if isinstance(spec, str) else None
+        refuse_untraceable(loaded, robot, gait, file)
+    unprovable = why_not_provable(gait)
+    if certify:
+        _refuse_proof(loaded, unprovable)
+    config = Asked(
+        robot=robot.name,
+        spec=spec if isinstance(spec, str) else spec.name,
+        seed=seed,
+        init=init,
+        hidden=_widths(gait),
+        steps=loaded.recipe.steps if steps is None else steps,
+        described=loaded.describe(),
+        not_provable_because=unprovable,
+        certify=Proving(budget) if certify else None,
+        commands=ranges_of(told),
+        speed=one,
+        parameters=box,
+    )
+    copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
+    return NewTraining(robot, loaded, gait, config, copies)
+
+
+def _refuse_proof(spec: GaitSpec, unprovable: str | None) -> None:
+    """Raises: InputError for what is not trained until it is proved."""
+    if spec.commands:
+        raise InputError(
+            "expected a gait without commands to train until it is proved, found one that is "
+            f"told {', '.join(c.name for c in spec.commands)}: its proof takes many minutes; "
+            "train without --certify, then certify the run"
+        )
+    if spec.parameters:
+        raise InputError(
+            "expected a gait for one robot to train until it is proved, found --parameters: "
+            "train without --certify, then certify the run"
+        )
+    if unprovable is not None:
+        raise InputError(f"expected a gait that can be certified, found that {unprovable}")
+
+
+def ranges_of(commands: Commands) -> dict[str, Range]:
+    """Commands as a run's config has them."""
+    return {c.name: Range(c.low, c.high, c.largest_change) for c in commands}
+
+
+def _new_gait(spec: GaitSpec, asked: Asked) -> AnyGait:
+    with user_code.blamed():
+        return spec.new_gait(jax.random.key(asked.seed), asked.init, asked.hidden)
+
+
+def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | None) -> None:
+    check_seed(seed)
+    if init not in ("posture", "random"):
+        raise InputError(f"expected init posture or random, found {init!r}")
+    if hidden is not None and (not hidden or min(hidden) < 1):
+        raise InputError(f"expected hidden widths of at least 1, found {hidden}")
+    check_steps(steps)
+
+
+def _widths(gait: AnyGait) -> tuple[int, ...] | None:
+    """Widths of the hidden layers, None for a policy without a network."""
+    network = getattr(gait.policy, "network", None)
+    return None if network is None else tuple(len(bias) for bias in network.biases[:-1])
+
+
+def _source(spec: str | GaitSpec) -> str:
+    """The file that defines the spec, or the names that an object without a file has."""
+    if isinstance(spec, str):
+        return specs.source_path(spec).read_text()
+    names = "".join(f"# {condition.name}\n" for condition in spec.conditions)
+    return f"# A GaitSpec made in Python, {spec.name!r}, in no file. Its conditions:\n{names}"

@@ -1,0 +1,295 @@
+"""Many seeds as one program: each comes to what it comes to alone, and is a run like any other."""
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import equinox as eqx
+import jax
+import numpy as np
+import pytest
+
+import neuralgaits as ng
+from neuralgaits.analysis.run import open_run
+from neuralgaits.cli.main import main
+from neuralgaits.errors import InputError, Interrupted
+from neuralgaits.runs import resolve_unfinished
+from neuralgaits.runs.names import STATE, SUMMARY
+from neuralgaits.training import gradient_steps, seed_batch
+from neuralgaits.training.seed_batch import SeedBatch
+from neuralgaits.training.trainer import SMALLER, Trainer
+from neuralgaits.workflows import train_seeds as workflow
+from neuralgaits.workflows.train import train
+from neuralgaits.workflows.train_seeds import batch_size, train_seeds
+from support import small_spec
+
+SMALL = f"{small_spec.__file__}:small"
+STEPS, LOOK = 25, 10
+"""Gradient steps, and how many are between two looks here: so there are three."""
+SHARDED = """
+import sys
+from pathlib import Path
+
+import jax
+
+from neuralgaits.robots import load_robot
+from neuralgaits.workflows.train_seeds import train_seeds
+
+spec, out = sys.argv[1], Path(sys.argv[2])
+robot = load_robot("amber3m")
+done = train_seeds(robot, spec, seeds=(3, 6), steps=20, out=out, root=out.parent)
+assert len(jax.devices()) == done.summary.devices == 2, jax.devices()
+"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def often():
+    """Looks at a training after fewer steps."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (seed_batch, gradient_steps):
+            patch.setattr(module, "VALIDATE_EVERY", LOOK)
+        yield
+
+
+@pytest.fixture(scope="module")
+def amber():
+    return ng.load_robot("amber3m")
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    return tmp_path_factory.mktemp("runs")
+
+
+@pytest.fixture(scope="module")
+def told():
+    return []
+
+
+@pytest.fixture(scope="module")
+def three(often, amber, root, told):
+    """Seeds 3, 4 and 5 in batches of two."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(workflow, "AT_ONCE", 2)
+        return ng.train_seeds(
+            amber,
+            SMALL,
+            seeds=(3, 6),
+            steps=STEPS,
+            out=root / "three",
+            root=root,
+            progress=lambda *news: told.append(news),
+        )
+
+
+def nearly(one, other, within=1e-9):
+    for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
+        np.testing.assert_allclose(a, b, rtol=within, atol=within)
+
+
+def test_gradients_and_losses_of_a_step_are_those_of_single_trainings(three):
+    """From the same states, at step numbers that differ, to rounding in single precision.
+
+    Weights are no measure of that: where a gradient is no more than rounding, Adam takes a whole
+    step all the same.
+    """
+    trainers = [_trainer(run) for run in three.runs]
+    states = []
+    for number, (trainer, run) in enumerate(zip(trainers, three.runs, strict=True)):
+        state, _ = trainer.step(trainer.init(run.trained), number)
+        states.append(state._replace(optimizer=trainer.init(run.trained).optimizer))
+    stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *states)
+    keys = jax.numpy.stack([jax.random.key(trainer.seed) for trainer in trainers])
+    _, moments, losses = (
+        trainers[0]
+        .over_seeds()
+        .step(stacked.parameters, stacked.optimizer, keys, stacked.step, 1, stacked.rate)
+    )
+    for number, (trainer, state) in enumerate(zip(trainers, states, strict=True)):
+        alone, loss = trainer.step(state)
+        nearly(losses.total[number], loss.total, 1e-5)
+        nearly(losses.terms[number], loss.terms, 1e-5)
+        for ours, its in zip(
+            jax.tree.leaves(moments), jax.tree.leaves(alone.optimizer), strict=True
+        ):
+            np.testing.assert_allclose(
+                ours[number], its, rtol=0, atol=1e-4 * np.max(np.abs(its), initial=0.0)
+            )
+
+
+def test_a_run_of_a_batch_has_what_a_single_one_has(three, amber, root):
+    """Of a full batch and of one that is filled up; losses as near as chaos lets them be."""
+    for seed in (4, 5):
+        alone = train(amber, SMALL, seed=seed, steps=STEPS, out=root / f"alone-{seed}", root=root)
+        run = open_run(root / "three" / str(seed))
+        assert dict(run.asked) == dict(alone.asked)
+        ours, theirs = run.folder.read_metrics(), alone.folder.read_metrics()
+        assert [row["step"] for row in ours] == [10, 20, STEPS]
+        assert [set(row) for row in ours] == [set(row) for row in theirs]
+        for a, b in zip(ours, theirs, strict=True):
+            assert a["loss"] == pytest.approx(b["loss"], rel=0.02)
+            assert a["validation_loss"] == pytest.approx(b["validation_loss"], rel=0.02)
+        mine, its = run.summary, alone.summary
+        assert set(mine) == set(its)
+        assert (mine.steps, mine.seed) == (its.steps, seed)
+        assert mine.loss == pytest.approx(its.loss, rel=0.02)
+        files = [{p.name for p in one.path.iterdir() if p.is_file()} for one in (run, alone)]
+        assert files[0] == files[1]
+
+
+def test_what_is_said_of_them_is_in_their_folder(three, root, told):
+    summary = three.summary
+    assert [one.seed for one in summary.seeds] == [3, 4, 5]
+    assert json.loads((root / "three" / "seeds.json").read_text()) == dict(summary)
+    assert (summary.batch, summary.devices, summary.steps) == (2, 1, STEPS)
+    assert [run.path.name for run in three.runs] == ["3", "4", "5"]
+    steps = [step for step, *_ in told]
+    assert steps == sorted(steps) and told[-1][:2] == (3 * STEPS, 3 * STEPS)
+    assert all(np.isfinite(loss) for *_, loss in told)
+
+
+def test_a_killed_seed_goes_on_to_the_same_weights(three, root, tmp_path):
+    """From the checkpoint of the batch, by the single training."""
+    run = three.runs[1]
+    kept = run.folder.read_tree(STATE, _trainer(run).init(run.trained))
+    assert int(kept.step) == STEPS
+    (run.path / SUMMARY).rename(tmp_path / SUMMARY)
+    again = train(resume=run.path, root=root)
+    nearly(again.trained, run.trained, 1e-12)
+    assert again.summary.loss == pytest.approx(run.summary.loss, rel=1e-9)
+
+
+def _trainer(run):
+    return Trainer.build(run.robot, run.spec, run.trained, steps=STEPS, seed=run.asked.seed)
+
+
+def test_a_seed_is_walked_by_the_verb(three, capfd):
+    code = main(["simulate", str(three.runs[0].path), "--steps", "1", "--json"])
+    assert code in (0, 1), capfd.readouterr().err
+
+
+def test_a_seed_that_turns_to_nan_goes_on_smaller_and_leaves_the_others(
+    three, amber, root, monkeypatch
+):
+    """As alone: from the best weights before that, over the same steps again."""
+    spoilt, block = [], SeedBatch._block
+
+    def once(self, going):
+        losses = block(self, going)
+        if not spoilt:
+            spoilt.append(self.members[1])
+            one = self.members[1]
+            one.state = one.state._replace(parameters=np.full_like(one.state.parameters, np.nan))
+        return losses
+
+    monkeypatch.setattr(SeedBatch, "_block", once)
+    out = root / "spoilt"
+    done = train_seeds(amber, SMALL, seeds=(3, 5), steps=STEPS, out=out, root=root)
+    first, second = done.runs
+    nearly(first.trained, three.runs[0].trained)
+    assert second.summary.step_size == pytest.approx(SMALLER)
+    assert [row["step"] for row in second.folder.read_metrics()] == [10, 20, STEPS]
+    assert first.summary.step_size == 1.0
+
+
+def test_a_seed_without_a_way_out_is_refused_with_its_reason(amber, root, monkeypatch, capfd):
+    look = Trainer.careful
+    monkeypatch.setattr(
+        Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
+    )
+    begun = SeedBatch._begun
+
+    def second_is_nan(self, run):
+        one = begun(self, run)
+        if run.asked.seed == 1:
+            bad = np.full_like(one.state.parameters, np.nan)
+            one.state = one.kept = one.state._replace(parameters=bad)
+        return one
+
+    monkeypatch.setattr(SeedBatch, "_begun", second_is_nan)
+    monkeypatch.chdir(root)
+    words = ["train", "amber3m", "--spec", SMALL, "--seeds", "0:3", "--steps", "5"]
+    assert main([*words, "--out", "refused"]) == 1
+    said = capfd.readouterr().out
+    assert "trained: 2 of 3 seeds" in said
+    assert "seed 1: expected a finite loss and weights, found NaN or infinity at step 1" in said
+    assert [(root / "refused" / str(n) / SUMMARY).is_file() for n in range(3)] == [1, 0, 1]
+    rows = json.loads((root / "refused" / "seeds.json").read_text())["seeds"]
+    assert [row["refused"] is None for row in rows] == [True, False, True]
+    assert (root / "refused" / "1" / "nan.json").is_file()
+
+
+def test_devices_share_a_batch(three, amber, root):
+    """Two devices of this processor: three seeds, filled up to four."""
+    out = root / "sharded"
+    flags = os.environ.get("XLA_FLAGS", "") + " --xla_force_host_platform_device_count=2"
+    path = str(Path(ng.__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-c", SHARDED, SMALL, str(out)],
+        env=os.environ | {"XLA_FLAGS": flags, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    here = train_seeds(amber, SMALL, seeds=(3, 6), steps=20, out=root / "whole", root=root)
+    for run in here.runs:
+        nearly(open_run(out / run.path.name).trained, run.trained, 1e-6)
+
+
+def test_ctrl_c_keeps_every_seed_and_says_how_to_go_on(amber, tmp_path, monkeypatch):
+    def stop(step, every, loss):
+        if step >= 2 * LOOK:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(workflow, "AT_ONCE", 2)
+    with pytest.raises(Interrupted) as stopped:
+        train_seeds(amber, SMALL, seeds=(0, 5), steps=STEPS, root=tmp_path, progress=stop)
+    folder = resolve_unfinished("latest", tmp_path)
+    assert folder.path.name == "1" and folder.path.parents[2] == tmp_path / "seeds"
+    assert stopped.value.command.endswith(f"train --resume {folder.path.with_name('0')}")
+    assert stopped.value.more == ", and so with each of 1 more; seeds 2 to 4 were not begun"
+    assert not folder.path.with_name("2").exists()
+
+
+def test_batches_are_few_and_even():
+    assert [batch_size(count, 1) for count in (1, 32, 33, 40, 64, 1000)] == [1, 32, 17, 20, 32, 32]
+    assert [batch_size(count, 4) for count in (1, 6, 128, 129)] == [4, 8, 128, 68]
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        (["--seeds", "0-4"], "expected --seeds A:B or one seed, found '0-4'"),
+        (["--seeds", "4:4"], "expected seeds A:B with A < B, found 4:4"),
+        (["--seeds", f"0:{2**31 + 1}"], "expected a seed from 0 to 2147483647"),
+        (["--seeds", "0:4", "--seed", "3"], "expected --seed N or --seeds A:B, found both"),
+        (["--seeds", "0:4", "--certify"], "expected --seeds without --certify, found both"),
+        (["--seeds", "0:4", "--budget", "5"], "expected --seeds without --budget, found both"),
+        (["--seeds", "0:4", "--resume", "r"], "expected --resume alone, found it with --seeds"),
+        (["--seeds", "0:4", "--steps", "0"], "expected at least 1 gradient step, found 0"),
+        (["--seeds", "0:4", "--out", "there"], "expected a new or empty folder for the runs"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_a_line(words, found, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "file").touch()
+    assert main(["train", "amber3m", *words]) == 2
+    said = capfd.readouterr()
+    assert found in said.err and said.err.count("\n") == 1 and not said.out
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_gait_that_differs_in_more_than_weights_is_refused(amber, tmp_path):
+    spec = small_spec.small(amber)
+
+    def lower(key, init, hidden):
+        gait = spec.new_gait(key, init, hidden)
+        share = float(jax.random.uniform(key))
+        return eqx.tree_at(lambda g: g.policy.lower, gait, replace_fn=lambda low: low - share)
+
+    with pytest.raises(InputError, match=r"alone, found others in that of seed 1"):
+        train_seeds(amber, replace(spec, new_gait=lower), seeds=(0, 2), steps=1, root=tmp_path)
