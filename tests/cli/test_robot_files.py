@@ -1,6 +1,7 @@
 """`inspect`, `inspect --planarise` and `robots --out`: what is shown, and which files are made."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -26,6 +27,28 @@ def test_a_flat_foot_is_called_one_with_the_command_that_mends_it(place, capfd):
     err = capfd.readouterr().err
     assert "body foot is a flat foot on the ankle foot_joint" in err
     assert "`neuralgaits inspect FILE --planarise OUT.xml`" in err
+
+
+@pytest.mark.parametrize("verb", ["inspect", "train"])
+def test_a_refusal_names_the_command_that_mends_the_file(place, capfd, verb):
+    text = registry.model_file("rabbit").read_text(encoding="utf-8")
+    flat = re.sub('type="sphere" size="[0-9.]+"', 'type="box" size="0.08 0.03 0.01"', text)
+    (place / "flat.xml").write_text(flat, encoding="utf-8")
+    assert main([verb, "flat.xml"]) == 2
+    err = capfd.readouterr().err
+    assert "has no foot" in err
+    assert err.count("\n") == 1
+    assert "`neuralgaits inspect flat.xml --planarise flat-planar.xml`" in err
+    assert main(["inspect", "flat.xml", "--planarise", "flat-planar.xml"]) == 0
+
+
+def test_nothing_is_promised_of_a_file_that_cannot_be_mended(place, capfd):
+    text = registry.model_file("rabbit").read_text(encoding="utf-8")
+    (place / "unlimited.xml").write_text(re.sub("ctrlrange=", "user=", text), encoding="utf-8")
+    assert main(["inspect", "unlimited.xml"]) == 2
+    err = capfd.readouterr().err
+    assert "has no torque limit" in err
+    assert "planarise" not in err
 
 
 def test_planarise_writes_a_file_and_says_each_change(place, capfd):

@@ -55,6 +55,12 @@ REFUSED = {
     "empty": (lambda x: x[:0] @ jnp.ones((0, 2)), "axis without elements: it sums no terms"),
     "empty rows": (lambda x: jnp.ones((3, 0)) @ x[:0] + x, "axis without elements"),
     "nested": (lambda x: jax.jit(lambda y: jnp.clip(y, 0.0, 1.0))(x), "max inside clip"),
+    "index beyond": (lambda x: x[3], r"cannot trace index 3 of an axis of 3: index inside"),
+    "index before": (lambda x: x[-4], r"cannot trace index -4 of an axis of 3: index inside"),
+    "indices beyond": (
+        lambda x: x[np.array([0, 5])],
+        r"cannot trace index 5 of an axis of 3: index inside",
+    ),
 }
 
 

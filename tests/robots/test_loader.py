@@ -148,6 +148,11 @@ REFUSED = {
         "limits of motor knee_left are -41 and 40 N m",
     ),
     "no joint range": ('<joint range="0 1.5"/>', "", "joint knee_left has no range: add"),
+    "radians read as degrees": (
+        '<joint range="0 1.5"/>',
+        '<joint range="0 0.026"/>',
+        "joint knee_left can turn by 0.026 rad in all, too little",
+    ),
     "no actuators": ("<actuator>.*</actuator>", "", "the file has no actuators: add a <motor>"),
     "spring": (
         LEFT_HIP,

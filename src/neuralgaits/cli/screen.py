@@ -201,7 +201,10 @@ def _centre(place: tuple[float, float]) -> str:
 def show_planarised(result: RobotFacts) -> None:
     """What was changed in a robot file, a line each, and what the new one holds."""
     if result.changes:
-        show_sentence(Text("changed", "yellow"), f": {len(result.changes)} things")
+        show_sentence(
+            Text("changed", "yellow"),
+            f": {len(result.changes)} thing{'' if len(result.changes) == 1 else 's'}",
+        )
         for change in result.changes:
             show_sentence("- ", change, hang=2)
     else:

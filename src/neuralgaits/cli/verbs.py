@@ -126,11 +126,11 @@ def _train(verb: Train) -> Outcome:
     if "seeds" in given:
         return carry_out_seeds(verb.robot, given, quiet=verb.output.json)
     from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.robots import load_robot
     from neuralgaits.workflows.parts.proof_rounds import Watch
+    from neuralgaits.workflows.planarise import load_or_advise
     from neuralgaits.workflows.train import train
 
-    robot = None if verb.robot is None else load_robot(verb.robot)
+    robot = None if verb.robot is None else load_or_advise(verb.robot)
     with TrainingProgress(quiet=verb.output.json) as progress:
         watch = Watch(progress.proved, progress.round_ended)
         run = train(robot, progress=progress, watch=watch, **given)
@@ -293,10 +293,10 @@ def _inspect(verb: Inspect) -> Outcome:
         from neuralgaits.workflows.planarise import planarise_file
 
         return Outcome(planarise_file(verb.robot, verb.planarise), True, screen.show_planarised)
-    from neuralgaits.robots import load_robot
     from neuralgaits.workflows.inspect import inspect
+    from neuralgaits.workflows.planarise import load_or_advise
 
-    return Outcome(inspect(load_robot(verb.robot)), True, screen.show_robot)
+    return Outcome(inspect(load_or_advise(verb.robot)), True, screen.show_robot)
 
 
 def _robots(verb: Robots) -> Outcome:

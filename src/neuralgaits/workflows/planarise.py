@@ -3,11 +3,13 @@
 from dataclasses import replace
 from pathlib import Path
 
+from neuralgaits.errors import RobotError
 from neuralgaits.records.inspected import RobotFacts
-from neuralgaits.robots import load_robot, registry
+from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.robots.mjcf.planarise import planarise
 from neuralgaits.runs.atomic import write_new
+from neuralgaits.runs.commands import command
 from neuralgaits.workflows.inspect import inspect
 
 
@@ -27,6 +29,25 @@ def planarise_file(source: str | Path, out: Path) -> RobotFacts:
     write_new(out, made.text)
     changes = (*_resolved(source, text), *made.changes)
     return replace(inspect(load_robot(out)), written=str(out), changes=changes)
+
+
+def load_or_advise(source: str | Path) -> PlanarBiped:
+    """`load_robot`, which says of a file it refuses whether `planarise_file` would mend it.
+
+    Raises: RobotError, as `load_robot`.
+    """
+    try:
+        return load_robot(source)
+    except RobotError as error:
+        if "--planarise" in str(error):
+            raise
+        try:
+            planarise(*robot_text(source))
+        except RobotError:
+            raise error from None
+        out = f"{Path(source).stem}-planar.xml"
+        line = command("inspect", str(source), "--planarise", out)
+        raise RobotError(f"{error}; or have a copy made that can be treated: `{line}`") from None
 
 
 def _resolved(source: str | Path, text: str) -> tuple[str, ...]:

@@ -125,3 +125,31 @@ MOVEMENT: dict[str, Callable[[Arrays, Mapping[str, Any]], Arrays]] = {
 
 INDEXED = frozenset({"gather", "dynamic_slice"})
 """Movement at known places whose rules are JAX's own: they are run on the elements by JAX."""
+
+
+def outside(name: str, arrays: Arrays, params: Mapping[str, Any]) -> str:
+    """What of an index lies beyond its array, which JAX moves to the nearest end in silence.
+
+    Args:
+        name: of the primitive, one of `INDEXED`.
+        arrays: its operands: the array, then the known places.
+        params: its parameters. An index with a mode of its own (`clip`, `fill`) is meant so.
+
+    Returns: words for a refusal; empty if all places are inside.
+    """
+    operand, *places = arrays
+    if name == "dynamic_slice":
+        axes, starts = range(operand.ndim), np.stack(places, axis=-1)
+    elif "PROMISE" in str(params["mode"]):
+        axes, starts = params["dimension_numbers"].start_index_map, places[0]
+    else:
+        return ""
+    for column, axis in enumerate(axes):
+        size, found = operand.shape[axis], starts[..., column]
+        wrong = (found < 0) | (found + params["slice_sizes"][axis] > size)
+        if np.any(wrong):
+            # JAX has added the size to an index that counts from the end.
+            place = int(found[wrong].flat[0])
+            place -= size if place < 0 else 0
+            return f"index {place} of an axis of {size}"
+    return ""

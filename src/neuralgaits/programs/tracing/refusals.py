@@ -81,6 +81,7 @@ ADVICE = {
 
 FLOAT32 = "enable x64 before any array is made: jax.config.update('jax_enable_x64', True)"
 CAST = "every number of a condition is float64: remove the cast, make constants in float64"
+OUTSIDE = "index inside the array: of one beyond it JAX takes the last element in silence"
 EMPTY = "it sums no terms: leave it out, or give the arrays elements"
 PYTHON = "a condition is traced with symbols: no `if`, float() or NumPy call on what depends on z"
 

@@ -18,7 +18,7 @@ from neuralgaits.programs.program import Program
 from neuralgaits.programs.tracing import jaxprs, refusals
 from neuralgaits.programs.tracing.builder import Builder, Elements
 from neuralgaits.programs.tracing.lowering import ARITHMETIC
-from neuralgaits.programs.tracing.movement import INDEXED, MOVEMENT
+from neuralgaits.programs.tracing.movement import INDEXED, MOVEMENT, outside
 
 
 @dataclass(frozen=True)
@@ -235,6 +235,8 @@ class _Tracer:
         if any(isinstance(place, _Real) for place in places):
             raise self._refusal(calls, refusals.advice(name), name)
         arrays = [v.elements if isinstance(v, _Real) else v for v in operands]
+        if name in INDEXED and (beyond := outside(name, arrays, equation.params)):
+            raise self._refusal(calls, refusals.OUTSIDE, beyond)
         moved = MOVEMENT[name](arrays, equation.params) if name in MOVEMENT else None
         if moved is None:
             out = equation.primitive.bind(*map(jax.numpy.asarray, arrays), **equation.params)
@@ -245,7 +247,7 @@ class _Tracer:
                 result.append(array)
                 continue
             if np.any(array == np.iinfo(np.int64).min):
-                raise self._refusal(calls, "index inside the array", f"{name} out of bounds")
+                raise self._refusal(calls, refusals.OUTSIDE, f"{name} out of bounds")
             result.append(_Real(array))
         return result
 

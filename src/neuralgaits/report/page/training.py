@@ -105,7 +105,12 @@ def _robot(robot: RobotFacts) -> list[Html]:
         ("coordinates without a motor", html.number(robot.underactuation)),
     )
     links = [
-        (link.name, html.number(link.length_m), html.number(link.inertia_kg_m2))
+        (
+            link.name,
+            html.number(link.length_m),
+            html.number(link.mass_kg),
+            html.number(link.inertia_kg_m2),
+        )
         for link in robot.links
     ]
     motors = [
@@ -120,7 +125,9 @@ def _robot(robot: RobotFacts) -> list[Html]:
     head = ("motor at", "torque at most [N m]", "range [rad]", "rotor inertia [kg m²]")
     return [
         html.facts(f"{robot.robot}, as its file says", whole),
-        html.table("Links", ("link", "length [m]", "inertia [kg m²]"), links, numbers=" nn"),
+        html.table(
+            "Links", ("link", "length [m]", "mass [kg]", "inertia [kg m²]"), links, numbers=" nnn"
+        ),
         html.table("Joints", head, motors, numbers=" n n"),
     ]
 

@@ -16,6 +16,9 @@ import numpy as np
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import joint_name
 
+LEAST_RANGE = 0.1
+"""Of a joint [rad]: less is no step, but 1.6 rad read as degrees is 0.03."""
+
 
 @dataclass(frozen=True)
 class Motor:
@@ -80,7 +83,7 @@ def refuse_other_actuators(model: mujoco.MjModel, joints: list[int]) -> None:
 def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
     """A joint's range in the file's coordinate [rad].
 
-    Raises: RobotError if it has none.
+    Raises: RobotError if it has none, or one that radians read as degrees would make.
     """
     if not model.jnt_limited[joint]:
         name = joint_name(model, joint)
@@ -88,6 +91,12 @@ def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
             f'joint {name} has no range: add range="LOWER UPPER", it bounds the policy'
         )
     lower, upper = model.jnt_range[joint]
+    if upper - lower < LEAST_RANGE:
+        raise RobotError(
+            f"joint {joint_name(model, joint)} can turn by {upper - lower:.2g} rad in all, too "
+            "little for a step: widen its range; if it is written in radians, say so with "
+            '<compiler angle="radian"/>, or MuJoCo reads degrees'
+        )
     return float(lower), float(upper)
 
 
