@@ -158,7 +158,8 @@ def _two_steps(made_once: Callable[[str, Maker], Path], name: str):
 @pytest.fixture(scope="module")
 def browser():
     """The machine's Chromium; one without a graphics card draws in software."""
-    found = shutil.which("chromium") or shutil.which("chromium-browser")
+    names = "chromium", "chromium-browser", "chromium-headless-shell"
+    found = next(filter(None, map(shutil.which, names)), None)
     if found is None:
         pytest.skip("no Chromium on this machine: the page is not looked at")
     from playwright.sync_api import sync_playwright
