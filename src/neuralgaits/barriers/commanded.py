@@ -58,6 +58,7 @@ FOR_COMMANDS = {
     # are to take little torque, at all fences.
     "speed": ForCommand(
         {"forward": 5.0, "flow-above-lower-fence": 3.0, "flow-below-upper-fence": 2.0}
+        | {"tube-width": 2.0}
         | dict.fromkeys(_AT_RESET, 3.0),
         effort=4.0,
         steps=6500,
