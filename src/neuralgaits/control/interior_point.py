@@ -17,6 +17,8 @@ ROUNDS = 30
 """At most."""
 GAP = 1e-11
 """Mean product of slack and multiplier at which the rounds end, in units of the problem."""
+CLOSED = 1e-10
+"""Below this a round that does not make it smaller is not taken: rounding has the last word."""
 SHORT_OF_BOUND = 0.995
 """Share of the way to the nearest bound that a round may go."""
 
@@ -59,12 +61,12 @@ def minimise(program: QuadraticProgram) -> Solution:
     first = _Point(x, slack, jnp.ones_like(slack))
 
     def one(point: _Point, _) -> tuple[_Point, None]:
-        closed = _gap(point) < GAP
-        after = _round(program, point)
-        return jax.tree.map(lambda new, old: jnp.where(closed, old, new), after, point), None
+        before, after = _gap(point), _round(program, point)
+        done = (before < GAP) | (before < CLOSED) & ~(_gap(after) < before)
+        return jax.tree.map(lambda new, old: jnp.where(done, old, new), after, point), None
 
     last, _ = jax.lax.scan(one, first, None, length=ROUNDS)
-    return Solution(last.x, last.multiplier, _gap(last) < GAP)
+    return Solution(last.x, last.multiplier, _gap(last) < CLOSED)
 
 
 def _gap(point: _Point) -> Scalar:

@@ -12,6 +12,7 @@
 
 #define ROUNDS 30
 #define GAP 1.0e-11
+#define CLOSED 1.0e-10
 #define SHORT_OF_BOUND 0.995
 #define DECAY 0.75
 #define SMALLEST_OUTPUT 1.0e-9 /* [rad] */
@@ -162,9 +163,14 @@ static int minimise(const program *of, point *at)
         at->multiplier[k] = 1.0;
     }
     for (int round = 0; round < ROUNDS && gap(at) >= GAP; ++round) {
+        const point before = *at;
         go_on(of, at);
+        if (gap(&before) < CLOSED && !(gap(at) < gap(&before))) {
+            *at = before; /* Rounding has the last word. */
+            break;
+        }
     }
-    return gap(at) < GAP;
+    return gap(at) < CLOSED;
 }
 
 /* Accelerations without torque, then by each torque [rad/s^2], [rad/s^2 a N m]. */
