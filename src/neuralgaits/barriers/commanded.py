@@ -42,7 +42,7 @@ class ForCommand(NamedTuple):
     """What the training for one command asks.
 
     Attributes:
-        weights: of conditions that give way first.
+        weights: of conditions that give way first; of commands that come together, the last one's.
         effort: of the recipe; of commands that come together, the least.
         steps: gradient steps; of commands that come together, the most.
     """
@@ -57,9 +57,13 @@ FOR_COMMANDS = {
     # Tubes that are to fit many speeds give way at a lower fence that falls to zero; those that
     # are to take little torque, at all fences.
     "speed": ForCommand(
-        {"forward": 5.0, "flow-above-lower-fence": 3.0, "flow-below-upper-fence": 2.0}
-        | {"tube-width": 2.0}
-        | dict.fromkeys(_AT_RESET, 3.0),
+        {
+            "forward": 5.0,
+            "flow-above-lower-fence": 3.0,
+            "flow-below-upper-fence": 2.0,
+            "tube-width": 2.0,
+            **dict.fromkeys(_AT_RESET, 3.0),
+        },
         effort=4.0,
         steps=6500,
     ),

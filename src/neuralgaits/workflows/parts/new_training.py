@@ -42,8 +42,8 @@ class NewTraining:
 
     def of_seed(self, seed: int) -> "NewTraining":
         """The same with other weights and samples."""
-        asked = replace(self.asked, seed=seed)
-        return replace(self, gait=_new_gait(self.spec, asked), asked=asked)
+        gait = _new_gait(self.spec, seed, self.asked.init, self.asked.hidden)
+        return replace(self, gait=gait, asked=replace(self.asked, seed=seed))
 
     def begun(self, root: Path, out: Path | None) -> Run:
         """The run, with a folder of its own.
@@ -94,8 +94,7 @@ def new_training(
     box = checked_box(parameters or {})
     loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
     refuse_many_axes(loaded)
-    with user_code.blamed():
-        gait = loaded.new_gait(jax.random.key(seed), init, hidden)
+    gait = _new_gait(loaded, seed, init, hidden)
     if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
         # The built-in ones are traced by the tests.
         file = specs.source_path(spec) if isinstance(spec, str) else None
@@ -143,9 +142,9 @@ def ranges_of(commands: Commands) -> dict[str, Range]:
     return {c.name: Range(c.low, c.high, c.largest_change) for c in commands}
 
 
-def _new_gait(spec: GaitSpec, asked: Asked) -> AnyGait:
+def _new_gait(spec: GaitSpec, seed: int, init: Init, hidden: tuple[int, ...] | None) -> AnyGait:
     with user_code.blamed():
-        return spec.new_gait(jax.random.key(asked.seed), asked.init, asked.hidden)
+        return spec.new_gait(jax.random.key(seed), init, hidden)
 
 
 def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | None) -> None:
