@@ -67,8 +67,9 @@ FOR_COMMANDS = {
         effort=4.0,
         steps=6500,
     ),
-    # Where any foothold may follow any, the reset gives way.
-    "step_length": ForCommand(dict.fromkeys(_AT_RESET, 2.0)),
+    # Where any foothold may follow any, the reset gives way, and a foot that leaves the longest and
+    # highest step for the shortest does not rise.
+    "step_length": ForCommand(dict.fromkeys((*_AT_RESET, "foot-rises"), 2.0)),
 }
 FENCES = "fence-lower", "fence-upper"
 """Regions with twice the samples: what is missed there is missed next to the start of a step, where

@@ -25,7 +25,8 @@ must not depend on how fast boxes are bounded, or by whom."""
 MEMORY_BYTES = 2**29
 """What the boxes of all roots may take. A round needs a few times as much beside them."""
 WIDE_TURN_BOXES, WIDE_MEMORY_BYTES = 2**17, 2**32
-"""The same in more axes than two, where each round copies more boxes, and there are more."""
+"""The same in more axes than two, where each round copies more boxes, and there are more. Turns
+begin as short as in the plane and double: within a budget what is easy is proved first."""
 LATE_BOXES = 20_000
 """Boxes added by a search of a root most of whose axes are late: one that can be closed needs a few
 hundred."""
@@ -107,7 +108,7 @@ def _explore(
     phases: list[Phase] = ["decide", "tighten"]
     for phase in phases:
         room = _Room(problems, current, phase, deadline)
-        left = list(range(len(problems)))
+        left, wide_turn = list(range(len(problems))), TURN_BOXES
         while left and time.monotonic() < deadline:
             for number in left:
                 wide = len(problems[number].low) > PLANE
@@ -117,11 +118,12 @@ def _explore(
                     confirm,
                     phase=phase,
                     most=room.of(number),
-                    turn=WIDE_TURN_BOXES if wide else TURN_BOXES,
+                    turn=wide_turn if wide else TURN_BOXES,
                     deadline=deadline,
                     progress=partial(keep, number),
                     bound_all=bound_all,
                 )
+            wide_turn = min(2 * wide_turn, WIDE_TURN_BOXES)
             left = [n for n in left if len(to_split(problems[n], current[n], phase, room.of(n)))]
 
 
