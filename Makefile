@@ -1,7 +1,6 @@
 # Needs python3 (3.11 or newer) and make; everything else goes into .venv.
 PYTHON ?= python3
 PYTEST = .venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
-PIP_INSTALL = .venv/bin/python -m pip install --quiet --constraint constraints.txt
 
 .PHONY: walk demo proofcheck test quick bench docs lint clean
 .DELETE_ON_ERROR:
@@ -50,14 +49,19 @@ lint: .venv/dev.stamp
 clean:
 	rm -rf .venv .cache build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 
-# A stamp is newer than what it was built from, so an interrupted install starts over.
-.venv/run.stamp: pyproject.toml constraints.txt
+# A stamp is newer than what it was built from, so an interrupted install starts over. Modules are
+# compiled when they are first imported: of what is installed most never are.
+define INSTALL
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Expected Python 3.11 or newer, found $$($(PYTHON) -V 2>&1): name one, as in 'make walk PYTHON=python3.12'." >&2; exit 2; }
 	@echo "Installing into .venv: once, a minute or two." >&2
 	@$(PYTHON) -m venv .venv
-	@$(PIP_INSTALL) --editable .
+	@.venv/bin/python -m pip install --quiet --no-compile --constraint constraints.txt --editable
+endef
+
+.venv/run.stamp: pyproject.toml constraints.txt
+	$(INSTALL) .
 	@touch $@
 
-.venv/dev.stamp: .venv/run.stamp
-	@$(PIP_INSTALL) --editable '.[dev,gym,hzd,onnx,video]'
-	@touch $@
+.venv/dev.stamp: pyproject.toml constraints.txt
+	$(INSTALL) '.[dev,gym,hzd,onnx,video]'
+	@touch .venv/run.stamp $@
