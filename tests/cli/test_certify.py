@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import numpy as np
 import pytest
 
 from neuralgaits.cli import proof_screen
@@ -109,3 +110,32 @@ def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
     assert "3 boxes left" in out
     assert "level 2 undecided: no strip" in out
     assert "-0.25 at z = (0.01, 17.5)" in " ".join(out.split())
+
+
+def test_what_is_proved_in_a_part_is_said_and_stands_last(capsys: Captured) -> None:
+    whole = {f"whole{k}": ConditionVerdict("undecided", 1.0, 7, None, None, 0) for k in range(20)}
+    almost = ConditionVerdict("undecided", float(np.nextafter(1.0, 0.0)), 7, None, None, 0)
+    result = Certified(
+        verdict="undecided",
+        level=1,
+        levels=(),
+        boxes=9,
+        wall_s=1.5,
+        conditions=whole | {"almost": almost},
+    )
+    proof_screen.show_proof(result)
+    first, *others = [line for line in capsys.readouterr().out.splitlines() if "%" in line]
+    assert "almost" in first
+    assert "0 boxes left" in first
+    assert len(others) == 11
+    assert all("proved in this part" in line for line in others)
+
+
+def test_of_a_part_what_is_left_out_of_the_table_is_called_proved_in_it(capsys: Captured) -> None:
+    entry = ConditionVerdict("undecided", 1.0, 7, None, None, 0)
+    conditions = {f"whole{k}": entry for k in range(20)}
+    result = Certified(
+        verdict="undecided", level=1, levels=(), boxes=9, wall_s=1.5, conditions=conditions
+    )
+    proof_screen.show_proof(result)
+    assert "and 8 more, proved in this part; --json has all" in capsys.readouterr().out

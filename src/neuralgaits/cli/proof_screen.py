@@ -30,13 +30,15 @@ def show_proof(result: Certified) -> None:
     show_table(head, [_row(name, entry) for name, entry in conditions[:ROWS]])
     others = [entry for _, entry in conditions[ROWS:]]
     if others:
-        left = sum(entry.verdict != "proved" for entry in others)
-        least = min((entry.margin for entry in others if entry.margin is not None), default=0)
-        what = (
-            f"{left} of them not proved"
-            if left
-            else f"proved with margins of {at_least(least, 4)} or more"
-        )
+        left = sum(not _settled(entry) for entry in others)
+        least = min((entry.margin for entry in others if entry.margin is not None), default=None)
+        what = f"{left} of them not proved"
+        if not left:
+            what = (
+                "proved in this part"
+                if least is None
+                else f"proved with margins of {at_least(least, 4)} or more"
+            )
         show_sentence(f"and {len(others)} more, {what}; --json has all")
     _show_levels(result.levels)
     reason = f": {result.reason}" if result.reason else ""
@@ -57,7 +59,11 @@ def show_proof(result: Certified) -> None:
 def _urgency(item: tuple[str, ConditionVerdict]) -> tuple[bool, float]:
     """What is not proved comes first, then the smallest margin."""
     _, entry = item
-    return entry.verdict == "proved", math.inf if entry.margin is None else entry.margin
+    return _settled(entry), math.inf if entry.margin is None else entry.margin
+
+
+def _settled(entry: ConditionVerdict) -> bool:
+    return entry.verdict == "proved" or entry.in_part
 
 
 def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
@@ -65,7 +71,8 @@ def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
     if point is not None:
         detail = f"{point.margin:.3g} at z = ({point.z[0]:.6g}, {point.z[1]:.6g})"
     elif entry.verdict == "undecided":
-        detail = f"{entry.undecided_boxes} boxes left"
+        left = f"{entry.undecided_boxes} boxes left"
+        detail = "proved in this part" if entry.in_part else left
     # Rounded down: less than everything never reads as everything.
     share = f"{math.floor(1e4 * entry.proved_fraction) / 100:g} %"
     bound = number(None) if entry.margin is None else at_least(entry.margin, 4)

@@ -68,6 +68,11 @@ class ConditionVerdict:
     counterexample: Counterexample | None
     undecided_boxes: Count
 
+    @property
+    def in_part(self) -> bool:
+        """Whether it is proved for all that was asked, which is a part of what the gait is told."""
+        return self.verdict == "undecided" and self.proved_fraction == 1.0
+
 
 @dataclass(frozen=True)
 class Constant:

@@ -130,7 +130,10 @@ def _conditions(found: Certified) -> Html:
     tightness = {"refuted": 0, "undecided": 1}
     ordered = sorted(
         found.conditions.items(),
-        key=lambda row: (tightness.get(row[1].verdict, 2), row[1].margin or 0.0),
+        key=lambda row: (
+            2 if row[1].in_part else tightness.get(row[1].verdict, 2),
+            row[1].margin or 0.0,
+        ),
     )
     for name, entry in ordered:
         point, detail = entry.counterexample, ""
@@ -138,14 +141,17 @@ def _conditions(found: Certified) -> Html:
             z = ", ".join(html.number(value, 6) for value in point.z)
             detail = f"margin {html.number(point.margin)} at z = ({z})"
         elif entry.verdict == "undecided":
-            detail = f"{html.number(entry.undecided_boxes)} boxes left"
+            left = f"{html.number(entry.undecided_boxes)} boxes left"
+            detail = "proved in this part" if entry.in_part else left
         share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
         margin, boxes = html.bound(entry.margin), html.number(entry.boxes)
         rows.append(
             (html.tag("b", name), words.verdict(entry.verdict), margin, share, boxes, detail)
         )
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
-    failed = sum(entry.verdict != "proved" for entry in found.conditions.values())
+    failed = sum(
+        entry.verdict != "proved" and not entry.in_part for entry in found.conditions.values()
+    )
     shown = max(TIGHTEST, failed)
     caption = "Margins in scales, as above; every state of a condition's region has at least its"
     parts = [html.table(caption, head, rows[:shown], numbers="  nnn", cards=True)]
