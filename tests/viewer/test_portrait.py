@@ -103,7 +103,7 @@ def known_orbit(plane, monkeypatch):
 
 def test_without_a_certificate_margins_are_sampled_and_called_so(shipped, look, known_orbit):
     plane = portrait(shipped, look, certified=False)
-    assert "no proof" in plane.title
+    assert "not a proof" in plane.title
     assert set(np.unique(plane.answer)) == {PROVED}
     assert np.all(plane.margin > 0.0)
 

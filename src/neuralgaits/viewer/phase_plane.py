@@ -34,7 +34,7 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
         dz = around.laid_out(motion.dz(around.states))
         boxes = _proved(run) if certified else None
         if boxes is None:
-            boxes, known = _sampled(chart, look), "sampled margins (no proof)"
+            boxes, known = _sampled(chart, look), "sampled margins, not a proof"
         elif np.all(boxes[1] == PROVED):
             known = "proved margins"
         else:
