@@ -1,5 +1,7 @@
 """What a prompt and a notebook show of robots, runs, certificates and simulations."""
 
+import json
+import re
 import shutil
 from typing import cast
 
@@ -49,12 +51,19 @@ def test_a_robot_that_is_traced_has_a_line_too():
     assert told == ["<PlanarBiped amber3m: 4 motors>"]
 
 
-def test_a_run_is_a_line_and_its_tightest_conditions(shipped):
-    assert repr(shipped) == (
-        f"<Run {SHIPPED}: amber3m, spec walking, seed 0, all 27 conditions hold on fresh samples>"
+def test_a_run_is_a_line_and_its_tightest_conditions(tmp_path):
+    folder = shutil.copytree(SHIPPED, tmp_path / "run")
+    summary = json.loads((folder / "summary.json").read_text())
+    summary["conditions"]["flow-above-lower-fence"]["min_margin"] = 0.0012345
+    (folder / "summary.json").write_text(json.dumps(summary))
+    run = ng.open_run(folder)
+    assert repr(run) == (
+        f"<Run {folder}: amber3m, spec walking, seed 0, all 27 conditions hold on fresh samples>"
     )
-    page = shipped._repr_html_()
-    assert page.count("<tr>") == 6 and "flow-above-lower-fence" in page and "0.0604" in page
+    page = run._repr_html_()
+    first, *others = re.findall("<td[^>]*>(.*?)</td>", page)[::2]
+    assert page.count("<tr>") == 6 and len(others) == 4
+    assert first == "flow-above-lower-fence" and "0.00123<" in page
 
 
 def test_a_damaged_run_is_shown_all_the_same(shipped, tmp_path):

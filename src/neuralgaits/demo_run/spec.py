@@ -1,8 +1,8 @@
 """The default spec: what makes a gait physically walk, and provable.
 
 Lengths scale with the leg length l, speeds with sqrt(g l), forces with m g, torques in the
-margins with the robot's own limits. The numbers were found on AMBER-3M (leg 0.8731 m, LESSONS
-42-46) and stand here as that robot's values.
+margins with the robot's own limits. The numbers were found by trials on AMBER-3M (leg 0.8731 m)
+and stand here as that robot's values.
 """
 
 from functools import partial
@@ -36,6 +36,10 @@ LIFT_OFF, LANDING = 0.15, 0.85
 """Phases between which the swing foot must be clear of the ground."""
 TORQUE_SHARE = 0.927
 """Share of the torque limit the zero dynamics may use: 38 of 41 N m on AMBER-3M."""
+CLEARANCE = 0.02
+"""Height of the arc that the swing foot stays above, of the reference robot [m]."""
+OVER_EDGES = 0.005
+"""Height above the edge of a stair, likewise [m]."""
 LEAST_BEND = 0.05
 """Bend of a knee away from straight that is always kept [rad]."""
 START_ENERGIES = (0.23, 0.57)
@@ -66,8 +70,32 @@ def pendulum_height(robot: "PlanarBiped") -> float:
     return 1.03 * robot.leg_length
 
 
+def regions_of_step(lift_off: float, landing: float) -> dict[str, tuple[Box, ...]]:
+    """Regions of the tube, in phase and level, of which conditions of a step speak.
+
+    Args:
+        lift_off: phase up to which the swing foot may be on the ground.
+        landing: phase from which it may be there again.
+    """
+    everywhere, ends = (0.0, 1.0), ((0.0, 0.0), (1.0, 1.0))
+    return {
+        "tube": (_box(everywhere, everywhere),),
+        "lift-off": (_box((0.0, lift_off), everywhere),),
+        "swing": (_box((lift_off, landing), everywhere),),
+        "landing": (_box((landing, 1.0), everywhere),),
+        "fence-lower": (_box(everywhere, ends[0]),),
+        "fence-upper": (_box(everywhere, ends[1]),),
+        "guard": (_box(ends[1], everywhere),),
+    }
+
+
 def walking(
-    robot: "PlanarBiped", policy: Literal["hybrid-invariant", "mlp"] = "hybrid-invariant"
+    robot: "PlanarBiped",
+    policy: Literal["hybrid-invariant", "mlp"] = "hybrid-invariant",
+    *,
+    forward: float | None = None,
+    shortest: float | None = None,
+    highest: float = 0.0,
 ) -> GaitSpec:
     """The default gait specification for a robot.
 
@@ -75,6 +103,9 @@ def walking(
         robot: with knees; a biped with straight legs cannot clear the ground.
         policy: "hybrid-invariant" (default), or "mlp" for a free network, which must then
             learn to match outputs and rates through the impact.
+        forward: least rate of z1 (m/s), None for one that fits the robot.
+        shortest: least step length (m); likewise.
+        highest: largest difference in height of two footholds that follow each other (m).
     """
     if policy not in ("hybrid-invariant", "mlp"):
         raise SpecError(f"walking: expected policy hybrid-invariant or mlp, found {policy!r}")
@@ -83,20 +114,16 @@ def walking(
             f"spec walking: expected a robot with knees, found none in {robot.name!r}: straight "
             "legs cannot clear the ground; write a spec of your own, FILE.py:NAME"
         )
-    conditions = [*_stance(robot), *_swing_foot(robot), *_tube(), *_guard(robot)]
+    conditions = [
+        *_stance(robot, forward),
+        *_swing_foot(robot, highest),
+        *_tube(),
+        *_guard(robot, shortest),
+    ]
     free = policy == "mlp"
     if free:
         conditions += _match(robot)
-    everywhere, ends = (0.0, 1.0), ((0.0, 0.0), (1.0, 1.0))
-    regions = {
-        "tube": (_box(everywhere, everywhere),),
-        "lift-off": (_box((0.0, LIFT_OFF), everywhere),),
-        "swing": (_box((LIFT_OFF, LANDING), everywhere),),
-        "landing": (_box((LANDING, 1.0), everywhere),),
-        "fence-lower": (_box(everywhere, ends[0]),),
-        "fence-upper": (_box(everywhere, ends[1]),),
-        "guard": (_box(ends[1], everywhere),),
-    }
+    regions = regions_of_step(LIFT_OFF, LANDING)
     samples = {
         "tube": 48,
         "lift-off": 12,
@@ -122,7 +149,7 @@ def walking(
         effort_torque=0.206 * units(robot).weight_n * robot.leg_length,
         posture_steps=500 if free else 0,
     )
-    new_gait = partial(_new_mlp if free else _new_hybrid_invariant, robot)
+    new_gait = partial(_new_mlp if free else new_hybrid_invariant, robot)
     name = "walking-mlp" if free else "walking"
     return GaitSpec(name, tuple(conditions), regions, new_gait, recipe)
 
@@ -131,7 +158,8 @@ def _box(phases: tuple[float, float], levels: tuple[float, float]) -> Box:
     return Box((phases[0], levels[0]), (phases[1], levels[1]))
 
 
-def _start_tube(robot: "PlanarBiped", span, start) -> Tube:
+def start_tube(robot: "PlanarBiped", span, start) -> Tube:
+    """The tube that training starts from: `Tube.between_energies` of START_ENERGIES."""
     unit = units(robot)
     return Tube.between_energies(
         robot,
@@ -144,18 +172,33 @@ def _start_tube(robot: "PlanarBiped", span, start) -> Tube:
     )
 
 
-def _new_hybrid_invariant(
-    robot: "PlanarBiped", key: PRNGKeyArray, init: Init, hidden: tuple[int, ...] | None
+def new_hybrid_invariant(
+    robot: "PlanarBiped",
+    key: PRNGKeyArray,
+    init: Init,
+    hidden: tuple[int, ...] | None,
+    *,
+    z2_dependence: bool = True,
 ) -> Gait:
-    """Untrained gait; "random" starts the network at full size instead of a tenth."""
-    policy = HybridInvariantPolicy.init(robot, key=key, hidden=hidden or (32, 32))
+    """Untrained gait; "random" starts the network at full size instead of a tenth.
+
+    Args:
+        robot: that it is for.
+        key: random key of the network.
+        init: see above.
+        hidden: widths of the hidden layers; None for the usual ones.
+        z2_dependence: of `HybridInvariantPolicy`.
+    """
+    policy = HybridInvariantPolicy.init(
+        robot, key=key, hidden=hidden or (32, 32), z2_dependence=z2_dependence
+    )
     if init == "random":
         full = 10.0 * policy.network.weights[-1]
         policy = eqx.tree_at(
             lambda p: p.network.weights, policy, (*policy.network.weights[:-1], full)
         )
     guard = walking_posture(robot).z_guard
-    return Gait(policy, _start_tube(robot, None, (-guard, guard)))
+    return Gait(policy, start_tube(robot, None, (-guard, guard)))
 
 
 def _new_mlp(
@@ -164,21 +207,30 @@ def _new_mlp(
     del init  # The trainer's posture steps make the difference.
     policy = MLPPolicy.init(robot, key=key, hidden=hidden or (64, 64))
     guard = walking_posture(robot).z_guard
-    return Gait(policy, _start_tube(robot, (-guard, guard), (-guard, guard)))
+    return Gait(policy, start_tube(robot, (-guard, guard), (-guard, guard)))
 
 
-def _stance(robot: "PlanarBiped") -> list[AbstractCondition]:
+HEAVY_ROTORS = 0.002
+"""Inertia of a rotor in units of mass times leg length squared. AMBER-3M has 0.026 and RABBIT 0.04,
+more than half of what their motors feel; the walkers of reinforcement learning have 0.0004."""
+
+
+def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractCondition]:
     """Torso, contact forces, torques, joint rates and knees on the whole tube."""
     unit = units(robot)
-    rate = 4.0 / unit.time
-    # A slower tube is pushed over more easily. Without rotor inertia this is out of reach.
-    forward = (0.35 if np.any(robot.armature > 0) else 0.2) * unit.speed
+    # Without rotors to speak of, joints are faster after an impact, and hips slower in mid-step.
+    rotor = float(np.mean(robot.armature[1:])) / (unit.mass_kg * robot.leg_length**2)
+    heavy = rotor > HEAVY_ROTORS
+    rate = (4.0 if heavy else 10.0) / unit.time
+    if forward is None:
+        # A slower tube is pushed over more easily.
+        forward = (0.35 if heavy else 0.2) * unit.speed
     conditions: list[AbstractCondition] = []
     if robot.torso is not None:
-        alpha, scale = 10.0 / unit.time, 3.3 / unit.time
+        alpha, scale, lean = 10.0 / unit.time, 3.3 / unit.time, walking_posture(robot).lean
         conditions += [
-            Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, -0.25), alpha),
-            Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, 0.08), alpha),
+            Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, lean - 0.25), alpha),
+            Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, lean + 0.08), alpha),
         ]
     weight = unit.weight_n
     conditions += [
@@ -221,12 +273,12 @@ def _knee_bend(robot: "PlanarBiped") -> Quantity:
     return f.knee_bend(tuple(knees.tolist()), tuple(sides.tolist()), LEAST_BEND)
 
 
-def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
+def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]:
     """Rise, clear, fall: the swing foot touches the ground only at the guard."""
     unit = units(robot)
-    # Without rotor inertia the faster lift-off is out of reach (LESSONS 46).
+    # Without rotor inertia no gait was found that lifts off faster.
     rise = (0.1 if np.any(robot.armature > 0) else 0.05) * unit.speed
-    ceiling, clearance = 0.12 * unit.length, 0.02 * unit.length
+    ceiling, clearance = 0.12 * unit.length, _clearance(unit, highest)
     speed = 0.5 * unit.speed
     velocity = f.foot_vertical_velocity
     return [
@@ -235,6 +287,15 @@ def _swing_foot(robot: "PlanarBiped") -> list[AbstractCondition]:
         Pointwise("foot-clears", "swing", 0.05 * unit.length, f.foot_above_arc(clearance)),
         Pointwise("foot-falls", "landing", speed, f.at_most(velocity, -0.1 * unit.speed)),
     ]
+
+
+def _clearance(unit: Units, highest: float) -> float:
+    """Of an arc over the line between footholds, so that it is above the edges of stairs [m].
+
+    An edge is half a rise above that line, and half-way between two stairs: met at about three
+    quarters of a step, where the arc has three quarters of its height.
+    """
+    return max(CLEARANCE * unit.length, (0.5 * highest + OVER_EDGES * unit.length) / 0.75)
 
 
 def _tube() -> list[AbstractCondition]:
@@ -248,13 +309,14 @@ def _tube() -> list[AbstractCondition]:
     ]
 
 
-def _guard(robot: "PlanarBiped") -> list[AbstractCondition]:
+def _guard(robot: "PlanarBiped", shortest: float | None) -> list[AbstractCondition]:
     """A clean impact: long enough a step, a foot that lands, one that leaves, no slip."""
     unit = units(robot)
     push = unit.mass_kg * unit.speed / 21.5562
     step, speed = 0.3 * unit.length, 0.1 * unit.speed
+    least = step if shortest is None else shortest
     return [
-        Pointwise("step-length", "guard", step, f.at_least(f.foot_forward, step)),
+        Pointwise("step-length", "guard", step, f.at_least(f.foot_forward, least)),
         Pointwise("impulse", "guard", 5.0 * push, f.at_least(f.normal_impulse, 0.2 * push)),
         Pointwise("impulse-forward", "guard", 0.5 * 5.0 * push, f.impulse_cone_forward(0.5)),
         Pointwise("impulse-backward", "guard", 0.5 * 5.0 * push, f.impulse_cone_backward(0.5)),
