@@ -18,7 +18,7 @@ from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed, Mi
 from neuralgaits.barriers.conditions import FencesApart
 from neuralgaits.barriers.regions import Box, CommandedGait, CommandedTube, Gait
 from neuralgaits.barriers.spec import GaitSpec, Init
-from neuralgaits.barriers.walking import pendulum_height, start_tube, walking
+from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import walking_posture
 from neuralgaits.gait.commands import Command, Commands, command_named, factors
@@ -52,7 +52,6 @@ class ForCommand(NamedTuple):
     steps: int = 5000
 
 
-_AT_RESET = "reset-above-lower-fence", "reset-below-upper-fence"
 FOR_COMMANDS = {
     # Tubes that are to fit many speeds give way at a lower fence that falls to zero; those that
     # are to take little torque, at all fences.
@@ -62,14 +61,14 @@ FOR_COMMANDS = {
             "flow-above-lower-fence": 3.0,
             "flow-below-upper-fence": 2.0,
             "tube-width": 2.0,
-            **dict.fromkeys(_AT_RESET, 3.0),
+            **dict.fromkeys(RESETS, 3.0),
         },
         effort=4.0,
         steps=6500,
     ),
     # Where any foothold may follow any, the reset gives way, and a foot that leaves the longest and
     # highest step for the shortest does not rise.
-    "step_length": ForCommand(dict.fromkeys((*_AT_RESET, "foot-rises"), 2.0)),
+    "step_length": ForCommand(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
 }
 FENCES = "fence-lower", "fence-upper"
 """Regions with twice the samples: what is missed there is missed next to the start of a step, where

@@ -19,7 +19,7 @@ from neuralgaits.barriers.quantities import (
     ImpulseConeForward,
 )
 from neuralgaits.barriers.spec import GaitSpec
-from neuralgaits.barriers.walking import new_hybrid_invariant, units, walking
+from neuralgaits.barriers.walking import RESETS, new_hybrid_invariant, units, walking
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.posture import REFERENCE_LEG_M
@@ -34,7 +34,7 @@ STEPS = 3000
 STRIP, MOST_STRIP = 7.5, 0.09
 """Phases around the guard in which the foot goes through a metre of heights, and the most there can
 be: AMBER-3M's foot falls at 0.5 m/s, and takes 6.5."""
-FALLS, RESETS = "guard-transversal", ("reset-above-lower-fence", "reset-below-upper-fence")
+FALLS = "guard-transversal"
 FALL = 0.45
 """Least speed of a foot that comes to a floor of unknown height, for the reference robot [m/s]: so
 the strip in which it may meet the floor is short."""

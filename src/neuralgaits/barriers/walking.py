@@ -36,6 +36,9 @@ LIFT_OFF, LANDING = 0.15, 0.85
 """Phases between which the swing foot must be clear of the ground."""
 TORQUE_SHARE = 0.927
 """Share of the torque limit the zero dynamics may use: 38 of 41 N m on AMBER-3M."""
+FLOWS = "flow-above-lower-fence", "flow-below-upper-fence"
+RESETS = "reset-above-lower-fence", "reset-below-upper-fence"
+"""Conditions of the fences: along the flow, and across the impact."""
 CLEARANCE = 0.02
 """Height of the arc that the swing foot stays above, of the reference robot [m]."""
 OVER_EDGES = 0.005
