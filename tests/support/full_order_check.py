@@ -61,9 +61,9 @@ class Edges(NamedTuple):
         return cls(*(np.asarray(part, dtype=np.float64) for part in numbers))
 
 
-def model_of(run: Run, bandwidth: float) -> FullOrderModel:
-    """Robot, gait and spec of a run at full order."""
-    return FullOrderModel(run.robot, run.gait, run.spec, bandwidth)
+def model_of(run: Run, bandwidth: float, weights: tuple[float, ...] = ()) -> FullOrderModel:
+    """Robot, gait and spec of a run at full order; weights of the norm."""
+    return FullOrderModel(run.robot, run.gait, run.spec, bandwidth, weights)
 
 
 Walker = Callable[[Edges, Float[np.ndarray, "B 2"], Float[np.ndarray, "B two_m"]], ExactWalk]
@@ -110,9 +110,11 @@ class MujocoCheck:
     ticks: float
 
 
-def walker(run: Run, bandwidth: float, steps: int = STEPS) -> Walker:
-    """Walks of a run's rigid model, compiled for any set."""
-    model = model_of(run, bandwidth)
+def walker(
+    run: Run, bandwidth: float, steps: int = STEPS, weights: tuple[float, ...] = ()
+) -> Walker:
+    """Walks of a run's rigid model, compiled for any set in this norm."""
+    model = model_of(run, bandwidth, weights)
     system = ExactOutputs(run.robot, run.gait, bandwidth)
 
     def one(edges: Edges, z: ZeroState, eta: Float[Array, " two_m"]) -> ExactWalk:
@@ -145,9 +147,10 @@ def check_by_force(
         walking: `walker` of this run, bandwidth and number of steps, made here if it is not given.
     """
     began = time.perf_counter()
-    model, edges = model_of(run, shape.bandwidth), Edges.of(shape)
+    model, edges = model_of(run, shape.bandwidth, shape.weights), Edges.of(shape)
     z, eta = states_of(model, shape, walks, seed)
-    walked = (walking or walker(run, shape.bandwidth, steps))(edges, z, eta)
+    walking = walking or walker(run, shape.bandwidth, steps, shape.weights)
+    walked = walking(edges, z, eta)
     least = np.asarray(walked.least)
     system = ExactOutputs(run.robot, run.gait, shape.bandwidth)
     sizes = jax.eval_shape(lambda: _numbers(model, edges, system.point(z[0], eta[0])))
@@ -172,7 +175,7 @@ def check_in_mujoco(
     seed: int = 1,
 ) -> MujocoCheck:
     """Walk in MuJoCo from states of the set, under sampled input-output linearisation."""
-    model = model_of(run, shape.bandwidth)
+    model = model_of(run, shape.bandwidth, shape.weights)
     z, eta = states_of(model, shape, episodes, seed)
     starts = quick_jit(jax.vmap(run.zero_dynamics.phi_inv))(z, eta)
     edges = Edges.of(shape)
@@ -220,7 +223,9 @@ def states_of(
     edges = Edges.of(shape)
     keep = quick_jit(jax.vmap(lambda z, eta: _numbers_of_set(model, edges, z, eta)))
     place = quick_jit(
-        jax.vmap(lambda u, xi: (model.gait.z(u), output_coordinates(xi, shape.bandwidth)))
+        jax.vmap(
+            lambda u, xi: (model.gait.z(u), output_coordinates(xi, shape.bandwidth, shape.weights))
+        )
     )
     found: list[tuple[np.ndarray, np.ndarray]] = []
     for _ in range(ROUNDS):
@@ -256,7 +261,7 @@ def _of_set(
     model: FullOrderModel, edges: Edges, z: ZeroState, eta: Float[Array, " two_m"]
 ) -> Float[Array, " k"]:
     """h_i - t_i - sigma_i V of every barrier, and how far sqrt(V) is below its bound [rad]."""
-    xi = scaled_coordinates(eta, model.bandwidth)
+    xi = scaled_coordinates(eta, model.bandwidth, model.weights)
     size = xi @ xi
     phase = model.gait.phase(z[0])
     bound = edges.radius * jnp.exp(-edges.shrink * phase * phase)

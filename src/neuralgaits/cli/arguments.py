@@ -199,6 +199,9 @@ class Certify:
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...|none")] = None
     """Box of robots to prove levels 1 to 3 for, as in mass=2%,com=5mm,inertia=5%,floor=5mm; that
     of the run if not given; none: the robot of the file alone, on its floor."""
+    bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
+    """Of outputs at levels 4 and 5, their double pole w: that of fblin, 30, if not given. If given,
+    --level 4 is about the largest set found, in a norm of its own: 20 suits AMBER-3M."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """Stop after this time; what is proved by then is kept."""
     within: Annotated[str | None, arg(metavar="NAME=LOW:HIGH,...")] = None

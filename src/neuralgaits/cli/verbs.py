@@ -230,6 +230,7 @@ def _certify(verb: Certify) -> Outcome:
                 parameters=_box(verb.parameters),
                 workers=verb.at_work.workers,
                 ray=verb.at_work.ray,
+                bandwidth=verb.bandwidth,
             )
         except SearchInterrupted as stop:
             raise Interrupted(_resumed_proof(verb)) from stop
@@ -256,6 +257,7 @@ def _resumed_proof(verb: Certify) -> str:
     given = {
         "--level": verb.level,
         "--disturbance": verb.disturbance,
+        "--bandwidth": verb.bandwidth,
         "--parameters": verb.parameters,
         "--within": verb.within,
         "--budget": verb.budget,

@@ -24,7 +24,7 @@ from neuralgaits.certificate.levels.problems import (
     premise_problems,
     trace_certificate,
 )
-from neuralgaits.certificate.levels.sets import Sets, find_sets
+from neuralgaits.certificate.levels.sets import FULL_ORDER_LEVEL, Sets, find_sets
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
@@ -131,6 +131,7 @@ def certify(
     parameters: Mapping[str, float] | None = None,
     workers: int | None = None,
     ray: str | None = None,
+    bandwidth: float | None = None,
 ) -> Certificate:
     """Prove every condition of a run's spec on its region, and what follows for trajectories.
 
@@ -152,6 +153,8 @@ def certify(
             counts as undecided.
         parameters: levels 1 to 3 are proved for every robot of this box, half widths by kind (see
             `robots.parameter_box`); None for the run's own, empty for the robot of the file alone.
+        bandwidth: double pole of the outputs [rad/s] at levels 4 and 5, of which level 4 is then
+            about the largest set found; None for that of `control.Fblin`, and the usual set.
 
     Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
     Raises: InputError on bad settings; RunError if there are no such boxes to go on with;
@@ -159,14 +162,15 @@ def certify(
     """
     began = time.perf_counter()
     level = LEVEL if level is None else level
-    _refuse(level, disturbance)
+    _refuse(level, disturbance, bandwidth)
     check_budget(budget)
     deadline = time.monotonic() + (np.inf if budget is None else budget)
     trained = open_run(run)
     scope = Scope.of(trained, level, within, parameters)
     spec, gait, zd = scope.spec, trained.trained, trained.zero_dynamics
     try:
-        sets = find_sets(scope.narrowed, gait, zd, level, disturbance, scope.box.get("floor", 0.0))
+        floor = scope.box.get("floor", 0.0)
+        sets = find_sets(scope.narrowed, gait, zd, level, disturbance, floor, bandwidth)
         program = trace_certificate(spec, trained.robot, gait, sets, trained.residuals)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
@@ -211,14 +215,22 @@ def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]
         yield SharedBounds(at_work)
 
 
-def _refuse(level: int, disturbance: tuple[float, float]) -> None:
-    """Raises: InputError on a level or disturbance that makes no statement."""
+def _refuse(level: int, disturbance: tuple[float, float], bandwidth: float | None) -> None:
+    """Raises: InputError on a level, disturbance or bandwidth that makes no statement."""
     if level not in LEVELS:
         *below, highest = (f"{number} ({about})" for number, about in LEVELS.items())
         raise InputError(f"expected level {', '.join(below)} or {highest}, found {level}")
     check_disturbance(disturbance)
     if any(disturbance) and level < 2:
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
+    if bandwidth is None:
+        return
+    if not 0.0 < bandwidth < np.inf:
+        raise InputError(f"expected a bandwidth above 0 rad/s, found {bandwidth:g}")
+    if level < FULL_ORDER_LEVEL:
+        raise InputError(
+            f"expected level {FULL_ORDER_LEVEL} or 5 with a bandwidth, found {level}: raise --level"
+        )
 
 
 def _boxes_file(run: Run, number: int) -> Path:

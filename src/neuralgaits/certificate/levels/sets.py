@@ -1,7 +1,7 @@
 """The sets of the levels above 1: what each level seeks of a gait, found at points."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -52,6 +52,8 @@ class Subject:
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         floor: bound on how much higher or lower than meant a foothold may lie [m].
         pushed: whether the set at full order is to stand a disturbance as well (level 5).
+        bandwidth: double pole of the outputs at full order, for which the largest set is looked
+            for [rad/s]; None for the usual one, and the usual set.
     """
 
     spec: GaitSpec
@@ -60,6 +62,7 @@ class Subject:
     disturbance: tuple[float, float] = (0.0, 0.0)
     floor: float = 0.0
     pushed: bool = False
+    bandwidth: float | None = None
 
     @cached_property
     def look(self) -> Look:
@@ -102,7 +105,10 @@ def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, 
     if of.zd.residual is not None or of.zd.reset_residual is not None:
         return "it is about the rigid model, and the run's dynamics carry a residual"
     try:
-        found = set_of(FullOrderModel(of.zd.robot, of.gait, of.spec), of.pushed)
+        model = FullOrderModel(of.zd.robot, of.gait, of.spec)
+        if of.bandwidth is not None:
+            model = replace(model, bandwidth=of.bandwidth)
+        found = set_of(model, of.pushed, of.bandwidth is not None)
     except SpecError as error:  # The levels below read less of the robot.
         return str(error)
     return found if isinstance(found, str) else (found, {})
@@ -110,7 +116,7 @@ def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, 
 
 def _find_disturbed(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     assert isinstance(of.gait, Gait)
-    model = FullOrderModel(of.zd.robot, of.gait, of.spec)
+    model = FullOrderModel(of.zd.robot, of.gait, of.spec, known[4].bandwidth)
     found = find_disturbed(looks_in(model, known[4]), known[4])
     return found if isinstance(found, str) else (found, {})
 
@@ -170,6 +176,7 @@ def find_sets(
     level: int,
     disturbance: tuple[float, float],
     floor: float = 0.0,
+    bandwidth: float | None = None,
 ) -> Sets:
     """Look for the sets that a level speaks of.
 
@@ -180,10 +187,12 @@ def find_sets(
         level: up to which.
         disturbance: of `Subject`.
         floor: likewise.
+        bandwidth: likewise.
 
     Raises: SpecError if nothing can be traced.
     """
-    of = Subject(spec, gait, zd, disturbance, floor, pushed=level > FULL_ORDER_LEVEL)
+    pushed = level > FULL_ORDER_LEVEL
+    of = Subject(spec, gait, zd, disturbance, floor, pushed, bandwidth)
     parameters, reasons, least = {}, {}, {}
     for entry in LEVELS:
         if entry.number > level or not set(entry.rests_on) <= set(parameters):

@@ -10,7 +10,7 @@ from neuralgaits.certificate.levels.full_order.find import Look, Looks, find_ful
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.norm import Seen, find_plan
+from neuralgaits.certificate.levels.full_order.norm import Plan, Seen, find_plan, find_widest
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, weighting
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.gait.full_order import held_jerk
@@ -22,29 +22,39 @@ PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
 """Shares of the planned push that are tried, one after the other."""
 SMALL = 1.0 / 200.0
 """Half width of boxes on which premises are tried before any search, in sides of the root."""
+WIDEST = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
+"""Shares of the widest set that are tried, one after the other."""
+SMALLER = 1.0 / 800.0
+"""Half width of boxes for the widest set, likewise: more boxes are what its size costs."""
 RISEN = 0.06
 """Until this phase the foot is taken to rise, then to be up."""
 SHARES = (0.6, 0.3, 0.1)
 """Shares of the largest radius seen at points that are tried, one after the other."""
 
 
-def set_of(model: FullOrderModel, pushed: bool = False) -> FullOrder | str:
+def set_of(model: FullOrderModel, pushed: bool = False, widest: bool = False) -> FullOrder | str:
     """The largest set tried whose constants fit together, or one sentence that says why none does.
 
     Args:
         model: of the gait.
         pushed: look first for one that stands a disturbance (level 5): in a norm of its own, and
             shrinking to a floor.
+        widest: otherwise, look first for the largest, in a norm of its own.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
     looks, reason, w = looks_of(model), "", float(model.bandwidth)
-    seen = what_is_seen(looks) if pushed else None
-    plan = None if seen is None else find_plan(seen, w)
-    tries = [(1.0, plan.smaller(share)) for share in PLANNED] if plan else []
+    seen = what_is_seen(looks) if pushed or widest else None
+    plan, small, smaller = None, SMALL, PLANNED
+    if seen is not None and pushed:
+        plan = find_plan(seen, w)
+    elif seen is not None:
+        plan, small, smaller = find_widest(seen, w), SMALLER, WIDEST
+    tries: list[tuple[float, Plan | None]] = []
+    tries += [(1.0, plan.smaller(share)) for share in smaller] if plan else []
     tries += [(share, None) for share in SHARES]
     for share, planned in tries:
-        if planned is not None and planned.push == 0.0:
+        if planned is not None and planned.radius == 0.0:
             continue
         shape = find_full_order(looks, model.names, w, share, planned)
         if isinstance(shape, str):
@@ -52,7 +62,7 @@ def set_of(model: FullOrderModel, pushed: bool = False) -> FullOrder | str:
                 return reason or shape
             continue
         broken = [obstacle(step) for step in inequalities(shape) if not step.holds]
-        if not broken and (planned is None or bounded(model, shape)):
+        if not broken and (planned is None or bounded(model, shape, small)):
             return shape
         if planned is not None:
             continue
@@ -66,8 +76,14 @@ def looks_in(model: FullOrderModel, shape: FullOrder) -> Looks:
     return plain.in_norm(np.array(weighting(shape.weights, joints)))
 
 
-def bounded(model: FullOrderModel, shape: FullOrder) -> bool:
-    """Whether premises hold on small boxes: outputs are never cut, so smaller ones do little."""
+def bounded(model: FullOrderModel, shape: FullOrder, small: float = SMALL) -> bool:
+    """Whether premises hold on small boxes: outputs are never cut, so smaller ones do little.
+
+    Args:
+        model: of the gait.
+        shape: its set.
+        small: half width of the boxes, in sides of the root.
+    """
     program = trace(
         lambda u, xi: margins(model, shape, u, xi), {"u": (PLANE,), "xi": (model.size,)}
     )
@@ -78,7 +94,7 @@ def bounded(model: FullOrderModel, shape: FullOrder) -> bool:
             roots.setdefault((low, high), []).append(output)
     for (low, high), names in roots.items():
         ends = np.array(low), np.array(high)
-        half = SMALL * (ends[1] - ends[0])
+        half = small * (ends[1] - ends[0])
         share = grid(np.linspace(0.0, 1.0, 25), np.linspace(0.0, 1.0, 3))
         at = ends[0] + half + (ends[1] - ends[0] - 2.0 * half) * share
         scales = (1.0,) * len(names)

@@ -1,13 +1,13 @@
-"""The norm of V in which outputs may be pushed the most, found by looking at points.
+"""The norm of V in which outputs may be pushed, or be off, the most, found by looking at points.
 
 S of V = |S dy/w|^2 + STIFF^2 |S (y + dy/w)|^2 leaves the decay as it is, but decides how much an
 impact enlarges V, and how much of it contact and torques stand. Looked for is the S for which
 torques could be held the longest: the pushes that the set bears, over how fast holding makes them
-grow. Nothing here is trusted.
+grow; or, without pushes, the S whose set is the largest. Nothing here is trusted.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,6 +25,10 @@ ABOVE_FLOOR = 1.04
 """The bound on sqrt(V) is this much above what the push alone would keep outputs at."""
 STRIP = 0.97
 """Where the guard's strip begins [phases]."""
+LARGEST = 0.2
+"""Radius of a set without pushes that is asked for at most [rad]."""
+SIGMAS = np.geomspace(1.0, 1e5, 121)
+"""Weights of V in a barrier that are tried there."""
 SHARES = (1.0, 0.85, 0.7)
 """Of the largest push: a smaller one may be held for longer, as the set is smaller."""
 GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
@@ -63,7 +67,7 @@ class Seen:
 
 
 class Plan(NamedTuple):
-    """A set that stands pushes, as far as points tell.
+    """A set that stands pushes, or the largest that stands none, as far as points tell.
 
     Attributes:
         matrix: S. [m, m]
@@ -83,7 +87,9 @@ class Plan(NamedTuple):
     planned: "Planned"
 
     def smaller(self, share: float) -> "Plan":
-        """The same for this share of the push."""
+        """The same for this share of the push, or of the radius if there is none."""
+        if self.push == 0.0:
+            return self.planned.still(share * self.radius)
         return self.planned.plan(share * self.push)
 
     @property
@@ -104,7 +110,24 @@ def push_factor(bandwidth: float) -> float:
 
 
 def find_plan(seen: Seen, bandwidth: float) -> Plan | None:
-    """The best plan found; None if no set was."""
+    """The plan in which torques could be held the longest; None if no set was found."""
+    plan = _best(seen, bandwidth, lambda planned: 1e3 * planned.best().hold).best()
+    return plan if plan.hold > 0.0 else None
+
+
+def find_widest(seen: Seen, bandwidth: float) -> Plan | None:
+    """The plan of the largest set that stands no pushes; None if no set was found."""
+
+    def size(planned: Planned) -> float:
+        # Where every impact enlarges outputs by more than a step lets them shrink, the excess.
+        return 1e3 * planned.widest().radius or planned.slack_of_impacts
+
+    plan = _best(seen, bandwidth, size).widest()
+    return plan if plan.radius > 0.0 else None
+
+
+def _best(seen: Seen, bandwidth: float, worth: Callable[["Planned"], float]) -> "Planned":
+    """The norm that is worth most."""
     from scipy.optimize import minimize  # Slow to import, and only proofs need it.
 
     m = len(seen.inertia)
@@ -120,7 +143,7 @@ def find_plan(seen: Seen, bandwidth: float) -> Plan | None:
     lower[np.diag_indices(m)] = np.log(np.diagonal(lower))
     with np.errstate(all="ignore"):
         best = minimize(
-            lambda x: -1e3 * Planned(seen, bandwidth, matrix(x)).best().hold,
+            lambda x: -worth(Planned(seen, bandwidth, matrix(x))),
             lower[rows],
             method="Nelder-Mead",
             options={"maxfev": TRIES, "adaptive": True},
@@ -128,8 +151,7 @@ def find_plan(seen: Seen, bandwidth: float) -> Plan | None:
         found = matrix(best.x)
         # The size of S means nothing: 1 for the determinant, and few digits.
         size = np.linalg.det(found) ** (1.0 / m)
-        plan = Planned(seen, bandwidth, np.round(found / size, 4)).best()
-    return plan if plan.hold > 0.0 else None
+        return Planned(seen, bandwidth, np.round(found / size, 4))
 
 
 class Planned:
@@ -170,6 +192,41 @@ class Planned:
         back = math.sqrt(2.0) * self.w**3 * (floor + (radius - floor) * self.shape)
         growth = float((self.jerk + back + 2.0 * self.w * push).max())
         return Plan(self.matrix, push, radius, floor, sigma, push / growth, self)
+
+    @property
+    def slack_of_impacts(self) -> float:
+        """Share of a set without floor that an impact leaves free; negative if it needs more."""
+        return min(FULL - self.gain * self.left, 0.0)
+
+    def widest(self) -> Plan:
+        """The largest set that stands no pushes."""
+        low, high = 0.0, LARGEST
+        for _ in range(14):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.still(middle).radius else (low, middle)
+        return self.still(low)
+
+    def still(self, radius: float) -> Plan:
+        """A set of this radius that stands no pushes; of radius 0 if there is none."""
+        sigma: tuple[float, ...] = ()
+        value, slope, _ = self.slack
+        stands = SPARE * radius * self.shape[:, None] * slope <= value
+        if radius > 0.0 and self.slack_of_impacts == 0.0 and stands.all():
+            sigma = tuple(self._still_sigma(i, radius) for i in range(len(self.seen.inlet)))
+        if not sigma or 0.0 in sigma:
+            radius, sigma = 0.0, ()
+        return Plan(self.matrix, 0.0, radius, 0.0, sigma, 0.0, self)
+
+    def _still_sigma(self, i: int, radius: float) -> float:
+        """The weight that leaves a barrier the most room without pushes; 0 if none leaves any."""
+        c, read, before = self.coupling[:, i].max(), self.reading[i], radius * self.left
+        rate = (self.seen.rate[0][:, i] + GAINS[:, None] * self.seen.h[:, i]).min(axis=1)
+        tight = read**2 / (4.0 * SIGMAS)
+        lost = 1.1 * c**2 / (4.0 * SIGMAS[:, None] * (self.gamma - GAINS))
+        room = (0.91 * rate - lost - GAINS * tight[:, None]).max(axis=1)
+        inlet = 0.95 * self.seen.inlet[i] - self.reset[i] * before - tight
+        room[1.05 * SIGMAS * (self.gain * before) ** 2 > inlet] = -1.0
+        return float(SIGMAS[room.argmax()]) if room.max() > 0.0 else 0.0
 
     def _sizes(self, push: float) -> tuple[float, float]:
         floor = ABOVE_FLOOR * 2.0 * self.factor * push / self.gamma
