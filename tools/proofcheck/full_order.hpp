@@ -55,6 +55,9 @@ vector<S> times(const Matrix& matrix, const vector<S>& x) {
   return out;
 }
 
+// How far S times the acceleration is pushed where slopes in a push are looked for [rad/s^2].
+constexpr double FAR = 4096.0;
+
 class FullState {
  public:
   using Moved = Motion<DualOf<BM>>;
@@ -76,12 +79,12 @@ class FullState {
       return off(bound());
     });
   }
-  // The same, pushed: S times what is added to ddy is 1 for one of them.
+  // The same, pushed: S times what is added to ddy is FAR for one of them.
   Motion<BM>& pushed(size_t one) {
     if (pushed_.empty()) pushed_.resize(joints);
     return kept(pushed_[one], [this, one] {
       std::optional<Off<BM>> found = off(bound());
-      for (size_t j = 0; j < joints; ++j) found->push.push_back(BM(unweighted[j][one]));
+      for (size_t j = 0; j < joints; ++j) found->push.push_back(BM(I(FAR) * unweighted[j][one]));
       return found;
     });
   }
@@ -330,20 +333,25 @@ vector<BM> barrier_margins(const string& n, const BarrierConstants& its, bool up
   throw Unknown{"the output " + n};
 }
 
-// Level 5: squares of slacks, less those of what a push may take of them. Forces are affine in it,
-// so that their slopes are differences.
+// Level 5: slacks, less what a push may take of them. Forces are affine in it, so that their slopes
+// are differences, over a push so far that what slacks are enclosed too widely by hardly counts.
 vector<BM> disturbed_margins(const string& n, double push, FullState& f) {
   const auto slacks = n == "disturbed/contact" ? contact_slacks : torque_slacks;
   const Robot& robot = f.model.robot;
   const vector<BM> still = slacks(robot, f.step());
-  vector<BM> left;
-  for (const BM& slack : still) left.push_back(slack * slack);
+  vector<BM> squares(still.size(), BM(0.0)), left;
   for (size_t one = 0; one < f.joints; ++one) {
     const vector<BM> moved = slacks(robot, f.pushed(one));
     for (size_t i = 0; i < still.size(); ++i) {
-      const BM slope = moved[i] - still[i];
-      left[i] = left[i] - square(I(push)) * (slope * slope);
+      const BM slope = inverse(I(FAR)) * (moved[i] - still[i]);
+      squares[i] = squares[i] + slope * slope;
     }
+  }
+  // sqrt x <= (x/m + m)/2 for every m > 0: its tangent, which needs no x away from zero.
+  for (size_t i = 0; i < still.size(); ++i) {
+    const double middle = 0.5 * (squares[i].c[0].low() + squares[i].c[0].high());
+    const I m(std::sqrt(std::max(middle, 1e-12)));
+    left.push_back(still[i] - I(0.5 * push) * (inverse(m) * squares[i] + BM(m)));
   }
   return left;
 }
@@ -453,8 +461,8 @@ Output output_of_full_order(const string& name, const Meaning& meaning) {
 // disturbed/NAME.
 const std::map<string, Meaning>& disturbed_outputs() {
   static const std::map<string, Meaning> table = {
-      {"disturbed/contact", {"squares of the contact's slacks, less a push's", "weights^2"}},
-      {"disturbed/torque", {"squares of the torques' slacks, less a push's", "limits^2"}}};
+      {"disturbed/contact", {"the contact's slacks, less what a push takes", "weights"}},
+      {"disturbed/torque", {"the torques' slacks, less what a push takes", "limits"}}};
   return table;
 }
 

@@ -1,7 +1,7 @@
 """What level 5 asks of a gait beside level 4: margins that must not be negative.
 
 Forces and torques are affine in e, so the worst e of the ball |S e| <= push takes push times the
-length of their slope in S e. Slacks are positive by level 4, so their squares are compared.
+length of their slope in S e.
 """
 
 import jax
@@ -40,7 +40,7 @@ def margins(
 def _forces(
     model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, push: Float[Array, ""]
 ) -> Quantities:
-    """Squares of slacks, less those of what e may take of them."""
+    """Slacks, less what e may take of them."""
 
     def slacks(e: Float[Array, " m"]) -> Quantities:
         found = model.in_step(model.point(u, xi, e))
@@ -49,7 +49,7 @@ def _forces(
     none = jnp.zeros(model.size // 2)
     found, slopes = slacks(none), jax.jacfwd(slacks)(none)
     return {
-        f"disturbed/{name}": found[name] * found[name]
-        - push * push * jnp.sum(slopes[name] * slopes[name], axis=1)
+        f"disturbed/{name}": found[name]
+        - push * jnp.sqrt(jnp.sum(slopes[name] * slopes[name], axis=1))
         for name in FORCES
     }

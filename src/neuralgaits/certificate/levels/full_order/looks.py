@@ -39,17 +39,16 @@ def set_of(model: FullOrderModel, pushed: bool = False, widest: bool = False) ->
         model: of the gait.
         pushed: look first for one that stands a disturbance (level 5): in a norm of its own, and
             shrinking to a floor.
-        widest: otherwise, look first for the largest, in a norm of its own.
+        widest: look first for the largest, in a norm of its own, and bear more boxes.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
     looks, reason, w = looks_of(model), "", float(model.bandwidth)
     seen = what_is_seen(looks) if pushed or widest else None
-    plan, small, smaller = None, SMALL, PLANNED
-    if seen is not None and pushed:
-        plan = find_plan(seen, w)
-    elif seen is not None:
-        plan, small, smaller = find_widest(seen, w), SMALLER, WIDEST
+    small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
+    plan = None
+    if seen is not None:
+        plan = find_plan(seen, w) if pushed else find_widest(seen, w)
     tries: list[tuple[float, Plan | None]] = []
     tries += [(1.0, plan.smaller(share)) for share in smaller] if plan else []
     tries += [(share, None) for share in SHARES]
