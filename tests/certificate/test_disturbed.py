@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
+from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed, growth
 from neuralgaits.certificate.levels.disturbed.margins import margins
 from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier, premises
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
@@ -43,7 +43,21 @@ def _shape(full, push=PUSH, split=1.0):
         rows.append(
             DisturbedBarrier(of.name, of.alpha, (1.0 + split) / rest, lost * (1.0 + 1e-9) + 1e-12)
         )
-    return Disturbed(push, tuple(rows))
+    return Disturbed((push, 0.0), (push, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, tuple(rows))
+
+
+def _held(full, hold=5e-5, error=0.01):
+    """Constants that fit a hold, with a part in a thousand to spare."""
+    jerk = {"jerk": 300.0, "jerk_slope": 3e4, "jerk_push": 9.0}
+    mean, above = 0.5 * hold * (1.0 + GAMMA * hold / 8.0), 1.001
+    shape = replace(_shape(full), hold=hold, error=error, **jerk)
+    for _ in range(20):  # Peak and growth depend on each other.
+        still, slope = (float(part) for part in growth(full, shape))
+        peak = above * (error + hold * still), above * hold * slope
+        shape = replace(shape, peak=peak)
+    push = above * (error + mean * still), above * mean * slope
+    most = push[0] + push[1] * full.radius
+    return replace(shape, push=push, barriers=_shape(full, push=most * 1.0001).barriers)
 
 
 def _verdict(full, shape, without=None):
@@ -62,7 +76,10 @@ def test_constants_that_fit_are_a_proof_and_planted_falsity_is_none():
     assert _verdict(full, shape).verdict == "proved"
     lost, weight = shape.barriers[0].lost, shape.barriers[0].weight
     forged = {
-        "2 b push < gamma floor": _shape(full, push=PUSH * 1.01),
+        "2 b push < (gamma - 2 b slope) floor": _shape(full, push=PUSH * 1.01),
+        "push <= peak": replace(shape, peak=(0.99 * PUSH, 0.0)),
+        "slope of push <= slope of peak": replace(shape, push=(0.9 * PUSH, 1.0)),
+        "0 <= its slope": replace(shape, push=(PUSH, -1.0)),
         "0 < push": _shape(full, push=-PUSH),
         "what the push takes < lost": _first(shape, lost=0.99 * lost),
         "1 < 4 sigma": _first(shape, weight=0.4 * weight),
@@ -77,8 +94,54 @@ def test_constants_that_fit_are_a_proof_and_planted_falsity_is_none():
         assert premise.output in str(_verdict(full, shape, premise.output).reason)
 
 
+def test_a_hold_that_fits_is_a_proof_and_planted_falsity_is_none():
+    full = _full()
+    shape = _held(full)
+    found = _verdict(full, shape)
+    assert found.verdict == "proved", found.reason
+    assert f"ticks there are at most {shape.hold!r} s apart" in " ".join(found.words)
+    less = [0.995, 1.0]
+    first, second = np.array([less, less[::-1]])
+    forged = {
+        "0 < hold": replace(shape, hold=-shape.hold),
+        "0 <= error": replace(shape, error=-0.01),
+        "error + hold growth < peak": replace(shape, hold=1.02 * shape.hold),
+        "hold slope of growth < slope of peak": replace(shape, peak=tuple(second * shape.peak)),
+        "error + hold/2 (1 + gamma hold/8) growth < push": replace(
+            shape, push=tuple(first * shape.push)
+        ),
+        "slope of growth < slope of push": replace(shape, push=tuple(second * shape.push)),
+        "gamma - 2 b slope of push": replace(shape, push=(shape.push[0], 60.0), peak=(1.0, 60.0)),
+        "what the push takes < lost": replace(shape, push=tuple(1.01 * np.array(shape.push))),
+    }
+    for reason, wrong in forged.items():
+        found = _verdict(full, wrong)
+        assert found.verdict == "undecided"
+        assert reason in str(found.reason)
+    for name in ("jerk", "jerk_slope", "jerk_push"):
+        larger = replace(shape, **{name: 4.0 * getattr(shape, name)})
+        assert "growth <" in str(_verdict(full, larger).reason)
+    for premise in premises(full, shape):
+        assert premise.output in str(_verdict(full, shape, premise.output).reason)
+
+
+def test_errors_of_a_hold_reach_no_further_than_their_mean():
+    """Of r' = -gamma r / 2 + b e, e a sawtooth of the growth that is claimed: W of docs/level5.md."""
+    full = _full()
+    shape = _held(full)
+    still, slope = (float(part) for part in growth(full, shape))
+    rise, hold, error = still + slope * full.radius, shape.hold, shape.error
+    push = error + 0.5 * hold * (1.0 + GAMMA * hold / 8.0) * rise
+    r, peak, step = 0.0, 0.0, hold / 16.0
+    for number in range(16 * 8000):
+        since = (number % 16 + 0.5) * step
+        r += step * (-0.5 * GAMMA * r + B * (error + rise * since))
+        peak = max(peak, r)
+    assert 0.98 < peak / (2.0 * B * push / GAMMA) <= 1.0
+
+
 def test_a_set_without_a_floor_stands_no_push():
-    assert "gamma floor" in str(_verdict(SHAPE, _shape(SHAPE, push=1e-9)).reason)
+    assert "floor" in str(_verdict(SHAPE, _shape(SHAPE, push=1e-9)).reason)
 
 
 def test_a_floor_counts_in_every_inequality_of_level_four():

@@ -2,13 +2,24 @@
 
 import json
 import shutil
+from dataclasses import dataclass
+from functools import cached_property
 
+import numpy as np
 import pytest
 
+from neuralgaits.certificate.levels.disturbed.margins import FORCES
+from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier
+from neuralgaits.certificate.levels.sets import Sets
 from neuralgaits.records.certified import PROOF
 from neuralgaits.workflows.certify import certify
+from support.checker_case import bounds
+from support.full_case import NARROW, WIDE, FullCase, in_the_ball
 
 pytestmark = pytest.mark.slow
+PUSH = (8.0, 20.0)
+"""Of the errors [rad/s^2, rad/s^2 per rad of the bound on sqrt(V)]."""
+HELD = ("disturbed/jerk", "disturbed/jerk-slope", "disturbed/jerk-push")
 
 
 @pytest.fixture(scope="module")
@@ -20,21 +31,80 @@ def file(trained, tmp_path_factory):
 
 
 def test_every_premise_is_derived(proofcheck, file):
+    """Of torques that are held, too; and a file that claims more is not believed."""
     answer = proofcheck(file)
     lines = [line.strip() for line in answer.stdout.splitlines()]
     assert answer.returncode == 0, answer.stdout
     assert "level 5 proved" in lines
     assert lines[-1].startswith("proved of the robot, policy and spec above: ")
+    assert "whatever ticks there are at most" in answer.stdout
 
 
-def test_twice_the_error_is_not(proofcheck, file, tmp_path):
-    """The bound is a parameter of the theorem, and premises are derived with it."""
+def _level_5(table):
+    (found,) = (one["parameters"] for one in table["theorems"] if one["level"] == 5)
+    return found
+
+
+@pytest.mark.parametrize("name", ["hold", "push", "peak", "jerk", "jerk_slope", "jerk_push"])
+def test_a_claim_of_more_than_was_proved_is_not_believed(proofcheck, file, tmp_path, name):
+    """A longer hold, a larger push or peak, slower errors: by half."""
     table = json.loads(file.read_text())
-    (theorem,) = (one for one in table["theorems"] if one["level"] == 5)
-    claimed = float.fromhex(theorem["parameters"]["push"])
-    theorem["parameters"]["push"] = (2.0 * claimed).hex()
-    spoilt = tmp_path / "proof.json"
-    spoilt.write_text(json.dumps(table))
-    answer = proofcheck(spoilt)
-    assert answer.returncode != 0
-    assert "level 5 proved" not in answer.stdout
+    known, more = _level_5(table), 0.5 if name.startswith("jerk") else 1.5
+
+    def changed(value):
+        if isinstance(value, list):
+            return [changed(one) for one in value]
+        return (more * float.fromhex(value)).hex()
+
+    known[name] = changed(known[name])
+    forged = tmp_path / "proof.json"
+    forged.write_text(json.dumps(table))
+    answer = proofcheck(forged)
+    assert answer.returncode != 0 and "level 5 proved" not in answer.stdout
+
+
+@dataclass(frozen=True)
+class PushedCase(FullCase):
+    """The outputs of level 5 beside those of level 4."""
+
+    @cached_property
+    def sets(self) -> Sets:
+        draw = np.random.default_rng(11)
+        names = self.full_model.names
+        rows = tuple(DisturbedBarrier(n, *draw.uniform(0.5, 2.0, size=3).tolist()) for n in names)
+        jerk = 1.0, 2.0, 3.0
+        return Sets({4: self.shape, 5: Disturbed(PUSH, PUSH, 1e-3, 0.0, *jerk, rows)})
+
+
+def test_its_own_formulas_are_those_of_the_premises(proofcheck, tmp_path):
+    """At points and next to no outputs: what a push takes counts."""
+    case = PushedCase("amber3m", radius=NARROW)
+    file = case.write(tmp_path / "proof.json")
+    u = np.random.default_rng(1).uniform((0.0, 0.2), (1.0, 0.8), size=(6, 2))
+    values = case.values(u)
+    assert {"disturbed/contact", "disturbed/torque", *HELD} < set(values)
+    for name in (name for name in values if name.startswith("disturbed/")):
+        enclosed = np.stack([one[name] for one in bounds(proofcheck, file, u, u)])
+        scale = np.maximum(1.0, np.abs(values[name]).max())
+        np.testing.assert_allclose(
+            enclosed.mean(axis=-1) / scale, values[name] / scale, atol=1e-5, rtol=0, err_msg=name
+        )
+    for name in FORCES:
+        taken = values[f"full/{name}"] - values[f"disturbed/{name}"]
+        assert np.all(taken > 0.0) and taken.max() > 0.05
+
+
+def test_what_it_derives_over_a_box_is_below_every_point(proofcheck, tmp_path):
+    case, draw = PushedCase("amber3m", radius=WIDE), np.random.default_rng(2)
+    file = case.write(tmp_path / "proof.json")
+    size = 0.5 ** draw.uniform(5.0, 9.0, size=(6, 1)) * np.ones(2)
+    low = draw.uniform(size=(6, 2)) * (1.0 - size)
+    seen = 0
+    for box, enclosed in enumerate(bounds(proofcheck, file, low, low + size)):
+        u = low[box] + size[box] * draw.uniform(size=(40, 2))
+        values = case.values(u, in_the_ball(draw, 40, case.full_model.size))
+        for name in (*(f"disturbed/{force}" for force in FORCES), *HELD):
+            if enclosed[name] is not None:
+                seen += 1
+                assert np.all(enclosed[name][:, 0] <= values[name].min(axis=0) + 1e-9), name
+    assert seen > 12

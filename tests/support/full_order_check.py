@@ -46,6 +46,7 @@ class Edges(NamedTuple):
     """The set's numbers as arrays: what is compiled for one set serves others."""
 
     radius: np.ndarray
+    floor: np.ndarray
     shrink: np.ndarray
     tightening: np.ndarray
     """Of each barrier."""
@@ -57,7 +58,7 @@ class Edges(NamedTuple):
         """Of a set."""
         tight = [float(tightening(barrier).upper()) for barrier in shape.barriers]
         sigma = [barrier.sigma for barrier in shape.barriers]
-        numbers = (shape.radius, shape.shrink, tight, sigma)
+        numbers = (shape.radius, shape.least_radius, shape.shrink, tight, sigma)
         return cls(*(np.asarray(part, dtype=np.float64) for part in numbers))
 
 
@@ -179,7 +180,9 @@ def check_in_mujoco(
     z, eta = states_of(model, shape, episodes, seed)
     starts = quick_jit(jax.vmap(run.zero_dynamics.phi_inv))(z, eta)
     edges = Edges.of(shape)
-    inside = quick_jit(jax.vmap(lambda z, eta: jnp.min(_of_set(model, edges, z, eta)) >= 0.0))
+    inside = quick_jit(
+        jax.vmap(lambda z, eta: jnp.min(distances_inside(model, edges, z, eta)) >= 0.0)
+    )
     always, settled = np.ones(episodes, dtype=bool), np.ones(episodes, dtype=bool)
     ticks = np.zeros(2, dtype=int)
 
@@ -221,7 +224,7 @@ def states_of(
     """
     draw = np.random.default_rng(seed)
     edges = Edges.of(shape)
-    keep = quick_jit(jax.vmap(lambda z, eta: _numbers_of_set(model, edges, z, eta)))
+    keep = quick_jit(jax.vmap(lambda z, eta: _numbersdistances_inside(model, edges, z, eta)))
     place = quick_jit(
         jax.vmap(
             lambda u, xi: (model.gait.z(u), output_coordinates(xi, shape.bandwidth, shape.weights))
@@ -250,39 +253,41 @@ def _draw(
     xi /= np.linalg.norm(xi, axis=1, keepdims=True)
     rim = draw.random(count) < 1.0 / 3.0
     share = np.where(rim, 1.0 - 1e-9, draw.random(count) ** (1.0 / model.size))
-    length = share * shape.radius * np.exp(-shape.shrink * phase**2)
+    falls = (shape.radius - shape.least_radius) * np.exp(-shape.shrink * phase**2)
+    length = share * (shape.least_radius + falls)
     sigma = [barrier.sigma * length**2 * (1.0 + 1e-9) for barrier in shape.barriers[:2]]
     face = draw.integers(0, 3, count)
     level = np.where(face == 0, sigma[0] + 1e-12, np.where(face == 1, 1.0 - sigma[1], level))
     return np.stack([phase, level - 1e-12 * (face == 1)], axis=1), xi * length[:, None]
 
 
-def _of_set(
+def distances_inside(
     model: FullOrderModel, edges: Edges, z: ZeroState, eta: Float[Array, " two_m"]
 ) -> Float[Array, " k"]:
     """h_i - t_i - sigma_i V of every barrier, and how far sqrt(V) is below its bound [rad]."""
     xi = scaled_coordinates(eta, model.bandwidth, model.weights)
     size = xi @ xi
     phase = model.gait.phase(z[0])
-    bound = edges.radius * jnp.exp(-edges.shrink * phase * phase)
+    falls = (edges.radius - edges.floor) * jnp.exp(-edges.shrink * phase * phase)
+    bound = edges.floor + falls
     below = bound - jnp.sqrt(size + 1e-300)
     faces = model.barriers(z) - edges.tightening - edges.sigma * size
     return jnp.concatenate([faces, below[None]])
 
 
-def _numbers_of_set(
+def _numbersdistances_inside(
     model: FullOrderModel, edges: Edges, z: ZeroState, eta: Float[Array, " two_m"]
 ) -> Float[Array, " k"]:
     """All that must not be negative in the set, the foot's height included."""
     point = FullPoint(model.robot, model.gait.policy, z, eta, model.bandwidth)
-    return jnp.concatenate([_of_set(model, edges, z, eta), point.foot[1:]])
+    return jnp.concatenate([distances_inside(model, edges, z, eta), point.foot[1:]])
 
 
 def _numbers(model: FullOrderModel, edges: Edges, point: FullPoint) -> Mapping[str, Array]:
     """What must not be negative along a walk, by name: the set, and what the theorem says."""
     eta = jnp.concatenate([point.output, point.output_rate])
     found, readings = model.in_step(point), model.readings(point)
-    parts = _of_set(model, edges, point.z, eta)
+    parts = distances_inside(model, edges, point.z, eta)
     numbers = {f"{name} - t - sigma V": parts[k, None] for k, name in enumerate(model.names)}
     numbers |= {"radius - sqrt V [rad]": parts[-1:], "foot height [m]": found["foot"]}
     for k, name in enumerate(model.names):

@@ -240,6 +240,7 @@ class LeafChecker {
     found_ = {};
     more_ = 0;
     awaited_ = &awaited;
+    leaf_ = &leaf;
     prove(leaf, claims, 0);
     return found_;
   }
@@ -254,6 +255,7 @@ class LeafChecker {
   const Statement& statement_;
   Finding found_;
   size_t more_ = 0;
+  const Box* leaf_ = nullptr;
   const std::function<bool()>* awaited_ = nullptr;
 
   Verdict note(Verdict verdict, const string& reason) {
@@ -291,7 +293,8 @@ class LeafChecker {
 
   // The axis along which to halve: the one with most influence on the worst margin. Of a range that
   // is wide mostly by what has a higher degree, which no coefficient tells of, and without a bound,
-  // the longest.
+  // the one halved least since the leaf; among those, the one that the leaf is shortest in, which the
+  // finder saw fit to halve most.
   std::optional<size_t> axis_to_halve(const Box& box, const vector<Failing>& left) const {
     const std::optional<Estimate>& worst = left[0].worst;
     bool told = false;
@@ -304,9 +307,11 @@ class LeafChecker {
     double most = 0.0;
     for (size_t axis = 0; axis < box.low.size(); ++axis) {
       if (!(box.low[axis] < box.high[axis])) continue;
-      const double weight = told ? worst->influence[axis]
-                                 : (box.high[axis] - box.low[axis]) /
-                                       (chart_[axis].high - chart_[axis].low);
+      const double whole = leaf_->high[axis] - leaf_->low[axis];
+      const double length = whole / (chart_[axis].high - chart_[axis].low);
+      const double weight =
+          told ? worst->influence[axis]
+               : (box.high[axis] - box.low[axis]) / whole * (1.0 + 0.1 / (1.0 + length));
       if (!best || weight > most) {
         best = axis;
         most = weight;
@@ -322,16 +327,17 @@ class LeafChecker {
     const vector<Failing> left = failing(box, claims);
     if (left.empty()) return proved;
     vector<const Claim*> again;
-    for (const Failing& one : left) {
-      if (refuted(box, one)) return rejected;
-      again.push_back(one.claim);
-    }
+    for (const Failing& one : left) again.push_back(one.claim);
     const std::optional<size_t> axis = axis_to_halve(box, left);
-    if (!axis || depth == kMoreSplits * box.low.size() || more_ > kMostMore)
+    // Points are looked at last: what halving does not prove is small by then, and they are dear.
+    if (!axis || depth == kMoreSplits * box.low.size() || more_ > kMostMore) {
+      for (const Failing& one : left)
+        if (refuted(box, one)) return rejected;
       return note(undecided, left[0].claim->name + " does not reach its bound" +
                                  words_for(box, chart_) + " of region " + statement_.region +
                                  " after " + std::to_string(depth) +
                                  " more splits, and no point of it breaks it");
+    }
     const auto [lower, upper] = halves(box, *axis);
     for (const Box* part : {&lower, &upper}) {
       const Verdict verdict = prove(*part, again, depth + 1);

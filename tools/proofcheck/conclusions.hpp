@@ -277,16 +277,23 @@ class Conclusions {
   }
 
   // Level 5, which rests on level 4: docs/level5.md. With b = sqrt(5) / w, V' <= -gamma V + 2 b
-  // sqrt(V) push.
+  // sqrt(V) |S e|, and while torques are held |S e| grows as the outputs' jerk says.
   vector<string> disturbed() const {
     const FullOrder& f = *file_.theorems.full;
     const Disturbed& d = *file_.theorems.disturbed;
-    const I w(f.bandwidth), gamma = I(1.5) * w, push(d.push), zero(0.0);
+    const I w(f.bandwidth), gamma = I(1.5) * w, push(d.push[0]), zero(0.0);
     const I factor = root(I(5.0)) / w;
     positive("disturbed/contact", f.tube());
     positive("disturbed/torque", f.tube());
     need("0 < push", zero, push);
-    need("2 b push < gamma floor", I(2.0) * factor * push, gamma * I(f.floor));
+    const I slope(d.push[1]), left = gamma - I(2.0) * factor * slope;
+    if (!(d.push[1] >= 0.0 && d.push[0] <= d.peak[0] && d.push[1] <= d.peak[1]))
+      throw DoesNotFollow{"push has a falling slope, or is above peak"};
+    need("4 shrink (1 + guard_strip) most pace < gamma - 2 b slope of push",
+         I(4.0) * I(f.shrink) * I(f.last) * I(f.fastest), left);
+    need("2 b push < (gamma - 2 b slope) floor", I(2.0) * factor * push, left * I(f.floor));
+    const I most = push + slope * I(f.radius), always = push + slope * I(f.floor);
+    if (d.hold != 0.0) held(f, d, gamma);
     string names;
     for (size_t i = 0; i < d.barriers.size(); ++i) {
       const DisturbedBarrier& its = d.barriers[i];
@@ -299,25 +306,51 @@ class Conclusions {
       const I rest = I(4.0) * sigma * (gamma - alpha), spare = I(its.weight) * rest - I(1.0);
       need(its.name + ": 1 < 4 sigma (gamma - alpha) weight", zero, spare);
       const I tightening = square(I(of.reading)) / (I(4.0) * sigma);
-      const I moved = I(2.0) * sigma * factor * push;
+      const I moved = I(2.0) * sigma * factor * most;
       need(its.name + ": alpha t and what the push takes < lost",
            alpha * tightening + (I(1.0) + I(1.0) / spare) * square(moved) / rest, I(its.lost));
       names += (names.empty() ? "" : ", ") + its.name;
     }
     const string size = f.weights.empty() ? "|e|" : "|S e|";
-    return {"the same set D, whatever measurable e(t) with " + size + " <= " + brief(d.push) +
+    vector<string> words = {
+        "the same set D, whatever measurable e(t) with " + size + " <= " + at_least(always.low()) +
                 " rad/s^2 is added: under torques that give the outputs ddy = -w^2 y - 2 w dy + e, "
                 "every trajectory that starts in D stays in D between impacts, meets the ground "
                 "once and transversally in each step, and is in D after the impact: it walks for "
-                "ever",
-            "all along, " + names + " are not negative on the robot itself, the contact force and "
+                "ever"};
+    if (d.hold != 0.0)
+      words.push_back(
+          "the same set D, whatever ticks there are at most " + brief(d.hold) + " s apart, one of "
+          "them at each touchdown: if torques are set at each tick with " + size + " <= " +
+          brief(d.error) + " rad/s^2 and held until the next, every trajectory that starts in D at "
+          "a tick stays in D, meets the ground once and transversally in each step, and is in D "
+          "after the impact: it walks for ever");
+    words.push_back("all along, " + names + " are not negative on the robot itself, the contact force and "
             "every impulse stay in the friction cone, and the torques that are applied stay within "
-            "the robot's limits: none saturates",
-            "which e a held torque, a wrong model or a measurement makes is not part of this "
-            "theorem"};
+            "the robot's limits: none saturates");
+    words.push_back("which e a wrong model or a measurement makes is not part of this theorem");
+    return words;
   }
 
  private:
+  // What a hold makes of an error fits under peak and, in the mean over it, under push.
+  void held(const FullOrder& f, const Disturbed& d, const I& gamma) const {
+    for (const char* name : {"disturbed/jerk", "disturbed/jerk-slope", "disturbed/jerk-push"})
+      not_negative(name, f.tube());
+    if (!(d.hold > 0.0 && d.error >= 0.0)) throw DoesNotFollow{"a hold or an error below zero"};
+    const I w(f.bandwidth), hold(d.hold), error(d.error), floor(f.floor), radius(f.radius);
+    const I mean = I(0.5) * hold * (I(1.0) + I(0.125) * gamma * hold);
+    const I peak = I(d.peak[0]) + I(d.peak[1]) * radius;
+    const I still = size(d.jerk) + (I(2.0) * w + size(d.jerk_push)) * peak;
+    const I start = floor + (radius - floor) * exp(-I(f.shrink) * square(I(f.start_strip)));
+    const I earlier = exp(I(0.5) * gamma * hold) * radius / start;
+    const I growth = earlier * (root(I(2.0)) * (w * square(w)) + size(d.jerk_slope));
+    need("error + hold growth < peak", error + hold * still, I(d.peak[0]));
+    need("hold slope of growth < slope of peak", hold * growth, I(d.peak[1]));
+    need("error + hold/2 (1 + gamma hold/8) growth < push", error + mean * still, I(d.push[0]));
+    need("hold/2 (1 + gamma hold/8) slope of growth < slope of push", mean * growth, I(d.push[1]));
+  }
+
   const ProofFile& file_;
 
   // Of a triangle of weights.

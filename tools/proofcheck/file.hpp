@@ -332,12 +332,22 @@ FullOrder full_order_of(const Json& table) {
 
 Disturbed disturbed_of(const Json& table) {
   const string what = "level 5";
-  only(table, what, {"push", "barriers"});
+  only(table, what, {"push", "peak", "hold", "error", "jerk", "jerk_slope", "jerk_push", "barriers"});
   const auto number = [&what](const Json& from, const char* name) {
     return hexadecimal(field(from, what, name), name);
   };
   Disturbed d;
-  d.push = number(table, "push");
+  for (const bool most : {false, true}) {
+    const char* name = most ? "peak" : "push";
+    const vector<double> pair = series_of(field(table, what, name), name);
+    if (pair.size() != 2) refuse("a push or peak that is not two numbers");
+    std::copy(pair.begin(), pair.end(), most ? d.peak : d.push);
+  }
+  d.hold = number(table, "hold");
+  d.error = number(table, "error");
+  d.jerk = number(table, "jerk");
+  d.jerk_slope = number(table, "jerk_slope");
+  d.jerk_push = number(table, "jerk_push");
   for (const Json& row : list_of(*table.find("barriers"), "barriers")) {
     only(row, "a barrier", {"name", "alpha", "weight", "lost"});
     d.barriers.push_back({text_of(*row.find("name"), "a barrier's name"), number(row, "alpha"),
@@ -423,7 +433,8 @@ std::map<string, vector<double>> lists_of(const Theorems& theorems) {
       rows.insert(rows.end(), {b.alpha, b.epsilon, b.coupling, b.reading, b.reset, b.reset_slope});
   }
   if (const auto& d = theorems.disturbed; d) {
-    lists["disturbed.push"] = {d->push};
+    lists["disturbed.peak"] = {d->peak, d->peak + 2};
+    if (d->hold != 0.0) lists["disturbed.jerk"] = {d->jerk, d->jerk_slope, d->jerk_push};
     vector<double>& rows = lists["disturbed.barriers"];
     for (const DisturbedBarrier& b : d->barriers)
       rows.insert(rows.end(), {b.alpha, b.weight, b.lost});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "jerk.hpp"
 #include "premises.hpp"
 
 namespace {
@@ -55,9 +56,6 @@ vector<S> times(const Matrix& matrix, const vector<S>& x) {
   return out;
 }
 
-// How far S times the acceleration is pushed where slopes in a push are looked for [rad/s^2].
-constexpr double FAR = 4096.0;
-
 class FullState {
  public:
   using Moved = Motion<DualOf<BM>>;
@@ -79,14 +77,20 @@ class FullState {
       return off(bound());
     });
   }
-  // The same, pushed: S times what is added to ddy is FAR for one of them.
-  Motion<BM>& pushed(size_t one) {
-    if (pushed_.empty()) pushed_.resize(joints);
-    return kept(pushed_[one], [this, one] {
-      std::optional<Off<BM>> found = off(bound());
-      for (size_t j = 0; j < joints; ++j) found->push.push_back(BM(I(FAR) * unweighted[j][one]));
-      return found;
-    });
+  // Accelerations of the coordinates per unit of S times what is added to ddy, one column each.
+  const vector<vector<BM>>& pushed() {
+    if (pushed_.empty()) {
+      Motion<BM>& p = step();
+      for (size_t one = 0; one < joints; ++one) {
+        vector<BM> more;
+        for (size_t j = 0; j < joints; ++j) more.push_back(BM(unweighted[j][one]));
+        const vector<BM> alone = turned(model.robot, p.lifted(BM(0.0), more));
+        const BM gives = -(p.pose().momentum(alone) / p.transversal());  // ddz1.
+        for (size_t j = 0; j < joints; ++j) more[j] = more[j] + gives * p.outputs().d1[j];
+        pushed_.push_back(p.lifted(gives, more));
+      }
+    }
+    return pushed_;
   }
   Motion<BM>& guard() {
     return kept(guard_, [this] { return off(BM(shape.guard_radius)); });
@@ -102,12 +106,55 @@ class FullState {
 
   I bandwidth() const { return I(shape.bandwidth); }
 
+  // On sqrt(V) in the set.
+  BM bound() const {
+    const I floor(shape.floor);
+    return BM(floor) + (I(shape.radius) - floor) * exp(I(-shape.shrink) * (phase_ * phase_));
+  }
+
+  // S times the outputs' jerk while torques are held, where nothing is off.
+  vector<BM> jerk_at_rest() {
+    Motion<BM>& p = centre();
+    return times(weights, held_jerk(p, vector<BM>(joints, BM(0.0)), third_order()));
+  }
+  // Its slopes in each xi, or in S times what is added to ddy: one direction after the other.
+  vector<BM> jerk_slopes() {
+    vector<BM> slopes;
+    for (Moved& p : step_moved()) append(slopes, p, p.off->ddy());
+    return slopes;
+  }
+  vector<BM> jerk_pushes() {
+    Moved still = step().moving(BM(0.0), BM(0.0));
+    vector<BM> slopes;
+    for (size_t k = 0; k < joints; ++k) {
+      vector<DualOf<BM>> ddy = still.off->ddy();
+      for (size_t j = 0; j < joints; ++j) ddy[j].d = BM(unweighted[j][k]);
+      append(slopes, still, ddy);
+    }
+    return slopes;
+  }
+
  private:
   const BM phase_, level_;
   std::optional<Motion<BM>> centre_, step_, guard_;
-  vector<std::optional<Motion<BM>>> pushed_;
+  vector<vector<BM>> pushed_;
+  vector<Jet<BM>> third_order_;
   vector<Moved> step_moved_, guard_moved_;
   std::optional<Moved> centre_ahead_, guard_ahead_;
+
+  // The desired outputs' derivatives up to the third.
+  const vector<Jet<BM>>& third_order() {
+    if (third_order_.empty()) {
+      Motion<BM>& p = centre();
+      third_order_ = desired_outputs(model.policy, model.step, p.phase(), p.z1, p.z2, 3);
+    }
+    return third_order_;
+  }
+
+  void append(vector<BM>& slopes, Moved& p, const vector<DualOf<BM>>& ddy) {
+    for (const DualOf<BM>& one : times(weights, held_jerk(p, ddy, third_order())))
+      slopes.push_back(one.d);
+  }
 
   template <class Chosen>
   Motion<BM>& kept(std::optional<Motion<BM>>& motion, Chosen outputs_off) {
@@ -116,11 +163,6 @@ class FullState {
       motion.emplace(model, model.step, z1, z2, outputs_off());
     }
     return *motion;
-  }
-
-  BM bound() const {
-    const I floor(shape.floor);
-    return BM(floor) + (I(shape.radius) - floor) * exp(I(-shape.shrink) * (phase_ * phase_));
   }
 
   std::optional<Off<BM>> off(const BM& radius) const {
@@ -333,25 +375,54 @@ vector<BM> barrier_margins(const string& n, const BarrierConstants& its, bool up
   throw Unknown{"the output " + n};
 }
 
-// Level 5: slacks, less what a push may take of them. Forces are affine in it, so that their slopes
-// are differences, over a push so far that what slacks are enclosed too widely by hardly counts.
-vector<BM> disturbed_margins(const string& n, double push, FullState& f) {
-  const auto slacks = n == "disturbed/contact" ? contact_slacks : torque_slacks;
+// Level 5, of held torques.
+vector<BM> jerk_margins(const string& n, const Disturbed& its, FullState& f) {
+  if (n == "disturbed/jerk") return {room(its.jerk, f.jerk_at_rest())};
+  if (n == "disturbed/jerk-slope") return {room(its.jerk_slope, f.jerk_slopes())};
+  return {room(its.jerk_push, f.jerk_pushes())};
+}
+
+// Slopes of contact_slacks and of torque_slacks in a push: forces are affine in accelerations.
+vector<BM> contact_pushes(const Robot& robot, FullState& f, size_t one) {
+  const Pose<BM>& pose = f.step().pose();
+  const vector<BM> w = turned(robot, f.pushed()[one]);
+  Vec<BM> ground{BM(0.0), BM(0.0)};
+  const vector<Vec<BM>> moved = pose.velocities(w);
+  for (size_t i = 0; i < moved.size(); ++i)
+    ground = ground + Vec<BM>{robot.mass[i] * moved[i].x, robot.mass[i] * moved[i].z};
+  const I share = inverse(robot.weight_mass * robot.gravity);
+  return cone(robot.friction, {share * ground.x, share * ground.z});
+}
+
+vector<BM> torque_pushes(const Robot& robot, FullState& f, size_t one) {
+  const Pose<BM>& pose = f.step().pose();
+  const vector<BM> w = turned(robot, f.pushed()[one]);
+  const vector<BM> torque = pose.momenta(pose.velocities(w), w);
+  vector<BM> left;
+  for (const double sign : {-1.0, 1.0})
+    for (size_t j = 0; j < robot.torque_limit.size(); ++j)
+      left.push_back(I(sign) / robot.torque_limit[j] * torque[j + 1]);
+  return left;
+}
+
+// Level 5: slacks, less what a push may take of them.
+vector<BM> disturbed_margins(const string& n, const Disturbed& its, FullState& f) {
+  if (n.rfind("disturbed/jerk", 0) == 0) return jerk_margins(n, its, f);
+  const BM push = BM(its.peak[0]) + I(its.peak[1]) * f.bound();
+  const bool contact = n == "disturbed/contact";
   const Robot& robot = f.model.robot;
-  const vector<BM> still = slacks(robot, f.step());
+  const vector<BM> still = contact ? contact_slacks(robot, f.step()) : torque_slacks(robot, f.step());
   vector<BM> squares(still.size(), BM(0.0)), left;
   for (size_t one = 0; one < f.joints; ++one) {
-    const vector<BM> moved = slacks(robot, f.pushed(one));
-    for (size_t i = 0; i < still.size(); ++i) {
-      const BM slope = inverse(I(FAR)) * (moved[i] - still[i]);
-      squares[i] = squares[i] + slope * slope;
-    }
+    const vector<BM> slopes =
+        contact ? contact_pushes(robot, f, one) : torque_pushes(robot, f, one);
+    for (size_t i = 0; i < still.size(); ++i) squares[i] = squares[i] + slopes[i] * slopes[i];
   }
   // sqrt x <= (x/m + m)/2 for every m > 0: its tangent, which needs no x away from zero.
   for (size_t i = 0; i < still.size(); ++i) {
     const double middle = 0.5 * (squares[i].c[0].low() + squares[i].c[0].high());
     const I m(std::sqrt(std::max(middle, 1e-12)));
-    left.push_back(still[i] - I(0.5 * push) * (inverse(m) * squares[i] + BM(m)));
+    left.push_back(still[i] - I(0.5) * (push * (inverse(m) * squares[i] + BM(m))));
   }
   return left;
 }
@@ -462,14 +533,17 @@ Output output_of_full_order(const string& name, const Meaning& meaning) {
 const std::map<string, Meaning>& disturbed_outputs() {
   static const std::map<string, Meaning> table = {
       {"disturbed/contact", {"the contact's slacks, less what a push takes", "weights"}},
-      {"disturbed/torque", {"the torques' slacks, less what a push takes", "limits"}}};
+      {"disturbed/torque", {"the torques' slacks, less what a push takes", "limits"}},
+      {"disturbed/jerk", {"j^2 - |S d^3y|^2 under held torques, nothing off", "rad^2/s^6"}},
+      {"disturbed/jerk-slope", {"its bound^2 - its squared slope in xi", "1/s^6"}},
+      {"disturbed/jerk-push", {"its bound^2 - its squared slope in S e", "1/s^2"}}};
   return table;
 }
 
 Output output_of_disturbed(const string& name, const Meaning& meaning) {
   return {0, "",
           [name](Place<TM>& at) {
-            return estimates(disturbed_margins(name, at.theorems.disturbed->push, full_state(at)));
+            return estimates(disturbed_margins(name, *at.theorems.disturbed, full_state(at)));
           },
           {}, [&meaning](double least) { return with_unit(meaning.words, least, meaning.unit); }};
 }

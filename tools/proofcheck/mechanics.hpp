@@ -291,18 +291,16 @@ vector<S> values_of_jets(Jets jets, const S& z1, const S& z2) {
   return out;
 }
 
-// Outputs that are off zero, and their rates; they obey ddy = -w^2 y - 2 w dy + push.
+// Outputs that are off zero, and their rates; they obey ddy = -w^2 y - 2 w dy.
 template <class S>
 struct Off {
   vector<S> y, dy;
   I bandwidth;  // w
-  vector<S> push = {};  // None if empty.
 
   vector<S> ddy() const {
     vector<S> out;
     for (size_t j = 0; j < y.size(); ++j)
       out.push_back(-(square(bandwidth) * y[j]) - I(2.0) * bandwidth * dy[j]);
-    for (size_t j = 0; j < push.size(); ++j) out[j] = out[j] + push[j];
     return out;
   }
 };

@@ -6,13 +6,16 @@ namespace {
 
 // ----------------------------------------------------------------------------- 9 the policy
 //
-// Desired outputs as a jet in z: value, d/dz1, d/dz2, and the three second derivatives, each a
-// Taylor model on the box. `order` says how many of them are wanted.
+// Desired outputs as a jet in z: value, d/dz1, d/dz2, the three second derivatives and the four third
+// ones, each a Taylor model on the box. `order` says how many of them are wanted.
 
 template <class T>
 struct Jet {
   std::array<T, 6> c;  // f, f_1, f_2, f_11, f_12, f_22
+  vector<T> third;     // f_111, f_112, f_122, f_222; all 0 if empty.
 };
+
+constexpr size_t kThird = 4;
 
 int parts(int order) { return order == 0 ? 1 : order == 1 ? 3 : 6; }
 
@@ -20,6 +23,9 @@ template <class T>
 Jet<T> operator+(const Jet<T>& a, const Jet<T>& b) {
   Jet<T> r;
   for (size_t i = 0; i < 6; ++i) r.c[i] = a.c[i] + b.c[i];
+  r.third = a.third.empty() ? b.third : a.third;
+  if (!a.third.empty() && !b.third.empty())
+    for (size_t i = 0; i < kThird; ++i) r.third[i] = a.third[i] + b.third[i];
   return r;
 }
 
@@ -27,6 +33,7 @@ template <class K, class T>
 Jet<T> operator*(const K& k, const Jet<T>& a) {
   Jet<T> r;
   for (size_t i = 0; i < 6; ++i) r.c[i] = k * a.c[i];
+  for (const T& part : a.third) r.third.push_back(k * part);
   return r;
 }
 
@@ -42,12 +49,23 @@ Jet<T> product(const Jet<T>& a, const Jet<T>& b, int order) {
   r.c[3] = a.c[3] * b.c[0] + (cross + cross) + a.c[0] * b.c[3];
   r.c[4] = a.c[4] * b.c[0] + a.c[1] * b.c[2] + a.c[2] * b.c[1] + a.c[0] * b.c[4];
   r.c[5] = a.c[5] * b.c[0] + (other + other) + a.c[0] * b.c[5];
+  if (order < 3) return r;
+  const I two(2.0), three(3.0);
+  r.third = {three * (a.c[3] * b.c[1] + a.c[1] * b.c[3]),
+             a.c[3] * b.c[2] + a.c[2] * b.c[3] + two * (a.c[4] * b.c[1] + a.c[1] * b.c[4]),
+             a.c[5] * b.c[1] + a.c[1] * b.c[5] + two * (a.c[4] * b.c[2] + a.c[2] * b.c[4]),
+             three * (a.c[5] * b.c[2] + a.c[2] * b.c[5])};
+  for (size_t i = 0; i < kThird; ++i) {
+    if (!a.third.empty()) r.third[i] = r.third[i] + a.third[i] * b.c[0];
+    if (!b.third.empty()) r.third[i] = r.third[i] + a.c[0] * b.third[i];
+  }
   return r;
 }
 
-// f(a) from f, f' and f'' at a's value.
+// f(a) from f, f', f'' and, for a third order, f''' at a's value.
 template <class T>
-Jet<T> composed(const Jet<T>& a, const T& f, const T& slope, const T& curve, int order) {
+Jet<T> composed(const Jet<T>& a, const T& f, const T& slope, const T& curve, int order,
+                const T& twist) {
   Jet<T> r;
   r.c[0] = f;
   if (order < 1) return r;
@@ -58,25 +76,39 @@ Jet<T> composed(const Jet<T>& a, const T& f, const T& slope, const T& curve, int
   r.c[3] = slope * a.c[3] + along * a.c[1];
   r.c[4] = slope * a.c[4] + along * a.c[2];
   r.c[5] = slope * a.c[5] + curve * (a.c[2] * a.c[2]);
+  if (order < 3) return r;
+  const T &f1 = a.c[1], &f2 = a.c[2];
+  const T once = twist * (f1 * f1), twice = twist * (f2 * f2), both = I(2.0) * a.c[4];
+  r.third = {once * f1 + I(3.0) * (curve * (f1 * a.c[3])),
+             once * f2 + curve * (a.c[3] * f2 + both * f1),
+             twice * f1 + curve * (a.c[5] * f1 + both * f2),
+             twice * f2 + I(3.0) * (curve * (f2 * a.c[5]))};
+  if (!a.third.empty())
+    for (size_t i = 0; i < kThird; ++i) r.third[i] = r.third[i] + slope * a.third[i];
   return r;
 }
 
 template <class T>
 Jet<T> tanh(const Jet<T>& a, int order) {
   const T t = tanh(a.c[0]), g = T(1.0) - t * t;  // tanh' = 1 - t^2, tanh'' = -2 t tanh'
-  return composed(a, t, g, I(-2.0) * (t * g), order);
+  // tanh''' = -2 tanh' (1 - 3 t^2)
+  const T twist = order < 3 ? T(0.0) : I(-2.0) * (g * (T(1.0) - I(3.0) * (t * t)));
+  return composed(a, t, g, I(-2.0) * (t * g), order, twist);
 }
 
 template <class T>
 Jet<T> logistic(const Jet<T>& a, int order) {
   const T s = logistic(a.c[0]), g = s * (T(1.0) - s);  // s' = s (1 - s), s'' = s' (1 - 2 s)
-  return composed(a, s, g, g * (T(1.0) - I(2.0) * s), order);
+  const T twist = order < 3 ? T(0.0) : g * (T(1.0) - I(6.0) * g);  // s''' = s' (1 - 6 s')
+  return composed(a, s, g, g * (T(1.0) - I(2.0) * s), order, twist);
 }
 
 template <class T>
 Jet<T> softplus(const Jet<T>& a, int order) {
   const T s = logistic(a.c[0]);  // softplus' = s, softplus'' = s (1 - s)
-  return composed(a, softplus(a.c[0]), s, s * (T(1.0) - s), order);
+  const T curve = s * (T(1.0) - s);
+  const T twist = order < 3 ? T(0.0) : curve * (T(1.0) - I(2.0) * s);
+  return composed(a, softplus(a.c[0]), s, curve, order, twist);
 }
 
 // sum += w x for one double w.
@@ -125,9 +157,15 @@ vector<Jet<T>> applied(const Layer& layer, const vector<Jet<T>>& inputs, int ord
     for (const Jet<T>& input : inputs) {
       for (size_t part = 0; part < count; ++part)
         add_scaled(out[row].c[part], *weight, input.c[part]);
+      if (!input.third.empty()) {
+        out[row].third.resize(kThird);
+        for (size_t part = 0; part < kThird; ++part)
+          add_scaled(out[row].third[part], *weight, input.third[part]);
+      }
       ++weight;
     }
     for (const T& part : out[row].c) refuse_infinite(part);
+    for (const T& part : out[row].third) refuse_infinite(part);
   }
   return out;
 }

@@ -106,14 +106,16 @@ struct FullOrder {
   Box around() const { return {{near, 0.0}, {far, 1.0}}; }
 };
 
-// Level 5: what outputs may be pushed by, and what each barrier of level 4 loses by that.
+// Level 5: what outputs may be pushed by, in the mean over a hold and at most, as first + second
+// times the bound on sqrt(V); how fast held torques err; what each barrier of level 4 loses by that.
 struct DisturbedBarrier {
   string name;
   double alpha = 0.0, weight = 0.0, lost = 0.0;
 };
 
 struct Disturbed {
-  double push = 0.0;
+  double push[2] = {0.0, 0.0}, peak[2] = {0.0, 0.0};
+  double hold = 0.0, error = 0.0, jerk = 0.0, jerk_slope = 0.0, jerk_push = 0.0;
   vector<DisturbedBarrier> barriers;
   bool claimed = false;
 };

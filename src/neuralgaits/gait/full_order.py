@@ -14,6 +14,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.point import Point
+from neuralgaits.gait.policies.third_order import ThirdOrderPolicy
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.linear import solve
@@ -102,10 +103,11 @@ def held_jerk(point: FullPoint) -> Actuated:
     docs/level5.md.
     """
     m = point.robot.n - 1
+    policy = ThirdOrderPolicy.of(point.policy, point.z)
 
     def torque(z: ZeroState, y: Actuated, dy: Actuated, ddy: Actuated) -> Actuated:
         eta = jnp.concatenate([y, dy])
-        return FullPoint(point.robot, point.policy, z, eta, point.bandwidth, ddy).torque
+        return FullPoint(point.robot, policy, z, eta, point.bandwidth, ddy).torque
 
     z, y, dy, ddy = point.z, point.output, point.output_rate, point.output_acceleration
     _, rate = jax.jvp(lambda z, y, dy: torque(z, y, dy, ddy), (z, y, dy), (point.dz, dy, ddy))

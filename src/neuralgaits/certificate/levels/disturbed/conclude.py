@@ -8,9 +8,10 @@ from flint import arb, fmpq
 from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, premises
 from neuralgaits.certificate.levels.full_order.inequalities import (
     Inequality,
+    bound_at,
+    least_time,
     mismatch,
     obstacle,
-    step_factor,
     tightening,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -28,7 +29,7 @@ LEVEL = 5
 
 
 def conclude_disturbed(full: FullOrder, shape: Disturbed, bounds: Bounds) -> Conclusion:
-    """Level 5: D is invariant whatever e with |S e| <= push is added to the outputs' acceleration.
+    """Level 5: D is invariant under errors of the outputs' acceleration, and under held torques.
 
     Args:
         full: the set and its constants, of level 4, which has to be proved.
@@ -49,18 +50,78 @@ def conclude_disturbed(full: FullOrder, shape: Disturbed, bounds: Bounds) -> Con
 
 def inequalities(full: FullOrder, shape: Disturbed) -> list[Inequality]:
     """Everything that the constants must satisfy."""
-    zero, gamma = arb(0), _rate(full)
+    zero, gamma, push = arb(0), _rate(full), arb(shape.push[0])
+    left = _slower(full, shape)
     found = [
-        Inequality("0 < push", zero, arb(shape.push)),
+        Inequality("0 < push", zero, push),
+        _not_above("0 <= its slope", 0.0, shape.push[1]),
+        _not_above("push <= peak", shape.push[0], shape.peak[0]),
+        _not_above("slope of push <= slope of peak", shape.push[1], shape.peak[1]),
         Inequality(
-            "the floor is above what the push keeps outputs at: 2 b push < gamma floor",
-            2 * factor(full) * arb(shape.push),
-            gamma * arb(full.least_radius),
+            "V decays faster than its bound shrinks, pushed: 4 shrink (1 + guard_strip) most pace "
+            "< gamma - 2 b slope of push",
+            4 * arb(full.shrink) * arb(full.ends[1]) * arb(full.pace[1]),
+            left,
+        ),
+        Inequality(
+            "the floor is above what pushes keep outputs at: 2 b push < (gamma - 2 b slope) floor",
+            2 * factor(full) * push,
+            left * arb(full.least_radius),
         ),
     ]
     for its, of in zip(shape.barriers, full.barriers, strict=False):
         found += _of_barrier(full, shape, its.name, its.alpha, its.weight, its.lost, of)
-    return found
+    return found + (_of_hold(full, shape, gamma) if shape.hold != 0.0 else [])
+
+
+def _of_hold(full: FullOrder, shape: Disturbed, gamma: arb) -> list[Inequality]:
+    """What a hold makes of an error fits under peak and, in the mean, under push."""
+    zero, hold, error = arb(0), arb(shape.hold), arb(shape.error)
+    mean = hold / 2 * (1 + gamma * hold / 8)
+    still, slope = growth(full, shape)
+    return [
+        Inequality("0 < hold", zero, hold),
+        _not_above("0 <= error", 0.0, shape.error),
+        Inequality("error + hold growth < peak", error + hold * still, arb(shape.peak[0])),
+        Inequality("hold slope of growth < slope of peak", hold * slope, arb(shape.peak[1])),
+        Inequality(
+            "error + hold/2 (1 + gamma hold/8) growth < push",
+            error + mean * still,
+            arb(shape.push[0]),
+        ),
+        Inequality(
+            "hold/2 (1 + gamma hold/8) slope of growth < slope of push",
+            mean * slope,
+            arb(shape.push[1]),
+        ),
+    ]
+
+
+def growth(full: FullOrder, shape: Disturbed) -> tuple[arb, arb]:
+    """While torques are held |S e| grows by first + second times the bound on V [1/s of those]."""
+    w, peak = arb(full.bandwidth), arb(shape.peak[0]) + arb(shape.peak[1]) * arb(full.radius)
+    still = abs(arb(shape.jerk)) + (2 * w + abs(arb(shape.jerk_push))) * peak
+    # The bound on V was larger when the hold began, or at phase 0 if the phase is below.
+    earlier = (_rate(full) * arb(shape.hold) / 2).exp() * arb(full.radius)
+    earlier /= bound_at(full, arb(full.start_strip))
+    return still, earlier * (arb(2).sqrt() * w**3 + abs(arb(shape.jerk_slope)))
+
+
+def most_push(full: FullOrder, shape: Disturbed) -> arb:
+    """|S e| in the mean over a hold, anywhere in the set."""
+    return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.radius)
+
+
+def _slower(full: FullOrder, shape: Disturbed) -> arb:
+    """What pushes that grow with V leave of gamma."""
+    return _rate(full) - 2 * factor(full) * arb(shape.push[1])
+
+
+def _not_above(claim: str, left: float, right: float) -> Inequality:
+    """Left <= right, of doubles."""
+    if left <= right:
+        return Inequality(claim, arb(0), arb(1))
+    return Inequality(claim, arb(left), arb(right))
 
 
 def _of_barrier(
@@ -72,7 +133,7 @@ def _of_barrier(
     lost: float,
     of: BarrierConstants,
 ) -> list[Inequality]:
-    """With (c + q)^2 <= (1 + r) c^2 + (1 + 1/r) q^2 for every r > 0, q = 2 sigma b push."""
+    """With (c + q)^2 <= (1 + r) c^2 + (1 + 1/r) q^2 for every r > 0, q = 2 sigma b most push."""
     zero, gamma, gain = arb(0), _rate(full), arb(alpha)
     first = [
         Inequality(f"{name}: 0 < alpha", zero, gain),
@@ -86,7 +147,7 @@ def _of_barrier(
     split = Inequality(f"{name}: 1 < 4 sigma (gamma - alpha) weight", zero, spare)
     if not split.holds:
         return [*first, split]
-    moved = 2 * arb(of.sigma) * factor(full) * arb(shape.push)
+    moved = 2 * arb(of.sigma) * factor(full) * most_push(full, shape)
     needed = gain * tightening(of) + (1 + 1 / spare) * moved**2 / rest
     claim = f"{name}: alpha t and what the push takes < lost"
     return [*first, split, Inequality(claim, needed, arb(lost))]
@@ -100,33 +161,65 @@ def factor(full: FullOrder) -> arb:
 
 def constants(full: FullOrder, shape: Disturbed) -> list[Constant]:
     """Every constant that level 5 adds."""
-    kept = 2 * factor(full) * arb(shape.push) / _rate(full)
-    loop = step_factor(full)
+    slower = _slower(full, shape)
+    kept = 2 * factor(full) * arb(shape.push[0]) / slower
+    always = _always(full, shape)
+    loop = abs(arb(full.gain)) * (-slower * least_time(full) / 2).exp()
     found = [
-        Constant("push", shape.push, "rad/s^2", "every e with |S e| up to this", "least"),
+        Constant("push", below(always), "rad/s^2", "every e with |S e| up to this", "least"),
         Constant(
-            "push of any joints", below(_smallest_push(full, shape)), "rad/s^2",
+            "push of any joints", below(always / _size_of_norm(full)), "rad/s^2",
             "every e with |e| up to this has |S e| up to the push", "least",
         ),
         Constant("b", above(factor(full)), "s", "V' <= -gamma V + 2 b sqrt(V) |S e|", "most"),
-        Constant("kept", above(kept), "rad", "sqrt(V) falls to this between impacts", "most"),
     ]  # fmt: skip
-    if loop < 1:
-        end = (mismatch(full) + abs(arb(full.gain)) * kept) / (1 - loop)
+    if shape.hold != 0.0:
+        found += _of_holds(full, shape)
+    if slower > 0:
         found.append(
-            Constant("r_end", above(end), "rad", "what sqrt(V+) falls to, step by step", "most")
+            Constant("kept", above(kept), "rad", "sqrt(V) falls to this between impacts", "most")
         )
+        if loop < 1:
+            end = (mismatch(full) + abs(arb(full.gain)) * kept) / (1 - loop)
+            found.append(
+                Constant("r_end", above(end), "rad", "what sqrt(V+) falls to, step by step", "most")
+            )
     for its in shape.barriers:
         found.append(Constant(f"{its.name}: alpha", its.alpha, "1/s", "gain, disturbed"))
         found.append(Constant(f"{its.name}: lost", its.lost, "h/s", "of dh/dt + alpha h"))
     return found
 
 
-def _smallest_push(full: FullOrder, shape: Disturbed) -> arb:
-    """|e| for which |S e| <= push for sure: the Frobenius norm of S is not below its largest."""
+def _of_holds(full: FullOrder, shape: Disturbed) -> list[Constant]:
+    still, slope = growth(full, shape)
+    radius = arb(full.radius)
+    return [
+        Constant("hold", shape.hold, "s", "torques may be held for this long", "least"),
+        Constant("error", shape.error, "rad/s^2", "|S e| up to this when they are set", "least"),
+        Constant(
+            "peak", above(arb(shape.peak[0]) + arb(shape.peak[1]) * radius), "rad/s^2",
+            "|S e| up to this leaves forces and torques", "most",
+        ),
+        Constant(
+            "growth", above(still + slope * radius), "rad/s^3",
+            "|S e| grows by no more while torques are held", "most",
+        ),
+        Constant("jerk", abs(shape.jerk), "rad/s^3", "|S d3y| of held torques, nothing off"),
+        Constant("jerk slope", abs(shape.jerk_slope), "rad/s^3/rad", "its slope in xi"),
+        Constant("jerk push", abs(shape.jerk_push), "1/s", "its slope in S e"),
+    ]  # fmt: skip
+
+
+def _always(full: FullOrder, shape: Disturbed) -> arb:
+    """|S e| up to which any error is borne, wherever it comes."""
+    return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.least_radius)
+
+
+def _size_of_norm(full: FullOrder) -> arb:
+    """The Frobenius norm of S, not below its largest."""
     if not full.weights:
-        return arb(shape.push)
-    return arb(shape.push) / sum((arb(w) ** 2 for w in full.weights), arb(0)).sqrt()
+        return arb(1)
+    return sum((arb(w) ** 2 for w in full.weights), arb(0)).sqrt()
 
 
 def _rate(full: FullOrder) -> arb:
@@ -138,13 +231,24 @@ def _words(full: FullOrder, shape: Disturbed) -> tuple[str, ...]:
     size = "|e|"
     if full.weights:
         size = f"|S e|, S = {weighting(full.weights, joints_of(full.weights) or 0)!r},"
+    found = [
+        f"the same set D, whatever measurable e(t) with {size} <= {below(_always(full, shape))!r} "
+        "rad/s^2 is added: under torques that give the outputs ddy = -w^2 y - 2 w dy + e, every "
+        "trajectory that starts in D stays in D between impacts, meets the ground once and "
+        "transversally in each step, and is in D after the impact: it walks for ever"
+    ]
+    if shape.hold != 0.0:
+        found.append(
+            "the same set D, whatever ticks there are at most "
+            f"{shape.hold!r} s apart, one of them at each touchdown: if torques are set at each "
+            f"tick with |S e| <= {shape.error!r} rad/s^2 and held until the next, every "
+            "trajectory that starts in D at a tick stays in D, meets the ground once and "
+            "transversally in each step, and is in D after the impact: it walks for ever"
+        )
     return (
-        f"the same set D, whatever measurable e(t) with {size} <= {shape.push!r} rad/s^2 is added: "
-        "under torques that give the outputs ddy = -w^2 y - 2 w dy + e, every trajectory that "
-        "starts in D stays in D between impacts, meets the ground once and transversally in each "
-        "step, and is in D after the impact: it walks for ever",
+        *found,
         "all along, the barrier functions are not negative on the robot itself, the contact force "
         "and every impulse stay in the friction cone, and the torques that are applied stay within "
         "the robot's limits: none saturates",
-        "which e a held torque, a wrong model or a measurement makes is not part of this theorem",
+        "which e a wrong model or a measurement makes is not part of this theorem",
     )

@@ -1,61 +1,100 @@
 """Constants of the disturbed theorem, found by looking at points. Nothing here is trusted."""
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 
-from neuralgaits._digits import at_least
+from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.disturbed.conclude import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier
 from neuralgaits.certificate.levels.full_order.find import Looks, grid
 from neuralgaits.certificate.levels.full_order.inequalities import obstacle
-from neuralgaits.certificate.levels.full_order.norm import GAINS
+from neuralgaits.certificate.levels.full_order.norm import (
+    GAINS,
+    JERK_PUSH,
+    JERK_SLOPE,
+    LONGEST,
+    Held,
+    Jerk,
+)
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, lyapunov_rate
 
 HALVINGS = 20
-"""Of the interval in which the largest push is."""
-BELOW_FLOOR = 1.0 - 1e-9
-"""Share of the push that the floor bears which is asked for at most."""
+"""Of an interval in which the longest hold, or the largest push, is."""
+BELOW = 1.0 - 1e-9
+"""What has to be below something is at most this share of it."""
 DIGITS = 4
-"""Of the push: it stands, exactly, in a statement that people read."""
+"""Of numbers that stand, exactly, in a statement that people read."""
 SQUARES = 1.12
 """|d(dh/dt)/d xi|^2 in the set, over what was seen at eta = 0."""
 SPENT = 0.05
 """Share of dh/dt + alpha h that bounds may lose, and of forces that outputs may take more."""
+STILL = 1.03
+"""Jerk of the outputs where nothing is off, over what was seen."""
 
 
-def find_disturbed(looks: Looks, full: FullOrder) -> Disturbed | str:
-    """The largest push that points allow in the set, or one sentence that says why there is none.
+def find_disturbed(looks: Looks, full: FullOrder, error: float = 0.0) -> Disturbed | str:
+    """The longest hold and the largest push that points allow in the set.
+
+    Or one sentence that says why there are none.
 
     Args:
         looks: at quantities of the gait, in the set's norm.
         full: the set.
+        error: |S e| at most when torques are set [rad/s^2].
     """
     if full.least_radius <= 0.0:
         return (
             "the set of level 4 shrinks to nothing along the step, so that no disturbance leaves "
             "outputs inside it: no set with a floor was found for this gait"
         )
-    u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
-    seen = _Seen(looks, full, u)
-    most = (
-        BELOW_FLOOR * float(lyapunov_rate(full.bandwidth)) * full.least_radius / (2.0 * seen.factor)
-    )
-    low, high = 0.0, most
-    if seen.barriers(most) is not None:
-        low = most
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if seen.barriers(middle) is not None else (low, middle)
-    low = float(at_least(low, DIGITS))
-    barriers = seen.barriers(low) if low > 0.0 else None
-    if barriers is None:
+    seen = _Seen(looks, full, grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9)))
+    hold = _largest(LONGEST, lambda hold: seen.stands(seen.held(hold, error)))
+    hold = float(at_least(hold, DIGITS))
+    held = seen.held(hold, error) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
+    assert held is not None
+    # Any more that the floor bears.
+    more = seen.most(held.push[1]) - held.push[0]
+    extra = _largest(more, lambda extra: seen.stands(_raised(held, extra)))
+    found = _raised(held, extra)
+    barriers = seen.barriers(found)
+    if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
-    shape = Disturbed(low, barriers)
+    its = seen.jerk
+    shape = Disturbed(found.push, found.peak, hold, error, *its, barriers)
     broken = [obstacle(step) for step in inequalities(full, shape) if not step.holds]
     return "; ".join(broken) if broken else shape
 
 
+def _raised(held: Held, extra: float) -> Held:
+    """With a larger push, and a peak that is not below it."""
+    push = held.push[0] + extra
+    return Held((push, held.push[1]), (max(push, held.peak[0]), held.peak[1]))
+
+
+def _largest(most: float, stands) -> float:
+    """The largest number up to `most` that stands; 0 if none was found."""
+    if not most > 0.0:
+        return 0.0
+    if stands(most):
+        return most
+    low, high = 0.0, most
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stands(middle) else (low, middle)
+    return low
+
+
+class _Forces(NamedTuple):
+    """Slacks of contact and torques beside what outputs take of them, and slopes in S e."""
+
+    left: np.ndarray
+    push: np.ndarray
+
+
 class _Seen:
-    """What a push does to barriers, contact and torques at points."""
+    """What pushes do to barriers, contact and torques at points, and how fast held torques err."""
 
     def __init__(self, looks: Looks, full: FullOrder, u: np.ndarray):
         self.full, self.gamma = full, float(lyapunov_rate(full.bandwidth))
@@ -65,20 +104,60 @@ class _Seen:
         self.squares = SQUARES * (step["rate/slope"] ** 2).sum(axis=2)
         assert looks.pushed is not None
         off = looks.pushed(u)
-        bound = full.least_radius + (full.radius - full.least_radius) * np.exp(
+        self.bound = full.least_radius + (full.radius - full.least_radius) * np.exp(
             -full.shrink * u[:, 0] ** 2
         )
-        self.room = np.inf
+        self.forces = []
         for name in ("contact", "torque"):
-            taken = (1.0 + SPENT) * bound[:, None] * np.linalg.norm(step[f"{name}/slope"], axis=2)
-            left = step[name] - taken
-            self.room = min(self.room, (left / np.linalg.norm(off[f"{name}/push"], axis=2)).min())
+            slopes = np.linalg.norm(step[f"{name}/slope"], axis=2)
+            left = step[name] - (1.0 + SPENT) * self.bound[:, None] * slopes
+            self.forces.append(_Forces(left, np.linalg.norm(off[f"{name}/push"], axis=2)))
 
-    def barriers(self, push: float) -> tuple[DisturbedBarrier, ...] | None:
-        """Constants of each barrier, None if one of them or forces leave no room."""
-        if (1.0 + SPENT) * push >= self.room:
+        def size(values: np.ndarray) -> float:
+            return float(np.sqrt((values**2).reshape(len(u), -1).sum(axis=1).max()))
+
+        self.jerk = Jerk(
+            float(at_most(STILL * size(off["jerk"]), DIGITS)),
+            float(at_most(JERK_SLOPE * size(off["jerk/slope"]), DIGITS)),
+            float(at_most(JERK_PUSH * size(off["jerk/push"]), DIGITS)),
+        )
+
+    def held(self, hold: float, error: float) -> Held | None:
+        """What a hold makes of torques that are off by `error` when they are set; with room."""
+        full = self.full
+        start = full.least_radius + (full.radius - full.least_radius) * math.exp(
+            -full.shrink * full.start_strip**2
+        )
+        # The proof takes the bound at the start's strip for the one at phase 0, which is more.
+        found = self.jerk.held(hold, error, full.bandwidth, full.radius * full.radius / start)
+        if found is None:
             return None
-        found = tuple(self._barrier(k, push) for k in range(len(self.full.barriers)))
+        above = (1.0 + 1e-9) * full.radius / start / BELOW
+        push, peak = (tuple(above * x for x in pair) for pair in found)
+        return Held((push[0], push[1]), (peak[0], peak[1]))
+
+    def most(self, slope: float) -> float:
+        """The largest push that the floor bears beside one that grows with V."""
+        left = self.gamma - 2.0 * self.factor * slope
+        return BELOW * left * self.full.least_radius / (2.0 * self.factor)
+
+    def stands(self, held: Held | None) -> bool:
+        """Whether floor, decay, barriers, contact and torques stand it."""
+        full = self.full
+        if held is None or held.push[0] > self.most(held.push[1]):
+            return False
+        shrinks = 4.0 * full.shrink * full.ends[1] * full.pace[1]
+        if shrinks > BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):
+            return False
+        return self.barriers(held) is not None
+
+    def barriers(self, held: Held) -> tuple[DisturbedBarrier, ...] | None:
+        """Constants of each barrier, None if one of them or forces leave no room."""
+        peak = (1.0 + SPENT) * (held.peak[0] + held.peak[1] * self.bound)
+        if any((peak[:, None] * forces.push >= forces.left).any() for forces in self.forces):
+            return None
+        most = held.push[0] + held.push[1] * self.full.radius
+        found = tuple(self._barrier(k, most) for k in range(len(self.full.barriers)))
         return None if None in found else found  # pyright: ignore[reportReturnType]
 
     def _barrier(self, k: int, push: float) -> DisturbedBarrier | None:

@@ -1,18 +1,25 @@
 """What level 5 asks of a gait beside level 4: margins that must not be negative.
 
-Forces and torques are affine in e, so the worst e of the ball |S e| <= push takes push times the
-length of their slope in S e.
+Forces and torques are affine in e, so the worst e of a ball |S e| <= peak takes peak times the
+length of their slope in S e. The jerk of the outputs under held torques is bounded by its size at
+eta = 0 and by its slopes: enclosures of the jerk itself, over all outputs, are far wider.
 """
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Array, Float
+from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.certificate.levels.disturbed.theorem import OF_BARRIER, Disturbed, series
 from neuralgaits.certificate.levels.full_order.margins import Numbers
-from neuralgaits.certificate.levels.full_order.model import FullOrderModel, Outputs, Quantities
+from neuralgaits.certificate.levels.full_order.model import (
+    FullOrderModel,
+    Outputs,
+    Quantities,
+    weighted,
+)
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.gait.full_order import held_jerk
 
 FORCES = ("contact", "torque")
 
@@ -25,8 +32,11 @@ def margins(
     model = its.model(model)
     parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
     rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
-    xi = its.bound(u[0]) * xi
-    found = _forces(model, u, xi, parts["push"][0])
+    bound = its.bound(u[0])
+    xi = bound * xi
+    found = _forces(model, u, xi, parts["peak"][0] + parts["peak"][1] * bound)
+    if shape.hold != 0.0:
+        found |= _jerks(model, u, xi, parts["jerk"])
     centre = model.point(u, jnp.zeros_like(xi))
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
@@ -37,9 +47,7 @@ def margins(
     return found
 
 
-def _forces(
-    model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, push: Float[Array, ""]
-) -> Quantities:
+def _forces(model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, peak: Scalar) -> Quantities:
     """Slacks, less what e may take of them."""
 
     def slacks(e: Float[Array, " m"]) -> Quantities:
@@ -50,6 +58,24 @@ def _forces(
     found, slopes = slacks(none), jax.jacfwd(slacks)(none)
     return {
         f"disturbed/{name}": found[name]
-        - push * jnp.sqrt(jnp.sum(slopes[name] * slopes[name], axis=1))
+        - peak * jnp.sqrt(jnp.sum(slopes[name] * slopes[name], axis=1))
         for name in FORCES
+    }
+
+
+def _jerks(
+    model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, bounds: Float[Array, "3"]
+) -> Quantities:
+    """Of the outputs while torques are held: its size where nothing is off, and its slopes."""
+    none = jnp.zeros(model.size // 2)
+
+    def jerk(xi: Outputs, e: Float[Array, " m"]) -> Float[Array, " m"]:
+        return weighted(model.weights, held_jerk(model.point(u, xi, e)))
+
+    still = jerk(jnp.zeros_like(xi), none)
+    along, pushed = jax.jacfwd(jerk)(xi, none), jax.jacfwd(jerk, 1)(xi, none)
+    return {
+        "disturbed/jerk": bounds[0] * bounds[0] - still @ still,
+        "disturbed/jerk-slope": bounds[1] * bounds[1] - jnp.sum(along * along),
+        "disturbed/jerk-push": bounds[2] * bounds[2] - jnp.sum(pushed * pushed),
     }

@@ -1,9 +1,9 @@
 """The set D of level 4 under torques that are not exact (level 5): constants and premises.
 
-Outputs obey ddy = -w^2 y - 2 w dy + e with any measurable e, |S e| <= push, S being that of level
-4's norm. Then V' <= -gamma V + 2 b sqrt(V) push with b = sqrt(1 + STIFF^2) / w, nothing else of
-the flow changes, and forces and torques are affine in e. The argument is in docs/level5.md. Needs
-no JAX.
+Outputs obey ddy = -w^2 y - 2 w dy + e, S being that of level 4's norm. Then V' <= -gamma V + 2 b
+sqrt(V) |S e| with b = sqrt(1 + STIFF^2) / w, nothing else of the flow changes, and forces and
+torques are affine in e. While torques are held, e grows as the outputs' jerk says, which is affine
+in e, too. The argument is in docs/level5.md. Needs no JAX.
 """
 
 from collections.abc import Iterator
@@ -40,19 +40,36 @@ class DisturbedBarrier:
 class Disturbed:
     """The constants that level 5 adds to those of level 4.
 
+    Errors may be as large as first + second times the bound on sqrt(V), which falls along the step.
+
     Attributes:
-        push: |S e| at most [rad/s^2].
+        push: |S e| at most, in the mean over a hold [rad/s^2, rad/s^2 per rad].
+        peak: |S e| at most, at any time, likewise.
+        hold: for how long torques are held at most [s]; 0 if nothing is said of that.
+        error: |S e| at most when torques are set [rad/s^2].
+        jerk: of the outputs while torques are held, |S d^3y/dt^3| at eta = 0 and e = 0 at most
+            [rad/s^3].
+        jerk_slope: length of its slope in xi at most [rad/s^3 per rad].
+        jerk_push: length of its slope in S e at most [1/s].
         barriers: constants of each, in the order of level 4.
     """
 
-    push: float
+    push: tuple[float, float]
+    peak: tuple[float, float]
+    hold: float
+    error: float
+    jerk: float
+    jerk_slope: float
+    jerk_push: float
     barriers: tuple[DisturbedBarrier, ...]
 
 
 def series(shape: Disturbed) -> dict[str, tuple[float, ...]]:
-    """All of them in lists: the Program has them as constants of these names."""
+    """All that margins have in them in lists: the Program has them as constants of these names."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
-    return {"push": (shape.push,), "barriers": rows}
+    found = {"peak": shape.peak, "barriers": rows}
+    jerk = shape.jerk, shape.jerk_slope, shape.jerk_push
+    return found | ({"jerk": jerk} if shape.hold != 0.0 else {})
 
 
 def premises(full: FullOrder, shape: Disturbed) -> list[Premise]:
@@ -60,10 +77,14 @@ def premises(full: FullOrder, shape: Disturbed) -> list[Premise]:
     first, last = full.ends
     tube = (first, 0.0), (last, 1.0)
     found = [Premise("disturbed/contact", *tube), Premise("disturbed/torque", *tube)]
-    return found + [
+    found += [
         Premise(f"disturbed/decrease {barrier.name}", *tube, sign="not negative")
         for barrier in shape.barriers
     ]
+    if shape.hold != 0.0:
+        held = ("disturbed/jerk", "disturbed/jerk-slope", "disturbed/jerk-push")
+        found += [Premise(name, *tube, sign="not negative") for name in held]
+    return found
 
 
 def labelled_premises(

@@ -68,8 +68,11 @@ class Looks:
         def seen_off(u: Float[np.ndarray, "n 2"]) -> Samples:
             assert pushed is not None
             found = dict(pushed(u))
-            found["jerk"] = found["jerk"] @ matrix.T
-            return found | {n: d @ inverse for n, d in found.items() if n.endswith("/push")}
+            found |= {n: d @ inverse for n, d in found.items() if n.endswith("/push")}
+            found["jerk/slope"] = found["jerk/slope"] @ doubled(inverse)
+            for name in ("jerk/slope", "jerk/push"):
+                found[name] = matrix @ found[name]
+            return found | {"jerk": found["jerk"] @ matrix.T}
 
         off = None if pushed is None else seen_off
         return replace(self, step=seen(self.step), guard=seen(self.guard), pushed=off)
@@ -103,7 +106,8 @@ def find_full_order(
     limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
     radius = float(at_least(plan.radius if plan else min(share * limit, LARGEST), DIGITS))
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
-    most, shrink = _fastest(seen, u[:, 0], radius, floor, gamma)
+    slower = plan.slower if plan else 1.0
+    most, shrink = _fastest(seen, u[:, 0], radius, floor, slower * gamma)
     slowest = _over(seen, "pace", u[:, 0], -radius, -floor, shrink).min()
     strip = _guard_strip(looks, levels, crossing, _at(radius, floor, shrink, 0.98))
     if slowest <= 0.0 or strip is None:

@@ -130,8 +130,13 @@ def looks_of(model: FullOrderModel) -> Looks:
             found = model.in_step(model.point(u, xi[:-m], push))
             return {"contact": found["contact"], "torque": found["torque"]}
 
+        def jerk(off):
+            return held_jerk(model.point(u, off[:-m], off[-m:]))
+
         found = {f"{name}/push": d for name, d in jax.jacfwd(forces)(xi[-m:]).items()}
-        return found | {"jerk": held_jerk(model.point(u, xi[:-m], xi[-m:]))}
+        slopes = jax.jacfwd(jerk)(xi)
+        found |= {"jerk/slope": slopes[:, :-m], "jerk/push": slopes[:, -m:]}
+        return found | {"jerk": jerk(xi)}
 
     size = model.size
     off = _look(pushed, size + size // 2)
@@ -174,7 +179,7 @@ def what_is_seen(looks: Looks) -> Seen | None:
         rate=(step["rate"], step["rate/slope"]),
         h=step["h"],
         reading=step["reading/slope"],
-        jerk=off["jerk"],
+        jerk=(off["jerk"], off["jerk/slope"], off["jerk/push"]),
         after=guard["after/slope"],
         reset=guard["reset/slope"],
         inlet=guard["reset"].min(axis=0),

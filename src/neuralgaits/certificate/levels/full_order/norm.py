@@ -2,8 +2,8 @@
 
 S of V = |S dy/w|^2 + STIFF^2 |S (y + dy/w)|^2 leaves the decay as it is, but decides how much an
 impact enlarges V, and how much of it contact and torques stand. Looked for is the S for which
-torques could be held the longest: the pushes that the set bears, over how fast holding makes them
-grow; or, without pushes, the S whose set is the largest. Nothing here is trusted.
+torques can be held the longest (level 5); or, without a hold, the S whose set is the largest.
+Nothing here is trusted.
 """
 
 import math
@@ -15,22 +15,28 @@ import numpy as np
 
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
-SPARE = 1.6
+SPARE = 1.3
 """Contact, torque and foot are left this much of room."""
 FULL = 0.96
 """Share of the set that an impact may fill."""
 IMPACT = 1.18
 """What an impact does is this much more than what was seen: bounds over outputs cost so much."""
 ABOVE_FLOOR = 1.04
-"""The bound on sqrt(V) is this much above what the push alone would keep outputs at."""
+"""The bound on sqrt(V) is this much above what pushes alone would keep outputs at."""
+JERK = 1.1
+"""The outputs' jerk under held torques, at y = 0, over what was seen."""
+JERK_SLOPE = 4.0
+"""Its slope in xi, likewise: enclosures of third derivatives are wide."""
+JERK_PUSH = 1.5
+"""Its slope in a push, likewise."""
+LONGEST = 4e-3
+"""Hold that is asked for at most [s]."""
 STRIP = 0.97
 """Where the guard's strip begins [phases]."""
 LARGEST = 0.2
 """Radius of a set without pushes that is asked for at most [rad]."""
 SIGMAS = np.geomspace(1.0, 1e5, 121)
 """Weights of V in a barrier that are tried there."""
-SHARES = (1.0, 0.85, 0.7)
-"""Of the largest push: a smaller one may be held for longer, as the set is smaller."""
 GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
 """Gains alpha tried [1/s]."""
 TRIES = 500
@@ -45,7 +51,8 @@ class Seen:
         slack: of contact, torques and foot, with slopes in xi and in the outputs' acceleration.
             [n, k], [n, k, 2m], [n, k, m]
         rate, h: of each barrier, with slopes of its rate and of what it reads. [n, I], [n, I, 2m]
-        jerk: of the outputs while torques are held. [n, m]
+        jerk: of the outputs while torques are held, with slopes in xi and in the outputs'
+            acceleration. [n, m], [n, m, 2m], [n, m, m]
         after, reset: slopes in xi of xi and barriers after an impact. [q, 2m, 2m], [q, I, 2m]
         inlet: least barriers after an impact. [I]
         phase: [n].
@@ -57,7 +64,7 @@ class Seen:
     rate: tuple[np.ndarray, np.ndarray]
     h: np.ndarray
     reading: np.ndarray
-    jerk: np.ndarray
+    jerk: tuple[np.ndarray, np.ndarray, np.ndarray]
     after: np.ndarray
     reset: np.ndarray
     inlet: np.ndarray
@@ -67,36 +74,77 @@ class Seen:
 
 
 class Plan(NamedTuple):
-    """A set that stands pushes, or the largest that stands none, as far as points tell.
+    """A set in which torques may be held, or the largest for none, as far as points tell.
 
     Attributes:
         matrix: S. [m, m]
-        push: |S e| at most, e being added to the outputs' acceleration [rad/s^2].
-        radius, floor: of the set [rad].
+        hold: for how long [s]; 0 for none.
+        radius, floor: of the set; a radius of 0 if there is none [rad].
+        slower: share of the decay of V that a hold leaves.
         sigma: weight of V in each barrier.
-        hold: for how long torques could be held [s].
-        planned: the norm's, for smaller pushes.
+        planned: the norm's, for shorter holds.
     """
 
     matrix: np.ndarray
-    push: float
+    hold: float
     radius: float
     floor: float
+    slower: float
     sigma: tuple[float, ...]
-    hold: float
     planned: "Planned"
 
     def smaller(self, share: float) -> "Plan":
-        """The same for this share of the push, or of the radius if there is none."""
-        if self.push == 0.0:
+        """The same for this share of the hold, or of the radius if there is none."""
+        if self.hold == 0.0:
             return self.planned.still(share * self.radius)
-        return self.planned.plan(share * self.push)
+        return self.planned.plan(share * self.hold)
 
     @property
     def weights(self) -> tuple[float, ...]:
         """S as `FullOrder` has it."""
         size = len(self.matrix)
         return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
+
+
+class Held(NamedTuple):
+    """What held torques do to outputs: errors |S e| up to first + second times the bound on V.
+
+    Attributes:
+        push: in the mean over a hold [rad/s^2, rad/s^2 per rad].
+        peak: at its end, likewise.
+    """
+
+    push: tuple[float, float]
+    peak: tuple[float, float]
+
+
+class Jerk(NamedTuple):
+    """Bounds on the outputs' jerk while torques are held, in the norm of S.
+
+    Attributes:
+        still: at y = 0 and e = 0 [rad/s^3].
+        slope: its slope in xi [rad/s^3 per rad].
+        push: its slope in S e [1/s].
+    """
+
+    still: float
+    slope: float
+    push: float
+
+    def held(self, hold: float, error: float, bandwidth: float, radius: float) -> Held | None:
+        """What a hold makes of torques that are off by |S e| = error when they are set.
+
+        None if it has no bound. `radius` bounds sqrt(V) in the set. Source: docs/level5.md.
+        """
+        gamma, back = float(lyapunov_rate(bandwidth)), 2.0 * bandwidth + self.push
+        if hold * back >= 0.5:
+            return None
+        mean = 0.5 * hold * (1.0 + gamma * hold / 8.0)
+        growth = math.exp(0.5 * gamma * hold) * (math.sqrt(2.0) * bandwidth**3 + self.slope)
+        first = (error + hold * (self.still + back * hold * growth * radius)) / (1.0 - hold * back)
+        fast = self.still + back * (first + hold * growth * radius)
+        push = error + mean * fast, mean * growth
+        return Held(push, (error + hold * fast, hold * growth))
 
 
 def doubled(matrix: np.ndarray) -> np.ndarray:
@@ -110,7 +158,7 @@ def push_factor(bandwidth: float) -> float:
 
 
 def find_plan(seen: Seen, bandwidth: float) -> Plan | None:
-    """The plan in which torques could be held the longest; None if no set was found."""
+    """The plan in which torques can be held the longest; None if no set was found."""
     plan = _best(seen, bandwidth, lambda planned: 1e3 * planned.best().hold).best()
     return plan if plan.hold > 0.0 else None
 
@@ -169,29 +217,53 @@ class Planned:
         after = both @ seen.after @ back
         self.gain = IMPACT * float(np.sqrt((after**2).sum(axis=(1, 2)).max()))
         self.reset = IMPACT * _size(seen.reset @ back).max(axis=0)
-        self.jerk = 1.1 * _size(seen.jerk @ matrix.T)
-        shrink = self.gamma / (4.25 * 1.1 * seen.pace)
-        self.shape = np.exp(-shrink * seen.phase**2)
-        self.left = math.exp(-shrink * STRIP**2)
+        jerk, along, moved = seen.jerk
+        self.jerk = Jerk(
+            JERK * float(_size(jerk @ matrix.T).max()),
+            JERK_SLOPE * _frobenius(matrix @ along @ back),
+            JERK_PUSH * _frobenius(matrix @ moved @ inverse),
+        )
+        self.shrink = self.gamma / (4.25 * 1.1 * seen.pace)
+        self.shape = np.exp(-self.shrink * seen.phase**2)
+        self.left = math.exp(-self.shrink * STRIP**2)
 
     def best(self) -> Plan:
-        """The plan that torques could be held the longest in."""
-        low, high = 0.0, 8.0
-        for _ in range(12):
+        """The plan that torques can be held the longest in."""
+        low, high = 0.0, LONGEST
+        for _ in range(14):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self._fits(middle) is not None else (low, middle)
-        return max((self.plan(share * low) for share in SHARES), key=lambda plan: plan.hold)
+            low, high = (middle, high) if self.plan(middle).radius else (low, middle)
+        return self.plan(low)
 
-    def plan(self, push: float) -> Plan:
-        """The set for a push; a push of 0 if there is none."""
-        sigma = self._fits(push) if push > 0.0 else None
-        if sigma is None:
-            return Plan(self.matrix, 0.0, 0.0, 0.0, (), 0.0, self)
-        floor, radius = self._sizes(push)
-        # d/dt of -w^2 y - 2 w dy is w^3 (x1 + x2) - 2 w e in the halves of xi.
-        back = math.sqrt(2.0) * self.w**3 * (floor + (radius - floor) * self.shape)
-        growth = float((self.jerk + back + 2.0 * self.w * push).max())
-        return Plan(self.matrix, push, radius, floor, sigma, push / growth, self)
+    def plan(self, hold: float) -> Plan:
+        """The set for a hold; of radius 0 if there is none."""
+        none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
+        radius = floor = slower = 0.0
+        held = self.jerk.held(hold, 0.0, self.w, radius) if hold > 0.0 else None
+        for _ in range(4):
+            if held is None:
+                return none
+            slower = 1.0 - 2.0 * self.factor * held.push[1] / self.gamma
+            if slower <= 0.2:
+                return none
+            floor = ABOVE_FLOOR * 2.0 * self.factor * held.push[0] / (slower * self.gamma)
+            left = math.exp(-slower * self.shrink * STRIP**2)
+            growth = max(self.gain, 1.1) / FULL
+            if growth * left >= 0.9:
+                return none
+            radius = growth * floor * (1.0 - left) / (1.0 - growth * left)
+            held = self.jerk.held(hold, 0.0, self.w, radius)
+        if held is None or radius > LARGEST:
+            return none
+        bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.seen.phase**2)
+        value, slope, pushed = self.slack
+        need = bound[:, None] * slope + (held.peak[0] + held.peak[1] * bound)[:, None] * pushed
+        if not (SPARE * need <= value).all():
+            return none
+        before = floor + (radius - floor) * math.exp(-slower * self.shrink * STRIP**2)
+        push = held.push[0] + held.push[1] * radius
+        sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.seen.inlet)))
+        return none if 0.0 in sigma else Plan(self.matrix, hold, radius, floor, slower, sigma, self)
 
     @property
     def slack_of_impacts(self) -> float:
@@ -215,7 +287,7 @@ class Planned:
             sigma = tuple(self._still_sigma(i, radius) for i in range(len(self.seen.inlet)))
         if not sigma or 0.0 in sigma:
             radius, sigma = 0.0, ()
-        return Plan(self.matrix, 0.0, radius, 0.0, sigma, 0.0, self)
+        return Plan(self.matrix, 0.0, radius, 0.0, 1.0, sigma, self)
 
     def _still_sigma(self, i: int, radius: float) -> float:
         """The weight that leaves a barrier the most room without pushes; 0 if none leaves any."""
@@ -228,28 +300,11 @@ class Planned:
         room[1.05 * SIGMAS * (self.gain * before) ** 2 > inlet] = -1.0
         return float(SIGMAS[room.argmax()]) if room.max() > 0.0 else 0.0
 
-    def _sizes(self, push: float) -> tuple[float, float]:
-        floor = ABOVE_FLOOR * 2.0 * self.factor * push / self.gamma
-        growth = max(self.gain, 1.1) / FULL
-        if growth * self.left >= 0.9:
-            return floor, math.inf
-        return floor, growth * floor * (1.0 - self.left) / (1.0 - growth * self.left)
+    def _sigma(self, i: int, push: float, before: float, radius: float) -> float:
+        """The weight that leaves a barrier the most room; 0 if none leaves any.
 
-    def _fits(self, push: float) -> tuple[float, ...] | None:
-        """Sigma of each barrier, if contact, torque, foot and barriers stand the push."""
-        floor, radius = self._sizes(push)
-        if not math.isfinite(radius):
-            return None
-        bound = floor + (radius - floor) * self.shape
-        value, slope, pushed = self.slack
-        need = bound[:, None] * slope + push * pushed
-        if not (SPARE * need <= value).all():
-            return None
-        sigma = tuple(self._sigma(i, push, floor, radius) for i in range(len(self.seen.inlet)))
-        return None if 0.0 in sigma else sigma
-
-    def _sigma(self, i: int, push: float, floor: float, radius: float) -> float:
-        """The weight that leaves a barrier the most room; 0 if none leaves any."""
+        `before` bounds sqrt(V) before an impact.
+        """
         c, read = self.coupling[:, i], self.reading[i]
         value = 0.97 * (self.seen.rate[0][:, i] + GAINS[:, None] * self.seen.h[:, i])
         rest = self.gamma - GAINS
@@ -259,7 +314,6 @@ class Planned:
         )
         sigma = sigma[sigma > 0.0]
         tight = read**2 / (4.0 * sigma)
-        before = floor + (radius - floor) * self.left
         inlet = 0.95 * self.seen.inlet[i] - self.reset[i] * before - tight
         lost = (c + 2.0 * sigma[:, None, None] * self.factor * push) ** 2 / (
             4.0 * sigma[:, None, None] * rest[:, None]
@@ -275,6 +329,11 @@ class Planned:
 
 def _size(rows: np.ndarray) -> np.ndarray:
     return np.linalg.norm(rows, axis=-1)
+
+
+def _frobenius(matrices: np.ndarray) -> float:
+    """The largest Frobenius norm."""
+    return float(np.sqrt((matrices**2).sum(axis=(-2, -1)).max()))
 
 
 def in_norm(samples: Mapping[str, np.ndarray], matrix: np.ndarray) -> dict[str, np.ndarray]:

@@ -1,0 +1,130 @@
+"""Walks of the rigid model under torques that are set at ticks and held between them.
+
+The robot is integrated in its own coordinates, with the forward dynamics, so that neither outputs
+nor zero dynamics have a formula of their own here. Each touchdown is a tick. Sampled evidence: it
+would show a wrong formula that proof and theorem of level 5 share.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._quick_jit import quick_jit
+from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.analysis.run import Run
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel, weighted
+from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.robots import dynamics
+from support.full_order_check import Edges, distances_inside, model_of, states_of
+
+STEPS_OF_TICK, SECANTS = 2, 8
+"""Of the classical fourth-order method, and to a touchdown."""
+State = Float[Array, " two_n"]
+
+
+class HeldWalks(NamedTuple):
+    """What walks came to.
+
+    Attributes:
+        left: share that was outside the set at some tick.
+        error: the largest |S e| at the end of a hold [rad/s^2].
+        slack: the least of contact and torque slacks at the end of a hold.
+        touchdowns: the fewest of a walk.
+    """
+
+    left: float
+    error: float
+    slack: float
+    touchdowns: int
+
+
+def walk_held(
+    run: Run, shape: FullOrder, hold: float, *, walks: int, ticks: int, seed: int = 0
+) -> HeldWalks:
+    """Walk from states of the set. Args: ticks of at most `hold` seconds each."""
+    model, edges = model_of(run, shape.bandwidth, shape.weights), Edges.of(shape)
+    z, eta = states_of(model, shape, walks, seed)
+    starts = quick_jit(jax.vmap(run.zero_dynamics.phi_inv))(z, eta)
+
+    @quick_jit
+    def ticked(x):
+        return jax.vmap(lambda x: _ticked(run, model, edges, x, hold))(x)
+
+    x, inside = starts, np.ones(walks, dtype=bool)
+    error, slack, touchdowns = 0.0, np.inf, np.zeros(walks, dtype=int)
+    for _ in range(ticks):
+        x, seen = ticked(x)
+        inside &= np.asarray(seen.inside) >= -1e-9
+        error, slack = max(error, float(seen.error.max())), min(slack, float(seen.slack.min()))
+        touchdowns += np.asarray(seen.landed)
+    return HeldWalks(1.0 - float(inside.mean()), error, slack, int(touchdowns.min()))
+
+
+class _Seen(NamedTuple):
+    inside: Scalar
+    error: Scalar
+    slack: Scalar
+    landed: Scalar
+
+
+def _ticked(
+    run: Run, model: FullOrderModel, edges: Edges, x: State, hold: float
+) -> tuple[State, _Seen]:
+    """One hold, or as much of it as there is before a touchdown, and what is then."""
+    robot, zd, n = run.robot, run.zero_dynamics, run.robot.n
+    torque = _point(run, model, x).torque
+
+    def moved(time):
+        def rate(x):
+            return jnp.concatenate([x[n:], dynamics.acceleration(robot, x[:n], x[n:], torque)])
+
+        def step(x, _):
+            h = time / STEPS_OF_TICK
+            a = rate(x)
+            b = rate(x + 0.5 * h * a)
+            c = rate(x + 0.5 * h * b)
+            d = rate(x + h * c)
+            return x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d), None
+
+        return jax.lax.scan(step, x, None, length=STEPS_OF_TICK)[0]
+
+    def foot(x):
+        return dynamics.swing_foot(robot, x[:n])[1]
+
+    whole = moved(hold)
+    phase = run.gait.phase(zd.phi(whole)[1][0])
+    landed = (foot(whole) < 0.0) & (phase > 0.5)
+
+    def secant(carry, _):
+        early, late = carry
+        first, second = foot(moved(early)), foot(moved(late))
+        apart = jnp.where(second == first, 1.0, second - first)
+        return (late, late - second * jnp.where(second == first, 0.0, (late - early) / apart)), None
+
+    (_, time), _ = jax.lax.scan(secant, (0.0 * hold, jnp.asarray(hold)), None, length=SECANTS)
+    end = jnp.where(landed, moved(time), whole)
+    point = _point(run, model, end, torque)
+    lack = point.output_acceleration + model.bandwidth**2 * point.output
+    error = jnp.linalg.norm(
+        weighted(model.weights, lack + 2.0 * model.bandwidth * point.output_rate)
+    )
+    found = model.in_step(point)
+    slack = jnp.minimum(found["contact"].min(), found["torque"].min())
+    eta = jnp.concatenate([point.output, point.output_rate])
+    inside = jnp.min(distances_inside(model, edges, point.z, eta))
+    q, dq, _ = robot.impact(end[:n], end[n:])
+    return jnp.where(landed, jnp.concatenate([q, dq]), end), _Seen(inside, error, slack, landed)
+
+
+def _point(run: Run, model: FullOrderModel, x: State, torque=None) -> FullPoint:
+    """A state under these torques; under those of exact linearisation if there are none."""
+    robot, n = run.robot, run.robot.n
+    eta, z = run.zero_dynamics.phi(x)
+    if torque is None:
+        return FullPoint(robot, run.gait.policy, z, eta, model.bandwidth)
+    rate = jnp.concatenate([x[n:], dynamics.acceleration(robot, x[:n], x[n:], torque)])
+    moved = jax.jvp(lambda x: run.zero_dynamics.phi(x)[0], (x,), (rate,))[1]
+    return FullPoint(robot, run.gait.policy, z, eta, model.bandwidth, moved[n - 1 :])
