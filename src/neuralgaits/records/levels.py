@@ -64,12 +64,13 @@ WORDS = {
     ),
     5: LevelWords(
         about="full order, disturbed",
-        asks="and does so under torques that are not exact, up to a bound that is found",
-        states="and does so under any error of the motors, or of what computes them, up to a bound",
+        asks="and does so under torques that are not exact, or held for a time that is found",
+        states="and does so under any error of the torques up to a bound, and under torques that are held",
         means="the whole robot walks for ever from every state of a set in which joints may be a "
         "little off their targets, as long as what the motors do and what the controller asks "
-        "differ by no more than a bound. With joints exactly on target, it comes nearer and "
-        "nearer to one motion that repeats.",
+        "differ by no more than a bound; or as long as it asks anew at each touchdown and within "
+        "the time shown, and the motors hold that. With joints exactly on target, it comes nearer "
+        "and nearer to one motion that repeats.",
     ),
 }
 """By number."""

@@ -15,8 +15,9 @@ import numpy as np
 
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
-SPARE = 1.3
-"""Contact, torque and foot are left this much of room."""
+SPARE, HELD_SPARE = 1.6, 1.3
+"""Contact, torque and foot are left this much of room; where torques are held: by their slopes too
+much is taken of it already."""
 FULL = 0.96
 """Share of the set that an impact may fill."""
 IMPACT = 1.18
@@ -258,7 +259,7 @@ class Planned:
         bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.seen.phase**2)
         value, slope, pushed = self.slack
         need = bound[:, None] * slope + (held.peak[0] + held.peak[1] * bound)[:, None] * pushed
-        if not (SPARE * need <= value).all():
+        if not (HELD_SPARE * need <= value).all():
             return none
         before = floor + (radius - floor) * math.exp(-slower * self.shrink * STRIP**2)
         push = held.push[0] + held.push[1] * radius
