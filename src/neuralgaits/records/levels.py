@@ -65,7 +65,7 @@ WORDS = {
     5: LevelWords(
         about="full order, disturbed",
         asks="and does so under torques that are not exact, or held for a time that is found",
-        states="and does so under any error of the torques up to a bound, and under torques that are held",
+        states="and does so under torques that are off by up to a bound, or held between ticks",
         means="the whole robot walks for ever from every state of a set in which joints may be a "
         "little off their targets, as long as what the motors do and what the controller asks "
         "differ by no more than a bound; or as long as it asks anew at each touchdown and within "
