@@ -101,6 +101,7 @@ class Closed:
         growth = 1.1 * max(gain, 1.1) / FULL
         if growth * left >= 0.9:
             return False
+        floor = radius = 0.0
         peak = hold * still
         for _ in range(3):
             floor = 1.04 * 2.0 * mean * (still + moved * peak) / slower

@@ -52,7 +52,7 @@ class OnRay(Engine):
             ) from None
         self._ray: Any = ray
         # Without an address, Ray would join one that runs here already.
-        where = {"address": LOCAL, "num_cpus": workers, "include_dashboard": False}
+        where: dict[str, Any] = {"address": LOCAL, "num_cpus": workers, "include_dashboard": False}
         if address != LOCAL:
             _reach(address)
             where = {"address": address}
