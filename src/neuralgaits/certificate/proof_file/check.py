@@ -52,12 +52,12 @@ ASSUMPTIONS = (
     "JAX's forward mode and the activations' own rules, which are not derived again here",
     "the model is the rigid-body zero dynamics, with the residuals that the run carries if there "
     "are any, with the stored float64 numbers, in exact real arithmetic: the float32 evaluation on "
-    "a robot, sampling and disturbances are outside",
+    "a robot is outside, so are sampling and disturbances but for what is stated of them",
     "levels 2 and 3 are about the projected hybrid zero dynamics: outputs are zero, and set to "
     "zero again at each impact; level 1 alone says nothing of trajectories",
     "level 4 is about the full order under exact input-output linearisation in continuous time, "
     "with rigid contact; level 5 about the same with errors of the outputs' acceleration up to a "
-    "bound, whatever makes them",
+    "bound, or with torques held between ticks, one of them at each touchdown",
     "trusted: this checker, python-flint (Arb), NumPy's handling of arrays, Python",
 )
 
