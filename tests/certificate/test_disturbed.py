@@ -140,6 +140,18 @@ def test_errors_of_a_hold_reach_no_further_than_their_mean():
     assert 0.98 < peak / (2.0 * B * push / GAMMA) <= 1.0
 
 
+def test_what_is_kept_is_what_the_largest_errors_keep():
+    """Errors up to the push do not become smaller where V is small."""
+    full = _full()
+    shape = replace(_held(full), hold=0.0)
+    shape = replace(shape, push=(1e-3 * shape.push[0], shape.push[1]))
+    found = _verdict(full, shape)
+    assert found.verdict == "proved", found.reason
+    figures = found.figures
+    assert figures["kept"] >= 2.0 * B * figures["push"] / GAMMA
+    assert figures["r_end"] >= full.gain * figures["kept"]
+
+
 def test_a_set_without_a_floor_stands_no_push():
     assert "floor" in str(_verdict(SHAPE, _shape(SHAPE, push=1e-9)).reason)
 

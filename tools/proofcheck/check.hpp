@@ -242,11 +242,15 @@ class LeafChecker {
     awaited_ = &awaited;
     leaf_ = &leaf;
     prove(leaf, claims, 0);
+    // The part that ended it need not be the one with a point that breaks it.
+    if (found_.verdict == undecided && awaited())
+      for (const Failing& one : failing(leaf, claims))
+        if (refuted(leaf, one)) break;
     return found_;
   }
 
  private:
-  static constexpr int kMoreSplits = 6;   // How often a leaf may be split again along each axis.
+  static constexpr int kMoreSplits = 6;   // How often a leaf may be split again, times its axes.
   static constexpr size_t kMostMore = 1 << 18;  // Boxes for one leaf: in many axes it would not end.
   static constexpr double kMostlyTold = 4.0;  // Twice what coefficients make a range wide.
   static constexpr size_t kCorners = 3;   // With more axes, corners are too many to be tried.

@@ -99,7 +99,8 @@ class FullPoint(Point):
 def held_jerk(point: FullPoint) -> Actuated:
     """Third derivatives of the outputs while the joint torques stay as they are. [m] (rad/s^3).
 
-    With u = U(z, y, dy, ddy) of the inverse dynamics, 0 = dU/dt is linear in it. Source:
+    With u = U(z, y, dy, ddy) of the inverse dynamics, 0 = dU/dt is linear in it. Its matrix
+    is that of the joints' inertia, near enough for elimination to have its pivots. Source:
     docs/level5.md.
     """
     m = point.robot.n - 1

@@ -9,9 +9,9 @@ from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, premises
 from neuralgaits.certificate.levels.full_order.inequalities import (
     Inequality,
     bound_at,
-    least_time,
     mismatch,
     obstacle,
+    step_factor,
     tightening,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -161,10 +161,9 @@ def factor(full: FullOrder) -> arb:
 
 def constants(full: FullOrder, shape: Disturbed) -> list[Constant]:
     """Every constant that level 5 adds."""
-    slower = _slower(full, shape)
-    kept = 2 * factor(full) * arb(shape.push[0]) / slower
-    always = _always(full, shape)
-    loop = abs(arb(full.gain)) * (-slower * least_time(full) / 2).exp()
+    always, loop = _always(full, shape), step_factor(full)
+    # Errors up to the push are borne where sqrt(V) is small, too.
+    kept = 2 * factor(full) * always / _rate(full)
     found = [
         Constant("push", below(always), "rad/s^2", "every e with |S e| up to this", "least"),
         Constant(
@@ -175,15 +174,12 @@ def constants(full: FullOrder, shape: Disturbed) -> list[Constant]:
     ]  # fmt: skip
     if shape.hold != 0.0:
         found += _of_holds(full, shape)
-    if slower > 0:
-        found.append(
-            Constant("kept", above(kept), "rad", "sqrt(V) falls to this between impacts", "most")
-        )
-        if loop < 1:
-            end = (mismatch(full) + abs(arb(full.gain)) * kept) / (1 - loop)
-            found.append(
-                Constant("r_end", above(end), "rad", "what sqrt(V+) falls to, step by step", "most")
-            )
+    words = "under such e sqrt(V) falls to this between impacts"
+    found.append(Constant("kept", above(kept), "rad", words, "most"))
+    if loop < 1:
+        end = (mismatch(full) + abs(arb(full.gain)) * kept) / (1 - loop)
+        words = "under such e what sqrt(V+) falls to, step by step"
+        found.append(Constant("r_end", above(end), "rad", words, "most"))
     for its in shape.barriers:
         found.append(Constant(f"{its.name}: alpha", its.alpha, "1/s", "gain, disturbed"))
         found.append(Constant(f"{its.name}: lost", its.lost, "h/s", "of dh/dt + alpha h"))
@@ -228,8 +224,9 @@ def _rate(full: FullOrder) -> arb:
 
 
 def _words(full: FullOrder, shape: Disturbed) -> tuple[str, ...]:
-    size = "|e|"
+    size = short = "|e|"
     if full.weights:
+        short = "|S e|"
         size = f"|S e|, S = {weighting(full.weights, joints_of(full.weights) or 0)!r},"
     found = [
         f"the same set D, whatever measurable e(t) with {size} <= {below(_always(full, shape))!r} "
@@ -241,7 +238,7 @@ def _words(full: FullOrder, shape: Disturbed) -> tuple[str, ...]:
         found.append(
             "the same set D, whatever ticks there are at most "
             f"{shape.hold!r} s apart, one of them at each touchdown: if torques are set at each "
-            f"tick with |S e| <= {shape.error!r} rad/s^2 and held until the next, every "
+            f"tick with {short} <= {shape.error!r} rad/s^2 and held until the next, every "
             "trajectory that starts in D at a tick stays in D, meets the ground once and "
             "transversally in each step, and is in D after the impact: it walks for ever"
         )
