@@ -77,7 +77,7 @@ def _lines(run: Run, answer: Certified, part: ProvedPart | None) -> list[str]:
         "it: it may fall."
     )
     if level:
-        claims = f"It claims nothing about {in_plain_words.NOT_CLAIMED}."
+        claims = f"It claims nothing about {in_plain_words.not_claimed(level)}."
         rests = markdown.text(f"{in_plain_words.left_open(level, answer.robots)} {claims} {seen}")
         lines.append(f"**What that leaves open.** {rests}")
     else:

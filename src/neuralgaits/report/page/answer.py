@@ -179,7 +179,7 @@ def _left_open(saved: Saved) -> str:
         if saved.simulation is not None
         else ""
     )
-    claims = f"It claims nothing about {in_plain_words.NOT_CLAIMED}."
+    claims = f"It claims nothing about {in_plain_words.not_claimed(saved.proved_level)}."
     return f"{rests}{model} {claims}{seen}"
 
 

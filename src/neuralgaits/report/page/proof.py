@@ -51,7 +51,7 @@ def certificate(contents: Contents) -> Html:
         _conditions(found),
         html.tag("h3", "What it assumes"),
         html.items(in_plain_words.assumptions(found.level, found.robots)),
-        html.paragraph(f"It claims nothing about {in_plain_words.NOT_CLAIMED}."),
+        html.paragraph(f"It claims nothing about {in_plain_words.not_claimed(found.level)}."),
         html.tag(
             "details",
             html.tag("summary", "The same in the words of check-proof"),
