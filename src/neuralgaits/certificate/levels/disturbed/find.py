@@ -9,15 +9,9 @@ from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.disturbed.conclude import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier
 from neuralgaits.certificate.levels.full_order.find import Looks, grid
+from neuralgaits.certificate.levels.full_order.held import JERK_PUSH, JERK_SLOPE, Held, Jerk
 from neuralgaits.certificate.levels.full_order.inequalities import obstacle
-from neuralgaits.certificate.levels.full_order.norm import (
-    GAINS,
-    JERK_PUSH,
-    JERK_SLOPE,
-    LONGEST,
-    Held,
-    Jerk,
-)
+from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, lyapunov_rate
 
 HALVINGS = 20

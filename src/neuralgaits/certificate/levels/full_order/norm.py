@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from neuralgaits.certificate.levels.full_order.held import JERK, JERK_PUSH, JERK_SLOPE, Jerk
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
 SPARE, HELD_SPARE = 1.6, 1.3
@@ -24,12 +25,6 @@ IMPACT = 1.18
 """What an impact does is this much more than what was seen: bounds over outputs cost so much."""
 ABOVE_FLOOR = 1.04
 """The bound on sqrt(V) is this much above what pushes alone would keep outputs at."""
-JERK = 1.1
-"""The outputs' jerk under held torques, at y = 0, over what was seen."""
-JERK_SLOPE = 4.0
-"""Its slope in xi, likewise: enclosures of third derivatives are wide."""
-JERK_PUSH = 1.5
-"""Its slope in a push, likewise."""
 LONGEST = 4e-3
 """Hold that is asked for at most [s]."""
 STRIP = 0.97
@@ -105,47 +100,6 @@ class Plan(NamedTuple):
         """S as `FullOrder` has it."""
         size = len(self.matrix)
         return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
-
-
-class Held(NamedTuple):
-    """What held torques do to outputs: errors |S e| up to first + second times the bound on V.
-
-    Attributes:
-        push: in the mean over a hold [rad/s^2, rad/s^2 per rad].
-        peak: at its end, likewise.
-    """
-
-    push: tuple[float, float]
-    peak: tuple[float, float]
-
-
-class Jerk(NamedTuple):
-    """Bounds on the outputs' jerk while torques are held, in the norm of S.
-
-    Attributes:
-        still: at y = 0 and e = 0 [rad/s^3].
-        slope: its slope in xi [rad/s^3 per rad].
-        push: its slope in S e [1/s].
-    """
-
-    still: float
-    slope: float
-    push: float
-
-    def held(self, hold: float, error: float, bandwidth: float, radius: float) -> Held | None:
-        """What a hold makes of torques that are off by |S e| = error when they are set.
-
-        None if it has no bound. `radius` bounds sqrt(V) in the set. Source: docs/level5.md.
-        """
-        gamma, back = float(lyapunov_rate(bandwidth)), 2.0 * bandwidth + self.push
-        if hold * back >= 0.5:
-            return None
-        mean = 0.5 * hold * (1.0 + gamma * hold / 8.0)
-        growth = math.exp(0.5 * gamma * hold) * (math.sqrt(2.0) * bandwidth**3 + self.slope)
-        first = (error + hold * (self.still + back * hold * growth * radius)) / (1.0 - hold * back)
-        fast = self.still + back * (first + hold * growth * radius)
-        push = error + mean * fast, mean * growth
-        return Held(push, (error + hold * fast, hold * growth))
 
 
 def doubled(matrix: np.ndarray) -> np.ndarray:
