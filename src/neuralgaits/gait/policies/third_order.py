@@ -11,8 +11,7 @@ class ThirdOrderPolicy(AbstractPolicy):
     """y_d's value and its first three derivatives at z0, as a polynomial of z - z0.
 
     What is differentiated at z0 along directions that depend on the outputs goes through these few
-    numbers instead of the network: the values are the same, and a Program of them is a tenth as
-    long.
+    numbers instead of the network: the values are the same, and a Program of them is half as long.
 
     Attributes:
         origin: z0.
