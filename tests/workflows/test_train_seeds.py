@@ -1,5 +1,6 @@
-"""Many seeds as one program: each comes to what it comes to alone, and is a run like any other."""
+"""Many seeds in one command: each comes to what it comes to alone, and is a run like any other."""
 
+import errno
 import json
 import os
 import subprocess
@@ -16,14 +17,17 @@ import neuralgaits as ng
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, Interrupted
-from neuralgaits.runs import resolve_unfinished
+from neuralgaits.runs import resolve, resolve_unfinished
 from neuralgaits.runs.names import STATE, SUMMARY
 from neuralgaits.training import gradient_steps, seed_batch
 from neuralgaits.training.seed_batch import SeedBatch
 from neuralgaits.training.trainer import SMALLER, Trainer
+from neuralgaits.workflows import train as train_workflow
 from neuralgaits.workflows import train_seeds as workflow
+from neuralgaits.workflows.parts import seed_batches, side_by_side
+from neuralgaits.workflows.parts.seed_batches import batch_size
 from neuralgaits.workflows.train import train
-from neuralgaits.workflows.train_seeds import batch_size, train_seeds
+from neuralgaits.workflows.train_seeds import train_seeds
 from support import small_spec
 
 SMALL = f"{small_spec.__file__}:small"
@@ -71,9 +75,9 @@ def told():
 
 @pytest.fixture(scope="module")
 def three(often, amber, root, told):
-    """Seeds 3, 4 and 5 in batches of two."""
+    """Seeds 3, 4 and 5, two at a time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(workflow, "AT_ONCE", 2)
+        patch.setattr(side_by_side, "cores", lambda: 2)
         return ng.train_seeds(
             amber,
             SMALL,
@@ -83,6 +87,13 @@ def three(often, amber, root, told):
             root=root,
             progress=lambda *news: told.append(news),
         )
+
+
+@pytest.fixture
+def together(monkeypatch):
+    """Two seeds of a batch as one program, as on an accelerator."""
+    monkeypatch.setattr(workflow, "as_one_program", lambda: True)
+    monkeypatch.setattr(seed_batches, "AT_ONCE", 2)
 
 
 def nearly(one, other, within=1e-9):
@@ -120,24 +131,35 @@ def test_gradients_and_losses_of_a_step_are_those_of_single_trainings(three):
             )
 
 
-def test_a_run_of_a_batch_has_what_a_single_one_has(three, amber, root):
-    """Of a full batch and of one that is filled up; losses as near as chaos lets them be."""
+def test_a_run_of_many_is_the_single_one_bit_for_bit(three, amber, root):
+    """Beside another and after it: weights, losses on the way, what is said of them."""
     for seed in (4, 5):
         alone = train(amber, SMALL, seed=seed, steps=STEPS, out=root / f"alone-{seed}", root=root)
         run = open_run(root / "three" / str(seed))
         assert dict(run.asked) == dict(alone.asked)
+        assert eqx.tree_equal(run.trained, alone.trained)
         ours, theirs = run.folder.read_metrics(), alone.folder.read_metrics()
         assert [row["step"] for row in ours] == [10, 20, STEPS]
-        assert [set(row) for row in ours] == [set(row) for row in theirs]
-        for a, b in zip(ours, theirs, strict=True):
-            assert a["loss"] == pytest.approx(b["loss"], rel=0.02)
-            assert a["validation_loss"] == pytest.approx(b["validation_loss"], rel=0.02)
-        mine, its = run.summary, alone.summary
+        assert ours == theirs
+        mine, its = dict(run.summary), dict(alone.summary)
         assert set(mine) == set(its)
-        assert (mine.steps, mine.seed) == (its.steps, seed)
-        assert mine.loss == pytest.approx(its.loss, rel=0.02)
+        own = {"run", "compile_s", "train_s", "wall_s"}
+        assert {name for name in mine if mine[name] != its[name]} <= own
         files = [{p.name for p in one.path.iterdir() if p.is_file()} for one in (run, alone)]
         assert files[0] == files[1]
+
+
+def test_one_program_for_all_seeds_comes_near_them(three, amber, root, together):
+    """As an accelerator trains them; losses as near as chaos lets them be."""
+    out = root / "together"
+    done = train_seeds(amber, SMALL, seeds=(3, 6), steps=STEPS, out=out, root=root)
+    for ours, alone in zip(done.runs, three.runs, strict=True):
+        a, b = ours.folder.read_metrics(), alone.folder.read_metrics()
+        assert [row["step"] for row in a] == [row["step"] for row in b]
+        for mine, its in zip(a, b, strict=True):
+            assert mine["loss"] == pytest.approx(its["loss"], rel=0.02)
+            assert mine["validation_loss"] == pytest.approx(its["validation_loss"], rel=0.02)
+        assert ours.summary.loss == pytest.approx(alone.summary.loss, rel=0.02)
 
 
 def test_what_is_said_of_them_is_in_their_folder(three, root, told):
@@ -152,14 +174,14 @@ def test_what_is_said_of_them_is_in_their_folder(three, root, told):
 
 
 def test_a_killed_seed_goes_on_to_the_same_weights(three, root, tmp_path):
-    """From the checkpoint of the batch, by the single training."""
+    """From the checkpoint of the batch, by the single training, bit for bit."""
     run = three.runs[1]
     kept = run.folder.read_tree(STATE, _trainer(run).init(run.trained))
     assert int(kept.step) == STEPS
     (run.path / SUMMARY).rename(tmp_path / SUMMARY)
     again = train(resume=run.path, root=root)
-    nearly(again.trained, run.trained, 1e-12)
-    assert again.summary.loss == pytest.approx(run.summary.loss, rel=1e-9)
+    assert eqx.tree_equal(again.trained, run.trained)
+    assert again.summary.loss == run.summary.loss
 
 
 def _trainer(run):
@@ -171,10 +193,30 @@ def test_a_seed_is_walked_by_the_verb(three, capfd):
     assert code in (0, 1), capfd.readouterr().err
 
 
-def test_a_seed_that_turns_to_nan_goes_on_smaller_and_leaves_the_others(
+def test_a_seed_that_turns_to_nan_goes_on_smaller_and_leaves_the_other(
     three, amber, root, monkeypatch
 ):
     """As alone: from the best weights before that, over the same steps again."""
+    spoilt, step = [], Trainer.step
+
+    def once(self, state, count=1):
+        if self.seed == 4 and not spoilt and int(state.step):
+            spoilt.append(state)
+            state = state._replace(parameters=np.full_like(state.parameters, np.nan))
+        return step(self, state, count)
+
+    monkeypatch.setattr(Trainer, "step", once)
+    out = root / "spoilt"
+    done = train_seeds(amber, SMALL, seeds=(3, 5), steps=STEPS, out=out, root=root)
+    first, second = done.runs
+    assert spoilt and eqx.tree_equal(first.trained, three.runs[0].trained)
+    assert second.summary.step_size == pytest.approx(SMALLER)
+    assert first.summary.step_size == 1.0
+
+
+def test_a_seed_of_a_batch_that_turns_to_nan_goes_on_smaller(amber, root, monkeypatch, together):
+    """The same, as one program: the other seed is what it is without that."""
+    whole = train_seeds(amber, SMALL, seeds=(3, 5), steps=STEPS, out=root / "whole-2", root=root)
     spoilt, block = [], SeedBatch._block
 
     def once(self, going):
@@ -186,17 +228,22 @@ def test_a_seed_that_turns_to_nan_goes_on_smaller_and_leaves_the_others(
         return losses
 
     monkeypatch.setattr(SeedBatch, "_block", once)
-    out = root / "spoilt"
+    out = root / "spoilt-2"
     done = train_seeds(amber, SMALL, seeds=(3, 5), steps=STEPS, out=out, root=root)
     first, second = done.runs
-    nearly(first.trained, three.runs[0].trained)
+    nearly(first.trained, whole.runs[0].trained)
     assert second.summary.step_size == pytest.approx(SMALLER)
     assert [row["step"] for row in second.folder.read_metrics()] == [10, 20, STEPS]
     assert first.summary.step_size == 1.0
 
 
-def test_a_seed_without_a_way_out_is_refused_with_its_reason(amber, root, monkeypatch, capfd):
-    look = Trainer.careful
+@pytest.mark.parametrize("way", ["side by side", "one program"])
+def test_a_seed_without_a_way_out_is_refused_with_its_reason(
+    way, amber, root, monkeypatch, capfd, request
+):
+    if way == "one program":
+        request.getfixturevalue("together")
+    look, step, out = Trainer.careful, Trainer.step, way.replace(" ", "-")
     monkeypatch.setattr(
         Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
     )
@@ -209,20 +256,27 @@ def test_a_seed_without_a_way_out_is_refused_with_its_reason(amber, root, monkey
             one.state = one.kept = one.state._replace(parameters=bad)
         return one
 
+    def nan_of_second(self, state, count=1):
+        if self.seed == 1:
+            state = state._replace(parameters=np.full_like(state.parameters, np.nan))
+        return step(self, state, count)
+
     monkeypatch.setattr(SeedBatch, "_begun", second_is_nan)
+    monkeypatch.setattr(Trainer, "step", nan_of_second)
     monkeypatch.chdir(root)
     words = ["train", "amber3m", "--spec", SMALL, "--seeds", "0:3", "--steps", "5"]
-    assert main([*words, "--out", "refused"]) == 1
+    assert main([*words, "--out", out]) == 1
     said = capfd.readouterr().out
     assert "trained: 2 of 3 seeds" in said
     assert "seed 1: expected a finite loss and weights, found NaN or infinity at step 1" in said
-    assert [(root / "refused" / str(n) / SUMMARY).is_file() for n in range(3)] == [1, 0, 1]
-    rows = json.loads((root / "refused" / "seeds.json").read_text())["seeds"]
+    assert [(root / out / str(n) / SUMMARY).is_file() for n in range(3)] == [1, 0, 1]
+    rows = json.loads((root / out / "seeds.json").read_text())["seeds"]
     assert [row["refused"] is None for row in rows] == [True, False, True]
-    assert (root / "refused" / "1" / "nan.json").is_file()
+    assert (root / out / "1" / "nan.json").is_file()
+    assert resolve("latest", root / "runs").path == (root / out / "2").resolve()
 
 
-def test_devices_share_a_batch(three, amber, root):
+def test_devices_share_a_batch(amber, root, together):
     """Two devices of this processor: three seeds, filled up to four."""
     out = root / "sharded"
     flags = os.environ.get("XLA_FLAGS", "") + " --xla_force_host_platform_device_count=2"
@@ -239,19 +293,61 @@ def test_devices_share_a_batch(three, amber, root):
         nearly(open_run(out / run.path.name).trained, run.trained, 1e-6)
 
 
-def test_ctrl_c_keeps_every_seed_and_says_how_to_go_on(amber, tmp_path, monkeypatch):
+@pytest.mark.parametrize("way", ["side by side", "one program"])
+def test_ctrl_c_keeps_every_seed_and_says_how_to_go_on(way, amber, tmp_path, monkeypatch, request):
     def stop(step, every, loss):
         if step >= 2 * LOOK:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(workflow, "AT_ONCE", 2)
+    if way == "one program":
+        request.getfixturevalue("together")
+    # Two threads begin one after the other, or both before that.
+    monkeypatch.setattr(side_by_side, "cores", lambda: 1)
     with pytest.raises(Interrupted) as stopped:
         train_seeds(amber, SMALL, seeds=(0, 5), steps=STEPS, root=tmp_path, progress=stop)
     folder = resolve_unfinished("latest", tmp_path)
-    assert folder.path.name == "1" and folder.path.parents[2] == tmp_path / "seeds"
+    last = 1 if way == "one program" else 0
+    assert folder.path.name == str(last) and folder.path.parents[2] == tmp_path / "seeds"
     assert stopped.value.command.endswith(f"train --resume {folder.path.with_name('0')}")
-    assert stopped.value.more == ", and so with each of 1 more; seeds 2 to 4 were not begun"
-    assert not folder.path.with_name("2").exists()
+    others = f", and so with each of {last} more" if last else ""
+    assert stopped.value.more == f"{others}; seeds {last + 1} to 4 were not begun"
+    assert not folder.path.with_name(str(last + 1)).exists()
+
+
+def test_ctrl_c_ends_all_threads_and_what_was_begun_can_be_gone_on_with(
+    amber, tmp_path, monkeypatch
+):
+    """However far the other one came."""
+
+    def stop(step, every, loss):
+        if step > STEPS:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(side_by_side, "cores", lambda: 2)
+    out = tmp_path / "out"
+    with pytest.raises(Interrupted) as stopped:
+        train_seeds(amber, SMALL, seeds=(0, 9), steps=STEPS, out=out, root=tmp_path, progress=stop)
+    left = [
+        n for n in range(9) if (out / str(n)).exists() and not (out / str(n) / SUMMARY).exists()
+    ]
+    assert left and not (out / "4").exists() and not (out / "seeds.json").exists()
+    assert stopped.value.command.endswith(f"train --resume {out / str(left[0])}")
+    again = train(resume=out / str(left[0]), root=tmp_path)
+    alone = train(amber, SMALL, seed=left[0], steps=STEPS, out=tmp_path / "alone", root=tmp_path)
+    assert eqx.tree_equal(again.trained, alone.trained)
+
+
+def test_an_error_of_one_ends_all_and_is_raised(amber, tmp_path, monkeypatch):
+    """A full disk is nobody's refusal."""
+    monkeypatch.setattr(side_by_side, "cores", lambda: 2)
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(train_workflow, "finish", full)
+    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)):
+        train_seeds(amber, SMALL, seeds=(0, 9), steps=5, out=tmp_path / "out", root=tmp_path)
+    assert not (tmp_path / "out" / "4").exists()
 
 
 def test_batches_are_few_and_even():

@@ -63,8 +63,8 @@ class Train:
     seed: Annotated[int | None, arg(metavar="N")] = None
     """Seed of initial weights and samples; 0 if not given."""
     seeds: Annotated[str | None, arg(metavar="A:B")] = None
-    """Seeds A, A+1, ... up to B-1 at once, as one compiled program: a run folder each, in --out or
-    runs/seeds/ROBOT/<time>-A; see the page 'From a laptop to a cluster'."""
+    """Seeds A, A+1, ... up to B-1 in one command, each as it comes out alone: a run folder each, in
+    --out or runs/seeds/ROBOT/<time>-A; see the page 'From a laptop to a cluster'."""
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; the spec's own number if not given."""
     speed: Annotated[str | None, arg(metavar="V|A:B")] = None

@@ -200,7 +200,7 @@ class TrainedSeeds(Record):
         conditions: how many there are.
         steps: gradient steps of each seed.
         seeds: in order.
-        batch: seeds that were trained as one program.
+        batch: seeds that were trained together.
         devices: that shared a batch.
         compile_s, train_s, wall_s: times of all of it.
     """

@@ -21,6 +21,11 @@ SEEDS = "seeds"
 def finish(folder: RunFolder, summary: Mapping[str, Any], root: Path = RUNS_ROOT) -> None:
     """Mark a run as finished by writing its summary, then make `latest` name it."""
     folder.write_json(SUMMARY, summary)
+    name_latest(folder, root)
+
+
+def name_latest(folder: RunFolder, root: Path = RUNS_ROOT) -> None:
+    """Make `latest` name a finished run."""
     run, base = folder.path.resolve(), root.resolve()
     name = run.relative_to(base) if run.is_relative_to(base) else run
     write_text(root / LATEST, f"{name}\n")

@@ -1,8 +1,10 @@
 """Many seeds trained as one compiled program: a stack of states, one for each run on disk.
 
-The loop over gradient steps is that of a single training under `vmap`, and what is decided between
-them (the best weights, smaller steps after NaN) is decided seed by seed by the same functions. So a
-seed comes to what it comes to alone, to the rounding of sums in single precision.
+This is how accelerators train them; a processor takes them side by side, see
+`workflows/parts/side_by_side.py`. The loop over gradient steps is that of a single training under
+`vmap`, and what is decided between them (the best weights, smaller steps after NaN) is decided seed
+by seed by the same functions. So a seed comes to what it comes to alone, to the rounding of sums in
+single precision.
 """
 
 import time
@@ -20,7 +22,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.errors import NonFiniteError
 from neuralgaits.runs.names import STATE
 from neuralgaits.training.gradient_steps import AT_ONCE_S, CHECKPOINT_S, GradientSteps, Progress
 from neuralgaits.training.loss import Loss
@@ -56,6 +58,11 @@ class OneOfMany:
     state: TrainState
     kept: TrainState
     refused: NonFiniteError | None = None
+
+    @property
+    def seed(self) -> int:
+        """Of its weights and samples."""
+        return self.run.asked.seed
 
     def save(self, state: TrainState) -> None:
         """Write a checkpoint that a single training goes on from."""
@@ -96,7 +103,7 @@ class SeedBatch:
         Raises: InputError if gaits of some seeds differ in more than what is trained.
         """
         self.members = [self._begun(run) for run in runs]
-        keys = [jax.random.key(one.run.asked.seed) for one in self.members]
+        keys = [jax.random.key(one.seed) for one in self.members]
         self._keys = self._put(jnp.stack(self._filled(keys)))
         self.compile_s = self._compile() if self._over is None else 0.0
         self._take(progress)
@@ -109,12 +116,8 @@ class SeedBatch:
         return fresh[: len(gaits)]
 
     def _begun(self, run: Run) -> OneOfMany:
-        if not self.trainer.fits(run.trained):
-            raise InputError(
-                "expected gaits of all seeds to differ in trained weights alone, found others "
-                f"in that of seed {run.asked.seed}: train them one by one, with --seed"
-            )
-        state = jax.tree.map(np.asarray, start_of(run, self.trainer))
+        trainer = self.trainer.of_seed(run.asked.seed, run.trained)
+        state = jax.tree.map(np.asarray, start_of(run, trainer))
         return OneOfMany(run, GradientSteps(run.folder, run.spec, None), state, state)
 
     def _compile(self) -> float:

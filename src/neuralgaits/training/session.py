@@ -30,17 +30,32 @@ class Session(NamedTuple):
         return self.trainer.gait(self.state.best)
 
 
-def take_all_steps(run: Run, progress: Progress | None) -> Session:
+def take_all_steps(run: Run, progress: Progress | None, trainer: Trainer | None = None) -> Session:
     """Take all gradient steps that a run's config asks for, with checkpoints.
 
     Args:
         run: unfinished; its gait is the untrained one.
         progress: called with (step, steps, loss) now and then.
+        trainer: one that suits the run and its seed, if there is one that is compiled.
 
     Raises: NonFiniteError.
     """
+    if trainer is None:
+        trainer = trainer_of(run)
+    state = start_of(run, trainer)
+    compiling = time.perf_counter()
+    compile_steps(trainer, state)
+    training = time.perf_counter()
+    steps = GradientSteps(run.folder, run.spec, progress)
+    steps.forget_after(int(state.step))
+    state = steps.take(trainer, state, lambda state: run.folder.write_tree(STATE, state))
+    return Session(trainer, steps, state, training - compiling, time.perf_counter() - training)
+
+
+def trainer_of(run: Run) -> Trainer:
+    """What a run's config asks for, not compiled yet."""
     asked = run.asked
-    trainer = Trainer.build(
+    return Trainer.build(
         run.robot,
         run.spec,
         run.trained,
@@ -50,19 +65,15 @@ def take_all_steps(run: Run, progress: Progress | None) -> Session:
         disturbance=asked.disturbance,
         rate=asked.rate,
     )
-    state = start_of(run, trainer)
-    compiling = time.perf_counter()
-    # Two programs to compile and at least two cores: results are thrown away.
+
+
+def compile_steps(trainer: Trainer, state: TrainState) -> None:
+    """Steps and looks, at once where there are two cores: results are thrown away."""
     with ThreadPoolExecutor(1) as beside:
         validated = beside.submit(trainer.validate, state)
         if not trainer.done(state):
             jax.block_until_ready(trainer.step(state))
         validated.result()
-    training = time.perf_counter()
-    steps = GradientSteps(run.folder, run.spec, progress)
-    steps.forget_after(int(state.step))
-    state = steps.take(trainer, state, lambda state: run.folder.write_tree(STATE, state))
-    return Session(trainer, steps, state, training - compiling, time.perf_counter() - training)
 
 
 def start_of(run: Run, trainer: Trainer) -> TrainState:

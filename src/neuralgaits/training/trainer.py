@@ -21,6 +21,7 @@ from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.errors import InputError
 from neuralgaits.gait import NO_RESIDUALS, Residuals
 from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
@@ -315,10 +316,22 @@ class Trainer:
             look=lambda gaits, key, share: looked(gaits, key, None, share),
         )
 
-    def fits(self, gait: AnyGait) -> bool:
-        """Whether a gait differs from what the trainer was built for in trained weights alone."""
+    def of_seed(self, seed: int, gait: AnyGait) -> "Trainer":
+        """The trainer of another seed. Nothing is compiled again.
+
+        Args:
+            seed: of the samples.
+            gait: untrained, of that seed.
+
+        Raises: InputError if it differs from what the trainer was built for in more than weights.
+        """
         others = [eqx.partition(one, one.trainable())[1] for one in (gait, self._template)]
-        return bool(eqx.tree_equal(*others))
+        if not eqx.tree_equal(*others):
+            raise InputError(
+                "expected gaits of all seeds to differ in trained weights alone, found others "
+                f"in that of seed {seed}: train them one by one, with --seed"
+            )
+        return replace(self, seed=seed)
 
     def done(self, state: TrainState) -> bool:
         """Whether all steps are taken."""

@@ -25,7 +25,7 @@ from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import take_all_steps
-from neuralgaits.training.trainer import FreshMargins, TrainState
+from neuralgaits.training.trainer import FreshMargins, Trainer, TrainState
 from neuralgaits.workflows.parts.new_training import new_training
 from neuralgaits.workflows.parts.proof_rounds import ProofRounds, Watch
 
@@ -116,7 +116,13 @@ def train(
 
 
 def train_to_the_end(
-    run: Run, *, progress: Progress | None, watch: Watch | None, root: Path, began: float
+    run: Run,
+    *,
+    progress: Progress | None,
+    watch: Watch | None,
+    root: Path,
+    began: float,
+    trainer: Trainer | None = None,
 ) -> Run:
     """Train from the last checkpoint, or from the untrained gait of a run, and finish its folder.
 
@@ -126,11 +132,12 @@ def train_to_the_end(
         watch: of `train`.
         root: folder of the runs.
         began: when the command did (s, of `time.perf_counter`).
+        trainer: of `take_all_steps`.
 
     Raises: NonFiniteError; Interrupted for KeyboardInterrupt.
     """
     try:
-        session = take_all_steps(run, progress)
+        session = take_all_steps(run, progress, trainer)
         gait, proof = session.gait, None
         if isinstance(gait, CommandedGait):
             gait = calibrated(gait, run.robot, run.residuals)

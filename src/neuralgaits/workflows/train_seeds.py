@@ -1,11 +1,8 @@
-"""Train many seeds as one program, and leave an ordinary run folder of each."""
+"""Train many seeds in one command, and leave an ordinary run folder of each."""
 
-import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import jax
@@ -14,25 +11,20 @@ from neuralgaits._settings import check_seeds
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.barriers.commanded import Interval
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.barriers.spec import Init
-from neuralgaits.errors import Interrupted, NeuralGaitsError, is_full
-from neuralgaits.records.trained import Trained, TrainedSeed, TrainedSeeds
+from neuralgaits.errors import Interrupted
+from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RUNS_ROOT, finish, to_json, write_text
+from neuralgaits.runs import RUNS_ROOT, to_json, write_text
 from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.commands import command, resuming
-from neuralgaits.runs.latest import SEEDS
-from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.training.calibration import calibrated
+from neuralgaits.runs.latest import SEEDS, name_latest
 from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.training.seed_batch import OneOfMany, SeedBatch
-from neuralgaits.training.trainer import Trainer
-from neuralgaits.workflows.parts.new_training import NewTraining, new_training
-from neuralgaits.workflows.train import FRESH_SAMPLES_SEED, summary_of
+from neuralgaits.workflows.parts.many_seeds import ManySeeds
+from neuralgaits.workflows.parts.new_training import new_training
+from neuralgaits.workflows.parts.seed_batches import SeedBatches
+from neuralgaits.workflows.parts.side_by_side import SideBySide
 
-AT_ONCE = 32
-"""Seeds of a batch for each device: a step of 16 takes as long a seed, and memory is bounded."""
 SUMMARY = "seeds.json"
 """Table of the seeds, in the folder that holds their runs."""
 
@@ -69,7 +61,10 @@ def train_seeds(
     progress: Progress | None = None,
     root: Path = RUNS_ROOT,
 ) -> Seeds:
-    """Train a policy for each of many seeds, in batches of one compiled program.
+    """Train a policy for each of many seeds, with programs that are compiled once.
+
+    On a processor each comes to the weights that `train` comes to, bit for bit. Accelerators train
+    batches of seeds as one program, and come to them up to rounding.
 
     Args:
         robot: of `load_robot`.
@@ -109,159 +104,63 @@ def train_seeds(
         parameters=parameters,
     )
     place = None if out is None else Path(out)
-    name, numbers = robot.name, range(*seeds)
-    path = claim(place, root / SEEDS, name, seeds[0], what="the runs", config=SUMMARY)
+    numbers = range(*seeds)
+    path = claim(place, root / SEEDS, robot.name, seeds[0], what="the runs", config=SUMMARY)
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)
-    return _ManySeeds(first, numbers, path, root, progress, began).trained()
-
-
-class _ManySeeds:
-    """The batches of a command, and what is known of their seeds so far."""
-
-    def __init__(
-        self,
-        first: NewTraining,
-        numbers: range,
-        path: Path,
-        root: Path,
-        progress: Progress | None,
-        began: float,
-    ):
-        self.first, self.numbers, self.path, self.root = first, numbers, path, root
-        self.progress, self.began = progress, began
-        self.begun: list[Run] = []
-        self.done: list[Run] = []
-        self.rows: list[TrainedSeed] = []
-        self.compile_s = self.train_s = 0.0
-
-    def trained(self) -> Seeds:
-        """Train, report and finish each of them."""
-        devices = len(jax.devices())
-        size = batch_size(len(self.numbers), devices)
-        trainer = Trainer.build(
-            self.first.robot,
-            self.first.spec,
-            self.first.gait,
-            steps=self.first.asked.steps,
-            seed=self.first.asked.seed,
-        )
-        batch = SeedBatch(trainer, size)
-        try:
-            for at in range(0, len(self.numbers), size):
-                self._train(batch, self.numbers[at : at + size])
-        except KeyboardInterrupt as stop:
-            raise self._stopped() from stop
-        summary = TrainedSeeds(
-            folder=str(self.path),
-            robot=self.first.asked.robot,
-            spec=self.first.asked.spec,
-            conditions=len(self.first.spec.conditions),
-            steps=self.first.asked.steps,
-            seeds=tuple(self.rows),
-            batch=size,
-            devices=devices,
-            compile_s=self.compile_s,
-            train_s=self.train_s,
-            wall_s=time.perf_counter() - self.began,
-        )
-        write_text(self.path / SUMMARY, to_json(summary))
-        return Seeds(self.path, tuple(self.done), summary)
-
-    def _train(self, batch: SeedBatch, numbers: range) -> None:
-        runs = []
-        for number in numbers:
-            run = self.first.of_seed(number).begun(self.root, self.path / str(number))
-            runs.append(run)
-            self.begun.append(run)
-        steps = self.first.asked.steps
-        before, every = steps * (len(self.begun) - len(runs)), steps * len(self.numbers)
-        began = time.perf_counter()
-        members = batch.train(runs, self._tell(before, every))
-        train_s = time.perf_counter() - began - batch.compile_s
-        self.compile_s += batch.compile_s
-        self.train_s += train_s
-        self._finish(batch, members, train_s)
-
-    def _tell(self, before: int, every: int) -> Progress | None:
-        progress = self.progress
-        if progress is None:
-            return None
-        return lambda step, _, loss: progress(before + step, every, loss)
-
-    def _finish(self, batch: SeedBatch, members: Sequence[OneOfMany], train_s: float) -> None:
-        """Look at each gait on fresh samples, and finish its folder."""
-        report = partial(batch.report, seed=FRESH_SAMPLES_SEED)
-        best = [batch.trainer.gait(one.state.best) for one in members]
-        gaits: list[AnyGait] = []
-        reasons: list[NeuralGaitsError | None] = [one.refused for one in members]
-        for number, (one, gait) in enumerate(zip(members, best, strict=True)):
-            if isinstance(gait, CommandedGait) and reasons[number] is None:
-                with _refusal(reasons, number):
-                    gait = calibrated(gait, one.run.robot, one.run.residuals)
-            gaits.append(gait)
-        fresh = report(gaits)
-        aimed = report(best) if self.first.spec.aims else fresh
-        for number, one in enumerate(members):
-            run = replace(one.run, trained=gaits[number])
-            if reasons[number] is None:
-                with _refusal(reasons, number):
-                    run.folder.write_tree(WEIGHTS, run.trained)
-                    found = summary_of(
-                        run,
-                        fresh[number],
-                        aimed[number],
-                        state=one.state,
-                        compile_s=batch.compile_s,
-                        train_s=train_s,
-                        began=self.began,
-                    )
-                    finish(run.folder, found, self.root)
-                    self.done.append(run)
-                    self.rows.append(_row(found))
-                    continue
-            self.rows.append(_refused_row(run, reasons[number]))
-
-    def _stopped(self) -> Interrupted:
-        """What can be gone on with: a run that was begun, and the seeds that were not."""
-        left = [run for run in self.begun if not run.folder.finished]
-        later = self.numbers[len(self.begun) :]
-        rest = f"seeds {later[0]} to {later[-1]} were not begun" if later else ""
-        if not left:
-            again = command(
-                "train", self.first.asked.robot, "--seeds", f"{later[0]}:{later[-1] + 1}"
-            )
-            return Interrupted(again, " and the settings that were given")
-        others = f", and so with each of {len(left) - 1} more" if len(left) > 1 else ""
-        return Interrupted(resuming(left[0].path), f"{others}{rest and '; ' + rest}")
-
-
-def batch_size(count: int, devices: int) -> int:
-    """Seeds of each batch: as few batches as can be, of one size, shared evenly by the devices.
-
-    Args:
-        count: of seeds.
-        devices: that share a batch.
-    """
-    batches = math.ceil(count / (AT_ONCE * devices))
-    return devices * math.ceil(count / batches / devices)
-
-
-@contextmanager
-def _refusal(reasons: list[NeuralGaitsError | None], number: int) -> Iterator[None]:
-    """Keep what refuses a seed, so that the others go on."""
+    way = SeedBatches if as_one_program() else SideBySide
+    many = way(first, path, root, len(numbers))
     try:
-        yield
-    except NeuralGaitsError as error:
-        if is_full(error):
-            raise
-        reasons[number] = error
+        many.train(numbers, progress)
+    except KeyboardInterrupt as stop:
+        raise _stopped(many, numbers) from stop
+    summary = _summary(many, numbers, time.perf_counter() - began)
+    write_text(path / SUMMARY, to_json(summary))
+    runs = tuple(many.done[number] for number in numbers if number in many.done)
+    if runs:
+        # Whichever was the last to finish.
+        name_latest(runs[-1].folder, root)
+    return Seeds(path, runs, summary)
 
 
-def _row(found: Trained) -> TrainedSeed:
+def as_one_program() -> bool:
+    """Whether there are accelerators, or several devices to share a batch."""
+    return jax.default_backend() != "cpu" or len(jax.devices()) > 1
+
+
+def _summary(many: ManySeeds, numbers: range, wall_s: float) -> TrainedSeeds:
+    asked = many.first.asked
+    return TrainedSeeds(
+        folder=str(many.path),
+        robot=asked.robot,
+        spec=asked.spec,
+        conditions=len(many.first.spec.conditions),
+        steps=asked.steps,
+        seeds=tuple(_row(many, number) for number in numbers),
+        batch=many.size,
+        devices=len(jax.devices()),
+        compile_s=many.compile_s,
+        train_s=many.train_s,
+        wall_s=wall_s,
+    )
+
+
+def _row(many: ManySeeds, number: int) -> TrainedSeed:
+    if number in many.refused:
+        line = " ".join(str(many.refused[number]).split())
+        return TrainedSeed(number, str(many.path / str(number)), refused=line)
+    found = many.done[number].summary
     return TrainedSeed(found.seed, found.run, found.loss, tuple(found.broken))
 
 
-def _refused_row(run: Run, reason: NeuralGaitsError | None) -> TrainedSeed:
-    line = " ".join(str(reason).split())
-    return TrainedSeed(run.asked.seed, str(run.path), refused=line)
+def _stopped(many: ManySeeds, numbers: range) -> Interrupted:
+    """What can be gone on with: a run that was begun, and the seeds that were not."""
+    left = [run for run in many.begun if not run.folder.finished]
+    later = numbers[len(many.begun) :]
+    rest = f"seeds {later[0]} to {later[-1]} were not begun" if later else ""
+    if not left:
+        robot = many.first.asked.robot
+        again = command("train", robot, "--seeds", f"{later[0]}:{later[-1] + 1}")
+        return Interrupted(again, " and the settings that were given")
+    others = f", and so with each of {len(left) - 1} more" if len(left) > 1 else ""
+    return Interrupted(resuming(left[0].path), f"{others}{rest and '; ' + rest}")

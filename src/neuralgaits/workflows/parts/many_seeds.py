@@ -1,0 +1,58 @@
+"""What comes of many seeds of one training, however they are computed."""
+
+from abc import ABC, abstractmethod
+from pathlib import Path
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.errors import NeuralGaitsError
+from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.training.trainer import Trainer
+from neuralgaits.workflows.parts.new_training import NewTraining
+
+
+class ManySeeds(ABC):
+    """Trainings that differ in their seeds.
+
+    Attributes:
+        size: seeds that are under way at a time.
+        begun: runs that have a folder, in order.
+        done: finished runs by seed.
+        refused: why a seed could not be trained; its folder keeps what there was.
+        compile_s, train_s: times that compiling and all that follows took.
+    """
+
+    def __init__(self, first: NewTraining, path: Path, root: Path, size: int):
+        """Nothing is begun yet.
+
+        Args:
+            first: of any of the seeds.
+            path: folder of their folders.
+            root: folder of the runs.
+            size: seeds that are to be under way at a time.
+        """
+        self.first, self.path, self.root, self.size = first, path, root, size
+        self.trainer = Trainer.build(
+            first.robot, first.spec, first.gait, steps=first.asked.steps, seed=first.asked.seed
+        )
+        self.begun: list[Run] = []
+        self.done: dict[int, Run] = {}
+        self.refused: dict[int, NeuralGaitsError] = {}
+        self.compile_s = self.train_s = 0.0
+
+    @abstractmethod
+    def train(self, numbers: range, progress: Progress | None) -> None:
+        """Train seeds, and finish their folders.
+
+        Args:
+            numbers: the seeds.
+            progress: called with (steps of all seeds done, in all, mean loss) now and then.
+
+        Raises: InputError if gaits of some seeds differ in more than what is trained;
+            KeyboardInterrupt.
+        """
+
+    def begin(self, seed: int) -> Run:
+        """A run of this seed, with a folder of its own."""
+        run = self.first.of_seed(seed).begun(self.root, self.path / str(seed))
+        self.begun.append(run)
+        return run

@@ -1,0 +1,114 @@
+"""Many seeds on accelerators: batch after batch, each trained as one program."""
+
+import math
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import jax
+
+from neuralgaits.barriers.regions import AnyGait, CommandedGait
+from neuralgaits.errors import NeuralGaitsError, is_full
+from neuralgaits.runs import finish
+from neuralgaits.runs.names import WEIGHTS
+from neuralgaits.training.calibration import calibrated
+from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.training.seed_batch import OneOfMany, SeedBatch
+from neuralgaits.workflows.parts.many_seeds import ManySeeds
+from neuralgaits.workflows.parts.new_training import NewTraining
+from neuralgaits.workflows.train import FRESH_SAMPLES_SEED, summary_of
+
+AT_ONCE = 32
+"""Seeds of a batch for each device: a step of 16 takes as long a seed, and memory is bounded."""
+
+
+class SeedBatches(ManySeeds):
+    """Trainings under `vmap`, a share of each batch on every device."""
+
+    def __init__(self, first: NewTraining, path: Path, root: Path, count: int):
+        """Nothing is begun yet.
+
+        Args:
+            first: of any of the seeds.
+            path: folder of their folders.
+            root: folder of the runs.
+            count: of seeds in all.
+        """
+        super().__init__(first, path, root, batch_size(count, len(jax.devices())))
+        self._batch = SeedBatch(self.trainer, self.size)
+
+    def train(self, numbers: range, progress: Progress | None) -> None:
+        """`ManySeeds.train`."""
+        for at in range(0, len(numbers), self.size):
+            self._train(numbers[at : at + self.size], len(numbers), progress)
+
+    def _train(self, numbers: range, count: int, progress: Progress | None) -> None:
+        steps, before = self.first.asked.steps, len(self.begun)
+        runs = [self.begin(number) for number in numbers]
+
+        def tell(step: int, _: int, loss: float) -> None:
+            if progress is not None:
+                progress(steps * before + step, steps * count, loss)
+
+        began = time.perf_counter()
+        members = self._batch.train(runs, tell)
+        train_s = time.perf_counter() - began - self._batch.compile_s
+        self.compile_s += self._batch.compile_s
+        self.train_s += train_s
+        self._finish(members, began, train_s)
+
+    def _finish(self, members: Sequence[OneOfMany], began: float, train_s: float) -> None:
+        """Look at each gait on fresh samples, and finish its folder."""
+        batch = self._batch
+        report = partial(batch.report, seed=FRESH_SAMPLES_SEED)
+        best = [batch.trainer.gait(one.state.best) for one in members]
+        self.refused |= {one.seed: one.refused for one in members if one.refused is not None}
+        gaits: list[AnyGait] = []
+        for one, gait in zip(members, best, strict=True):
+            if isinstance(gait, CommandedGait) and one.seed not in self.refused:
+                with self._refusal(one):
+                    gait = calibrated(gait, one.run.robot, one.run.residuals)
+            gaits.append(gait)
+        fresh = report(gaits)
+        aimed = report(best) if self.first.spec.aims else fresh
+        for number, one in enumerate(members):
+            if one.seed in self.refused:
+                continue
+            run = replace(one.run, trained=gaits[number])
+            with self._refusal(one):
+                run.folder.write_tree(WEIGHTS, run.trained)
+                found = summary_of(
+                    run,
+                    fresh[number],
+                    aimed[number],
+                    state=one.state,
+                    compile_s=batch.compile_s,
+                    train_s=train_s,
+                    began=began,
+                )
+                finish(run.folder, found, self.root)
+                self.done[one.seed] = run
+
+    @contextmanager
+    def _refusal(self, one: OneOfMany) -> Iterator[None]:
+        """Keep what refuses a seed, so that the others go on."""
+        try:
+            yield
+        except NeuralGaitsError as error:
+            if is_full(error):
+                raise
+            self.refused[one.seed] = error
+
+
+def batch_size(count: int, devices: int) -> int:
+    """Seeds of each batch: as few batches as can be, of one size, shared evenly by the devices.
+
+    Args:
+        count: of seeds.
+        devices: that share a batch.
+    """
+    batches = math.ceil(count / (AT_ONCE * devices))
+    return devices * math.ceil(count / batches / devices)

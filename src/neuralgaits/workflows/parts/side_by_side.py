@@ -1,0 +1,117 @@
+"""Many seeds on the cores of one machine: single trainings beside each other, compiled once.
+
+A program for all seeds takes a processor as long a seed as that of a single training, and rounds
+sums in another order. Side by side they come to the bits that they come to alone.
+"""
+
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+
+from neuralgaits._environment import cores
+from neuralgaits.analysis.run import Run
+from neuralgaits.errors import NeuralGaitsError, is_full
+from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.training.session import compile_steps
+from neuralgaits.workflows.parts.many_seeds import ManySeeds
+from neuralgaits.workflows.parts.new_training import NewTraining
+from neuralgaits.workflows.train import train_to_the_end
+
+
+class SideBySide(ManySeeds):
+    """Trainings on threads: what is compiled, and most of the time, needs no lock of Python."""
+
+    def __init__(self, first: NewTraining, path: Path, root: Path, count: int):
+        """Nothing is begun yet.
+
+        Args:
+            first: of any of the seeds.
+            path: folder of their folders.
+            root: folder of the runs.
+            count: of seeds in all.
+        """
+        super().__init__(first, path, root, min(cores(), count))
+        self._lock = threading.Lock()
+        self._stopped = False
+
+    def train(self, numbers: range, progress: Progress | None) -> None:
+        """`ManySeeds.train`."""
+        began = time.perf_counter()
+        # Threads that meet in a call compile it twice.
+        compile_steps(self.trainer, self.trainer.init(self.first.gait))
+        compiled = time.perf_counter()
+        self.compile_s = compiled - began
+        left, told = iter(numbers), _Told(progress, self.first.asked.steps * len(numbers))
+        with ThreadPoolExecutor(self.size) as pool:
+            threads = [pool.submit(self._work, left, told) for _ in range(self.size)]
+            try:
+                wait(threads, return_when=FIRST_EXCEPTION)
+            finally:
+                # Whether it is Ctrl-C here or an exception there, the others are to end.
+                self._stopped |= any(not thread.done() for thread in threads)
+        _raise_of(threads)
+        self.train_s = time.perf_counter() - compiled
+
+    def _work(self, left: Iterator[int], told: "_Told") -> None:
+        """Train one seed after another."""
+        try:
+            while (run := self._next(left)) is not None:
+                self._train(run, told)
+        except BaseException:
+            self._stopped = True
+            raise
+
+    def _next(self, left: Iterator[int]) -> Run | None:
+        with self._lock:
+            number = None if self._stopped else next(left, None)
+            return None if number is None else self.begin(number)
+
+    def _train(self, run: Run, told: "_Told") -> None:
+        seed, began = run.asked.seed, time.perf_counter()
+        trainer = self.trainer.of_seed(seed, run.trained)
+
+        def tell(step: int, _: int, loss: float) -> None:
+            with self._lock:
+                if self._stopped:
+                    raise KeyboardInterrupt
+                try:
+                    told.step(seed, step, loss)
+                except BaseException:
+                    self._stopped = True
+                    raise
+
+        try:
+            self.done[seed] = train_to_the_end(
+                run, progress=tell, watch=None, root=self.root, began=began, trainer=trainer
+            )
+        except NeuralGaitsError as error:
+            if is_full(error):
+                raise
+            self.refused[seed] = error
+
+
+class _Told:
+    """What is told of all seeds: the sum of their steps, and the mean of their last losses."""
+
+    def __init__(self, progress: Progress | None, steps: int):
+        self.progress, self.steps = progress, steps
+        self.last: dict[int, tuple[int, float]] = {}
+
+    def step(self, seed: int, step: int, loss: float) -> None:
+        """A seed has come to a step, with a loss."""
+        self.last[seed] = step, loss
+        if self.progress is not None:
+            steps, losses = zip(*self.last.values(), strict=True)
+            self.progress(sum(steps), self.steps, sum(losses) / len(losses))
+
+
+def _raise_of(threads: Sequence[Future[None]]) -> None:
+    """Raise what one was stopped by: an error of its own before that the others were stopped."""
+    found = [error for thread in threads if (error := thread.exception()) is not None]
+    for error in found:
+        if not isinstance(error, KeyboardInterrupt):
+            raise error
+    if found:
+        raise KeyboardInterrupt
