@@ -309,7 +309,7 @@ def test_ctrl_c_keeps_every_seed_and_says_how_to_go_on(way, amber, tmp_path, mon
     last = 1 if way == "one program" else 0
     assert folder.path.name == str(last) and folder.path.parents[2] == tmp_path / "seeds"
     assert stopped.value.command.endswith(f"train --resume {folder.path.with_name('0')}")
-    others = f", and so with each of {last} more" if last else ""
+    others = f"; and so with each of {last} more" if last else ""
     assert stopped.value.more == f"{others}; seeds {last + 1} to 4 were not begun"
     assert not folder.path.with_name(str(last + 1)).exists()
 
@@ -335,6 +335,52 @@ def test_ctrl_c_ends_all_threads_and_what_was_begun_can_be_gone_on_with(
     again = train(resume=out / str(left[0]), root=tmp_path)
     alone = train(amber, SMALL, seed=left[0], steps=STEPS, out=tmp_path / "alone", root=tmp_path)
     assert eqx.tree_equal(again.trained, alone.trained)
+
+
+@pytest.fixture
+def stopped_after(monkeypatch):
+    """Ctrl-C that comes when so many seeds have ended."""
+    whole = side_by_side.SideBySide.train
+
+    def after(count):
+        def train(self, numbers, progress):
+            whole(self, numbers[:count], progress)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(side_by_side.SideBySide, "train", train)
+
+    return after
+
+
+def test_ctrl_c_behind_the_last_step_of_all_is_too_late(amber, tmp_path, stopped_after):
+    stopped_after(2)
+    done = train_seeds(amber, SMALL, seeds=(0, 2), steps=5, out=tmp_path / "out", root=tmp_path)
+    assert [run.asked.seed for run in done.runs] == [0, 1]
+    assert len(json.loads((tmp_path / "out" / "seeds.json").read_text())["seeds"]) == 2
+
+
+def test_ctrl_c_between_seeds_says_what_was_refused_and_what_was_not_begun(
+    amber, tmp_path, monkeypatch, stopped_after
+):
+    """Whoever goes on needs another folder; a seed that was refused is none to go on with."""
+    look, step = Trainer.careful, Trainer.step
+    monkeypatch.setattr(
+        Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
+    )
+
+    def nan_of_first(self, state, count=1):
+        if self.seed == 0:
+            state = state._replace(parameters=np.full_like(state.parameters, np.nan))
+        return step(self, state, count)
+
+    monkeypatch.setattr(Trainer, "step", nan_of_first)
+    stopped_after(2)
+    with pytest.raises(Interrupted) as stopped:
+        train_seeds(amber, SMALL, seeds=(0, 9), steps=5, out=tmp_path / "out", root=tmp_path)
+    assert stopped.value.command.endswith("train amber3m --seeds 2:9")
+    assert stopped.value.more == (
+        " and the settings that were given, in another folder; refused, see nan.json: 0"
+    )
 
 
 def test_an_error_of_one_ends_all_and_is_raised(amber, tmp_path, monkeypatch):

@@ -52,8 +52,9 @@ def show_seeds(result: TrainedSeeds) -> None:
     """How many seeds hold, those that do not, and the best."""
     every, holding, refused = len(result.seeds), result.holding, result.refused
     state = Text("trained", "yellow" if refused else "green")
-    held = f"all {result.conditions} conditions hold on fresh samples of {len(holding)}"
-    show_sentence(state, f": {every - len(refused)} of {every} seeds; {held}")
+    held = f"; all {result.conditions} conditions hold on fresh samples of {len(holding)}"
+    trained = every - len(refused)
+    show_sentence(state, f": {trained} of {every} seeds{held if trained else ''}")
     for one in refused[:ROWS]:
         show_sentence(f"seed {one.seed}: {one.refused}", hang=2)
     failing = sorted((one for one in result.seeds if one.broken), key=lambda one: -_count(one))

@@ -2,9 +2,13 @@
 
 import os
 import tempfile
+import threading
 from pathlib import Path
 
 from neuralgaits.errors import InputError
+
+_MASK = threading.Lock()
+"""Two threads that set and restore the mask could leave what one of them set."""
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -61,8 +65,9 @@ def refuse_unwritable(path: Path) -> None:
 
 def _umask() -> int:
     """The process's file mode mask, which can only be read by setting it."""
-    mask = os.umask(0o022)
-    os.umask(mask)
+    with _MASK:
+        mask = os.umask(0o077)
+        os.umask(mask)
     return mask
 
 

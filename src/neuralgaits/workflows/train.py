@@ -131,7 +131,7 @@ def train_to_the_end(
         progress: of `train`.
         watch: of `train`.
         root: folder of the runs.
-        began: when the command did (s, of `time.perf_counter`).
+        began: when the command, or this seed of many, did (s, of `time.perf_counter`).
         trainer: of `take_all_steps`.
 
     Raises: NonFiniteError; Interrupted for KeyboardInterrupt.
@@ -186,7 +186,7 @@ def summary_of(
         state: at the last step.
         compile_s: time that compiling took.
         train_s: time of the steps.
-        began: when the command did (s, of `time.perf_counter`).
+        began: when the command, or this seed of many, did (s, of `time.perf_counter`).
         proof: that was asked for.
     """
     asked = run.asked

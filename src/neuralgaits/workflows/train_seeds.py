@@ -80,7 +80,8 @@ def train_seeds(
         step_height: range of their heights above the stance foot (m).
         slope: range of slopes of the ground (rad).
         parameters: box of robots that the gaits are meant for.
-        progress: called with (steps of all seeds done, in all, mean loss) now and then.
+        progress: called with (steps of all seeds done, in all, mean loss) now and then, from one
+            thread at a time, which need not be the caller's.
         root: folder of the runs.
 
     Returns: `Seeds`; a seed whose training ends in NaN, or which a later part refuses, is among
@@ -113,7 +114,9 @@ def train_seeds(
     try:
         many.train(numbers, progress)
     except KeyboardInterrupt as stop:
-        raise _stopped(many, numbers) from stop
+        if len(many.done) + len(many.refused) < len(numbers):
+            raise _stopped(many, numbers) from stop
+        # It came behind the last step of all.
     summary = _summary(many, numbers, time.perf_counter() - began)
     write_text(path / SUMMARY, to_json(summary))
     runs = tuple(many.done[number] for number in numbers if number in many.done)
@@ -154,13 +157,19 @@ def _row(many: ManySeeds, number: int) -> TrainedSeed:
 
 
 def _stopped(many: ManySeeds, numbers: range) -> Interrupted:
-    """What can be gone on with: a run that was begun, and the seeds that were not."""
-    left = [run for run in many.begun if not run.folder.finished]
+    """What can be gone on with: runs that were begun, and the seeds that were not."""
+    left = [one for one in many.begun if one.asked.seed not in many.done | many.refused]
     later = numbers[len(many.begun) :]
-    rest = f"seeds {later[0]} to {later[-1]} were not begun" if later else ""
+    rest = [f"and so with each of {len(left) - 1} more"] if len(left) > 1 else []
+    if many.refused:
+        rest.append(f"refused, see nan.json: {', '.join(map(str, sorted(many.refused)))}")
     if not left:
         robot = many.first.asked.robot
         again = command("train", robot, "--seeds", f"{later[0]}:{later[-1] + 1}")
-        return Interrupted(again, " and the settings that were given")
-    others = f", and so with each of {len(left) - 1} more" if len(left) > 1 else ""
-    return Interrupted(resuming(left[0].path), f"{others}{rest and '; ' + rest}")
+        more = "; ".join(["and the settings that were given, in another folder", *rest])
+        return Interrupted(again, f" {more}")
+    if len(later) > 1:
+        rest.append(f"seeds {later[0]} to {later[-1]} were not begun")
+    elif later:
+        rest.append(f"seed {later[0]} was not begun")
+    return Interrupted(resuming(left[0].path), "".join(f"; {part}" for part in rest))

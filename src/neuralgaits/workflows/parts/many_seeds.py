@@ -45,7 +45,8 @@ class ManySeeds(ABC):
 
         Args:
             numbers: the seeds.
-            progress: called with (steps of all seeds done, in all, mean loss) now and then.
+            progress: called with (steps of all seeds done, in all, mean loss) now and then, from
+                one thread at a time, but not from this one; refused seeds do not count.
 
         Raises: InputError if gaits of some seeds differ in more than what is trained;
             KeyboardInterrupt.

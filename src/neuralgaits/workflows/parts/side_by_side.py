@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
 from pathlib import Path
 
 from neuralgaits._environment import cores
@@ -43,14 +44,16 @@ class SideBySide(ManySeeds):
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
         compiled = time.perf_counter()
         self.compile_s = compiled - began
-        left, told = iter(numbers), _Told(progress, self.first.asked.steps * len(numbers))
-        with ThreadPoolExecutor(self.size) as pool:
-            threads = [pool.submit(self._work, left, told) for _ in range(self.size)]
-            try:
-                wait(threads, return_when=FIRST_EXCEPTION)
-            finally:
-                # Whether it is Ctrl-C here or an exception there, the others are to end.
-                self._stopped |= any(not thread.done() for thread in threads)
+        left, told = iter(numbers), _Told(progress, self.first.asked.steps, len(numbers))
+        pool = ThreadPoolExecutor(self.size)
+        threads = [pool.submit(self._work, left, told) for _ in range(self.size)]
+        try:
+            wait(threads, return_when=FIRST_EXCEPTION)
+        finally:
+            # Whether it is Ctrl-C here or an exception there, the others are to end.
+            self._stopped |= any(not thread.done() for thread in threads)
+            _until_ended(threads)
+            pool.shutdown()
         _raise_of(threads)
         self.train_s = time.perf_counter() - compiled
 
@@ -90,13 +93,15 @@ class SideBySide(ManySeeds):
             if is_full(error):
                 raise
             self.refused[seed] = error
+            with self._lock:
+                told.refused(seed)
 
 
 class _Told:
     """What is told of all seeds: the sum of their steps, and the mean of their last losses."""
 
-    def __init__(self, progress: Progress | None, steps: int):
-        self.progress, self.steps = progress, steps
+    def __init__(self, progress: Progress | None, steps: int, seeds: int):
+        self.progress, self.every, self.seeds = progress, steps, seeds
         self.last: dict[int, tuple[int, float]] = {}
 
     def step(self, seed: int, step: int, loss: float) -> None:
@@ -104,7 +109,19 @@ class _Told:
         self.last[seed] = step, loss
         if self.progress is not None:
             steps, losses = zip(*self.last.values(), strict=True)
-            self.progress(sum(steps), self.steps, sum(losses) / len(losses))
+            self.progress(sum(steps), self.every * self.seeds, sum(losses) / len(losses))
+
+    def refused(self, seed: int) -> None:
+        """There is nothing to come of a seed."""
+        self.last.pop(seed, None)
+        self.seeds -= 1
+
+
+def _until_ended(threads: Sequence[Future[None]]) -> None:
+    """Wait for what ends at its next look, however often Ctrl-C is pressed."""
+    while not all(thread.done() for thread in threads):
+        with suppress(KeyboardInterrupt):
+            wait(threads)
 
 
 def _raise_of(threads: Sequence[Future[None]]) -> None:
