@@ -1,7 +1,8 @@
 """`runs/latest`: a text file that names the run whose training finished last.
 
-Of many seeds that one command trained it is the one with the highest number. A run is named only when its summary is on disk, so `latest` can always be simulated.
-Runs under the root are named relative to it, so that the folder can be moved.
+Of many seeds that one command trained it is the one with the highest number. A run is named only
+when its summary is on disk, so `latest` can always be simulated. Runs under the root are named
+relative to it, so that the folder can be moved.
 """
 
 from collections.abc import Mapping
