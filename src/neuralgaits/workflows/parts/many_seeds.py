@@ -21,16 +21,17 @@ class ManySeeds(ABC):
         compile_s, train_s: times that compiling and all that follows took.
     """
 
-    def __init__(self, first: NewTraining, path: Path, root: Path, size: int):
+    def __init__(self, first: NewTraining, path: Path, root: Path, count: int):
         """Nothing is begun yet.
 
         Args:
             first: of any of the seeds.
             path: folder of their folders.
             root: folder of the runs.
-            size: seeds that are to be under way at a time.
+            count: of seeds in all.
         """
-        self.first, self.path, self.root, self.size = first, path, root, size
+        self.first, self.path, self.root = first, path, root
+        self.size = self.at_a_time(count)
         self.trainer = Trainer.build(
             first.robot, first.spec, first.gait, steps=first.asked.steps, seed=first.asked.seed
         )
@@ -39,6 +40,11 @@ class ManySeeds(ABC):
         self.refused: dict[int, NeuralGaitsError] = {}
         self.compile_s = self.train_s = 0.0
 
+    @staticmethod
+    @abstractmethod
+    def at_a_time(count: int) -> int:
+        """Seeds that are to be under way at a time, of so many in all."""
+
     @abstractmethod
     def train(self, numbers: range, progress: Progress | None) -> None:
         """Train seeds, and finish their folders.
@@ -46,7 +52,7 @@ class ManySeeds(ABC):
         Args:
             numbers: the seeds.
             progress: called with (steps of all seeds done, in all, mean loss) now and then, from
-                one thread at a time, but not from this one; refused seeds do not count.
+                one thread at a time, which need not be this one.
 
         Raises: InputError if gaits of some seeds differ in more than what is trained;
             KeyboardInterrupt.

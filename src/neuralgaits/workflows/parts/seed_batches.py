@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import jax
 
@@ -18,7 +17,6 @@ from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.seed_batch import OneOfMany, SeedBatch
 from neuralgaits.workflows.parts.many_seeds import ManySeeds
-from neuralgaits.workflows.parts.new_training import NewTraining
 from neuralgaits.workflows.train import FRESH_SAMPLES_SEED, summary_of
 
 AT_ONCE = 32
@@ -28,20 +26,14 @@ AT_ONCE = 32
 class SeedBatches(ManySeeds):
     """Trainings under `vmap`, a share of each batch on every device."""
 
-    def __init__(self, first: NewTraining, path: Path, root: Path, count: int):
-        """Nothing is begun yet.
-
-        Args:
-            first: of any of the seeds.
-            path: folder of their folders.
-            root: folder of the runs.
-            count: of seeds in all.
-        """
-        super().__init__(first, path, root, batch_size(count, len(jax.devices())))
-        self._batch = SeedBatch(self.trainer, self.size)
+    @staticmethod
+    def at_a_time(count: int) -> int:
+        """A batch."""
+        return batch_size(count, len(jax.devices()))
 
     def train(self, numbers: range, progress: Progress | None) -> None:
         """`ManySeeds.train`."""
+        self._batch = SeedBatch(self.trainer, self.size)
         for at in range(0, len(numbers), self.size):
             self._train(numbers[at : at + self.size], len(numbers), progress)
 

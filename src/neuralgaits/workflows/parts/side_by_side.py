@@ -9,7 +9,6 @@ import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
-from pathlib import Path
 
 from neuralgaits._environment import cores
 from neuralgaits.analysis.run import Run
@@ -17,29 +16,23 @@ from neuralgaits.errors import NeuralGaitsError, is_full
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import compile_steps
 from neuralgaits.workflows.parts.many_seeds import ManySeeds
-from neuralgaits.workflows.parts.new_training import NewTraining
 from neuralgaits.workflows.train import train_to_the_end
 
 
 class SideBySide(ManySeeds):
     """Trainings on threads: what is compiled, and most of the time, needs no lock of Python."""
 
-    def __init__(self, first: NewTraining, path: Path, root: Path, count: int):
-        """Nothing is begun yet.
+    _stopped = False
+    """Whether no seed is to go on."""
 
-        Args:
-            first: of any of the seeds.
-            path: folder of their folders.
-            root: folder of the runs.
-            count: of seeds in all.
-        """
-        super().__init__(first, path, root, min(cores(), count))
-        self._lock = threading.Lock()
-        self._stopped = False
+    @staticmethod
+    def at_a_time(count: int) -> int:
+        """One on each core."""
+        return min(cores(), count)
 
     def train(self, numbers: range, progress: Progress | None) -> None:
         """`ManySeeds.train`."""
-        began = time.perf_counter()
+        began, self._lock = time.perf_counter(), threading.Lock()
         # Threads that meet in a call compile it twice.
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
         compiled = time.perf_counter()
