@@ -16,7 +16,7 @@ import pytest
 import neuralgaits as ng
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
-from neuralgaits.errors import InputError, Interrupted
+from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.runs import resolve, resolve_unfinished
 from neuralgaits.runs.names import STATE, SUMMARY
 from neuralgaits.training import gradient_steps, seed_batch
@@ -274,6 +274,29 @@ def test_a_seed_without_a_way_out_is_refused_with_its_reason(
     assert [row["refused"] is None for row in rows] == [True, False, True]
     assert (root / out / "1" / "nan.json").is_file()
     assert resolve("latest", root / "runs").path == (root / out / "2").resolve()
+
+
+def test_progress_ends_at_all_steps_though_the_last_seed_is_refused(amber, tmp_path, monkeypatch):
+    monkeypatch.setattr(side_by_side, "cores", lambda: 1)
+    told, whole = [], side_by_side.train_to_the_end
+
+    def refusing(run, **how):
+        if run.asked.seed == 1:
+            raise NonFiniteError("no way out")
+        return whole(run, **how)
+
+    monkeypatch.setattr(side_by_side, "train_to_the_end", refusing)
+    found = train_seeds(
+        amber,
+        SMALL,
+        seeds=(0, 2),
+        steps=5,
+        root=tmp_path,
+        progress=lambda *news: told.append(news),
+    )
+    assert len(found.runs) == 1
+    done, steps, _ = told[-1]
+    assert done == steps == 5
 
 
 def test_devices_share_a_batch(amber, root, together):

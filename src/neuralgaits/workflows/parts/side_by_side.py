@@ -100,14 +100,18 @@ class _Told:
     def step(self, seed: int, step: int, loss: float) -> None:
         """A seed has come to a step, with a loss."""
         self.last[seed] = step, loss
-        if self.progress is not None:
-            steps, losses = zip(*self.last.values(), strict=True)
-            self.progress(sum(steps), self.every * self.seeds, sum(losses) / len(losses))
+        self._tell()
 
     def refused(self, seed: int) -> None:
         """There is nothing to come of a seed."""
         self.last.pop(seed, None)
         self.seeds -= 1
+        self._tell()
+
+    def _tell(self) -> None:
+        if self.progress is not None and self.last:
+            steps, losses = zip(*self.last.values(), strict=True)
+            self.progress(sum(steps), self.every * self.seeds, sum(losses) / len(losses))
 
 
 def _until_ended(threads: Sequence[Future[None]]) -> None:
