@@ -36,6 +36,17 @@ def trained(
     return train(model, spec, seed=seed, hidden=hidden, out=folder, root=ROOT)
 
 
+def whole(name: str, default: int, *, least: int = 1) -> int:
+    """A whole number that an environment variable may set; ends the process if it is none."""
+    text = os.environ.get(name, str(default))
+    if not (text.isdecimal() and int(text) >= least):
+        print(
+            f"expected {name} to be a whole number from {least} on, found {text!r}", file=sys.stderr
+        )
+        sys.exit(2)
+    return int(text)
+
+
 def seeds(default: int = 20) -> range:
     """Seeds to run: all of them, or as many as the environment variable SEEDS says."""
     return range(int(os.environ.get("SEEDS", default)))

@@ -5,9 +5,10 @@
     WALKS=1 SAMPLES=50000 python benchmarks/peers.py ppo
 
 Every row is found by running it here; what cannot be run is a row that says why. Falls are counted
-as `sweep` counts them: WALKS walks (4) of 25 steps under each of the eighteen disturbances.
-Times are of a processor, waiting left out. PPO learns with SEEDS seeds (1); `ppo` reads those that
-are in runs/bench/peers/ppo already and learns the others.
+as `sweep` counts them: WALKS walks (20; of PPO TRIALS, 2) of 25 steps under each of the eighteen
+disturbances. Times are of a processor, of the whole command, with nothing compiled before. PPO
+learns with SEEDS seeds (1); `ppo` reads those that are in runs/bench/peers/ppo already, of as many
+samples and trials, and learns the others.
 """
 
 import json
@@ -15,7 +16,7 @@ import os
 import shutil
 import subprocess
 import sys
-import time
+import tempfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -23,25 +24,24 @@ from typing import Any
 
 import numpy as np
 from clf_qp import tick_times
-from common import ROOT
+from common import ROOT, whole
 from ppo_row import row as row_of_seeds
+from ppo_row import which
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import NeuralGaitsError
-from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.demo import TOLD
 from neuralgaits.workflows.simulate import simulate
-from neuralgaits.workflows.train import train
 
 ROBOT, STEPS = "amber3m", 25
-WALKS, SEED = int(os.environ.get("WALKS", 4)), int(os.environ.get("SEED", 0))
-SAMPLES = int(os.environ.get("SAMPLES", 400_000))
-"""Environment steps of PPO, of 20 ms each."""
-SEEDS = int(os.environ.get("SEEDS", 1))
-SHARE = int(os.environ.get("SHARE", 8))
+WALKS, SEED = whole("WALKS", 20), whole("SEED", 0, least=0)
+SAMPLES, TRIALS = whole("SAMPLES", 300_000), whole("TRIALS", 2)
+"""Environment steps of PPO, of 20 ms each, and its walks of each kind: of every seed."""
+SEEDS = whole("SEEDS", 1)
+SHARE = whole("SHARE", 8)
 """The paper's batch of 4096 is divided by this: the whole takes minutes of a processor."""
 FEWER = """from dataclasses import replace
 
@@ -57,7 +57,7 @@ PLACE = ROOT / "peers"
 PPO = Path(__file__).parents[1] / "examples" / "ppo.py"
 ASKED = 0.7
 """Of PPO's policy, in the trials of its script [m/s]."""
-NOTHING = "-"
+NOTHING, LEARNED = "-", "learned.json"
 
 
 @dataclass(frozen=True)
@@ -66,10 +66,11 @@ class Row:
 
     Attributes:
         commands: lines that repeat it.
-        learn_s: processor time up to the first walk [s].
+        learn_s: processor time up to the gait, of PPO to the first walk of 50 steps [s].
         samples: that learning looked at, with what they are.
         speed, cost: of walks that nothing disturbs [m/s], mechanical [1].
         fell, walks: under the eighteen disturbances, all together.
+        under: which of them it fell under, and how often.
         undisturbed: falls without a disturbance, of as many walks as under each.
         range: of commands.
         tick_us: processor time of a control tick in C, p50 and p99 [us].
@@ -84,6 +85,7 @@ class Row:
     cost: float | None = None
     fell: int | None = None
     walks: int | None = None
+    under: str = ""
     undisturbed: str = NOTHING
     range: str = "none"
     tick_us: tuple[float, float] | None = None
@@ -91,65 +93,63 @@ class Row:
     note: str = ""
 
 
-def of_gait(
-    line: str, controller: str, level: int | None, name: str = "walking", **how: Any
-) -> Row:
-    """A gait that `train` makes, kept under a name that says all that decides it but the seed."""
+def of_gait(line: str, controller: str, level: int | None, name: str) -> Row:
+    """A gait that a command makes, kept under a name that says all that decides it but the seed."""
     folder = PLACE / f"{name}-{SEED}"
-    kept = folder / "learned.json"
-    before = time.process_time()
-    if kept.is_file():
-        run = open_run(folder)
-    else:
-        run = train(load_robot(ROBOT), seed=SEED, out=folder, root=PLACE, **how)
-        first = simulate(run, controller=controller, steps=STEPS)
-        kept.write_text(json.dumps([time.process_time() - before, first.summary.stayed]))
-    learn_s, stayed = json.loads(kept.read_text())
+    if said := made(line, folder):
+        return Row((line,), note=f"not made: {said}")
+    run = open_run(folder)
     points = sum(run.spec.recipe.samples.values()) * run.summary.steps
-    row = walked(run, controller)
-    proved = NOTHING if level is None else proved_of(run, level)
-    command = f"simulate latest --controller {controller} --disturb ..."
+    commands = [line, f"simulate latest --controller {controller} --disturb ..."]
+    if level is not None:
+        commands.append(f"certify latest --level {level}")
     return Row(
-        commands=(line, command, *(() if level is None else (f"certify latest --level {level}",))),
-        learn_s=learn_s if stayed else None,
-        samples=f"{points / 1e6:.2g} M points of the region",
-        proved="nothing" if level is None else proved,
-        **row,
+        commands=tuple(commands),
+        learn_s=json.loads((folder / LEARNED).read_text()),
+        samples=f"{points / 1e6:.2g} M points of the region" if points else "no samples",
+        proved="nothing" if level is None else proved_of(run, level),
+        **walked(run, controller),
     )
+
+
+def made(line: str, folder: Path) -> str:
+    """Make a gait, unless it is there, as a process that finds nothing compiled.
+
+    Returns: why there is none; nothing if there is.
+    """
+    kept = folder / LEARNED
+    if kept.is_file():
+        return ""
+    shutil.rmtree(folder, ignore_errors=True)
+    before = resource_s()
+    with tempfile.TemporaryDirectory() as empty:
+        words = [sys.executable, "-m", "neuralgaits", *line.split(), "--out", str(folder)]
+        setting = {k: v for k, v in os.environ.items() if k != "JAX_COMPILATION_CACHE_DIR"}
+        setting["XDG_CACHE_HOME"] = empty
+        done = subprocess.run(words, capture_output=True, text=True, check=False, env=setting)
+    if done.returncode != 0:
+        return " ".join(done.stderr.split())[:120]
+    kept.write_text(json.dumps(resource_s() - before))
+    return ""
+
+
+def of_training(controller: str) -> Row:
+    """What is trained if nothing else is asked for."""
+    return of_gait(f"train {ROBOT} --seed {SEED}", controller, 3, "walking")
 
 
 def of_paper(spec: str) -> Row:
-    """The paper's Table 1 and the one condition that it lacks, or its code; under its law."""
+    """The paper's Table 1, also with the one condition that it lacks, or its code; its own law."""
     file = PLACE / f"fewer_{spec.replace('-', '_')}.py"
     file.write_text(FEWER.format(spec=spec, share=SHARE))
-    line = f"train {ROBOT} --spec {file}:fewer"
-    row = of_gait(line, "paper", None, f"{spec}-{SHARE}", spec=f"{file}:fewer")
-    return replace(row, note=f"1/{SHARE} of the paper's batch")
+    line = f"train {ROBOT} --spec {file}:fewer --seed {SEED}"
+    row = of_gait(line, "paper", None, f"{spec}-{SHARE}")
+    return replace(row, note=f"{row.note} 1/{SHARE} of the paper's batch".strip())
 
 
 def of_optimised(controller: str) -> Row:
-    """A gait that `optimise` makes, where this version has that verb."""
-    line = f"optimise {ROBOT} --speed 0.7"
-    folder = PLACE / f"optimised-{SEED}"
-    before = resource_s()
-    if not (folder / "summary.json").is_file():
-        made = verb(*line.split(), "--out", str(folder))
-        if made.returncode != 0:
-            return Row((line,), note=f"not made: {' '.join(made.stderr.split())[:120]}")
-        (folder / "learned.json").write_text(json.dumps(resource_s() - before))
-    run = open_run(folder)
-    row = walked(run, controller)
-    return Row(
-        commands=(
-            line,
-            f"simulate latest --controller {controller} --disturb ...",
-            "certify latest",
-        ),
-        learn_s=json.loads((folder / "learned.json").read_text()),
-        samples="no samples: an optimisation",
-        proved=proved_of(run, 3),
-        **row,
-    )
+    """A gait that `optimise` makes."""
+    return of_gait(f"optimise {ROBOT} --speed 0.7", controller, 3, "optimised")
 
 
 def walked(run: Run, controller: str) -> dict[str, Any]:
@@ -157,10 +157,10 @@ def walked(run: Run, controller: str) -> dict[str, Any]:
     settings: dict[str, Any] = {"controller": controller, "steps": STEPS, "start": "region"}
     settings |= {"seed": SEED, "episodes": WALKS}
     free = simulate(run, **settings).summary
-    found = [
-        simulate(run, disturb=disturbance, **settings).summary
-        for disturbance in DISTURBANCE_SET.values()
-    ]
+    found = {
+        name: simulate(run, disturb=disturbance, **settings).summary.fell
+        for name, disturbance in DISTURBANCE_SET.items()
+    }
     try:
         tick = tuple(float(t) for t in np.percentile(tick_times(run, controller), [50, 99]))
     except (AssertionError, NeuralGaitsError):
@@ -168,8 +168,9 @@ def walked(run: Run, controller: str) -> dict[str, Any]:
     return {
         "speed": free.speed_m_s,
         "cost": free.cost_of_transport,
-        "fell": sum(sum(one.fell) for one in found),
-        "walks": sum(len(one.fell) for one in found),
+        "fell": sum(map(sum, found.values())),
+        "walks": sum(map(len, found.values())),
+        "under": which({name: (sum(fell), len(fell)) for name, fell in found.items()}),
         "undisturbed": f"{sum(free.fell)} of {len(free.fell)}",
         "range": commanded(run, controller),
         "tick_us": tick,
@@ -220,27 +221,22 @@ def proved_of(run: Run, level: int) -> str:
 
 def of_ppo() -> Row:
     """Reinforcement learning, as `examples/ppo.py` finds it."""
-    line = f"examples/ppo.py --samples {SAMPLES} --seed {SEED}"
+    line = f"examples/ppo.py --samples {SAMPLES} --trials {TRIALS} --seed {SEED}"
     if SEEDS > 1:
         line += f", and seeds to {SEED + SEEDS - 1}"
     place, found = PLACE / "ppo", []
     for seed in range(SEED, SEED + SEEDS):
         file = place / f"learned-{seed}.json"
-        if not file.is_file():
+        asked = {"samples": SAMPLES, "trials": TRIALS}
+        if not (file.is_file() and asked.items() <= json.loads(file.read_text())["asked"].items()):
             words = [sys.executable, str(PPO), "--samples", str(SAMPLES), "--seed", str(seed)]
-            words += ["--trials", str(WALKS), "--out", str(place)]
+            words += ["--trials", str(TRIALS), "--out", str(place)]
             done = subprocess.run(words, capture_output=True, text=True, check=False)
             if done.returncode != 0:
                 said = (done.stderr.strip().splitlines() or ["it failed"])[-1]
                 return Row((line,), note=f"not made: {said[:120]}")
         found.append(json.loads(file.read_text()))
     return Row((line,), **row_of_seeds(found, asked=ASKED, steps=STEPS))
-
-
-def verb(*words: str) -> subprocess.CompletedProcess[str]:
-    """The program, as a process of its own."""
-    line = [sys.executable, "-m", "neuralgaits", *words]
-    return subprocess.run(line, capture_output=True, text=True, check=False)
 
 
 def resource_s() -> float:
@@ -250,10 +246,11 @@ def resource_s() -> float:
 
 
 ROWS: dict[str, Callable[[], Row]] = {
-    "walking": lambda: of_gait(f"train {ROBOT}", "pd", 3),
-    "walking-fblin": lambda: of_gait(f"train {ROBOT}", "fblin", 3),
-    "walking-clf-qp": lambda: of_gait(f"train {ROBOT}", "clf-qp", 3),
+    "walking": lambda: of_training("pd"),
+    "walking-fblin": lambda: of_training("fblin"),
+    "walking-clf-qp": lambda: of_training("clf-qp"),
     "speed": of_shipped,
+    "paper": lambda: of_paper("paper"),
     "paper-walks": lambda: of_paper("paper-walks"),
     "authors": lambda: of_paper("authors"),
     "hzd-pd": lambda: of_optimised("pd"),
@@ -264,7 +261,7 @@ ROWS: dict[str, Callable[[], Row]] = {
 
 def table(rows: dict[str, Row]) -> str:
     """The rows as Markdown."""
-    head = "row|first walk|samples|speed|cost|falls, undisturbed|falls under the 18|commands|tick"
+    head = "row|gait|samples|speed|cost|falls, undisturbed|falls under the 18|commands|tick"
     head += "|proved|"
     lines = ["|" + head, "|" + "---|" * (head.count("|"))]
     for name, row in rows.items():
@@ -283,7 +280,11 @@ def table(rows: dict[str, Row]) -> str:
         lines.append("| " + " | ".join(cells) + " |")
     lines += [
         "",
-        *(f"- `{name}`: {'; '.join(row.commands)}. {row.note}" for name, row in rows.items()),
+        *(
+            " ".join(part for part in (f"- `{name}`: {'; '.join(row.commands)}.", row.note) if part)
+            + (f" Fell: {row.under}." if row.under else "")
+            for name, row in rows.items()
+        ),
     ]
     return "\n".join(lines)
 
@@ -297,7 +298,8 @@ def main() -> None:
     """Make the rows that are named, or all of them; print all that are kept."""
     wanted = sys.argv[1:] or list(ROWS)
     if unknown := [name for name in wanted if name not in ROWS]:
-        sys.exit(f"expected rows of {', '.join(ROWS)}, found {', '.join(unknown)}")
+        print(f"expected rows of {', '.join(ROWS)}, found {', '.join(unknown)}", file=sys.stderr)
+        sys.exit(2)
     PLACE.mkdir(parents=True, exist_ok=True)
     for name in wanted:
         row = ROWS[name]()

@@ -24,12 +24,18 @@ def fell(trials: Iterable[dict[str, Any]], steps: int) -> tuple[int, int]:
     return walked.count(False), len(walked)
 
 
-def kept_speeds(found: dict[str, Any], steps: int) -> list[tuple[float, float]]:
-    """Speeds asked for at which every trial walked so many steps, and what was walked (m/s)."""
+def which(found: dict[str, tuple[int, int]]) -> str:
+    """What was fallen under how often, most often first, from falls and walks under each."""
+    often = sorted(found.items(), key=lambda one: -one[1][0] / one[1][1])
+    return ", ".join(f"{name} {down} of {count}" for name, (down, count) in often if down)
+
+
+def kept_speeds(found: dict[str, Any]) -> list[tuple[float, float]]:
+    """Speeds asked for at which every trial walked all its steps, and what was walked (m/s)."""
     return [
         (float(asked), one["speed_m_s"])
         for asked, one in found["speeds"].items()
-        if fell([one], steps)[0] == 0 and one["speed_m_s"] is not None
+        if fell([one], one["steps"])[0] == 0 and one["speed_m_s"] is not None
     ]
 
 
@@ -48,7 +54,10 @@ def row(seeds: list[dict[str, Any]], *, asked: float, steps: int) -> dict[str, A
     whole = free[0]["steps"]
     firsts = [first for one in seeds if (first := first_walk(one["curve"], whole)) is not None]
     walks = [one for one in free if one["speed_m_s"] is not None]
-    down, count = fell((trial for one in seeds for trial in one["disturbed"].values()), steps)
+    down = {
+        name: fell((one["disturbed"][name] for one in seeds), steps)
+        for name in seeds[0]["disturbed"]
+    }
     undisturbed = fell(free, steps)
     ends = [one["curve"][-1] for one in seeds]
     samples = _spread([first[0] / 1e6 for first in firsts], "{:.2f}") if firsts else "none"
@@ -57,22 +66,23 @@ def row(seeds: list[dict[str, Any]], *, asked: float, steps: int) -> dict[str, A
         "samples": f"{samples} M environment steps of 20 ms" if firsts else "-",
         "speed": _median([one["speed_m_s"] for one in walks]),
         "cost": _median([one["cost_of_transport"] for one in walks]),
-        "fell": down,
-        "walks": count,
+        "fell": sum(one[0] for one in down.values()),
+        "walks": sum(one[1] for one in down.values()),
+        "under": which(down),
         "undisturbed": f"{undisturbed[0]} of {undisturbed[1]}",
-        "range": "; ".join(_range_of(one, steps) for one in seeds),
+        "range": "; ".join(_range_of(one) for one in seeds),
         "note": f"{len(firsts)} of {len(seeds)} seeds walked {whole} steps at some time; each "
         f"learned from {_spread([end['samples'] / 1e6 for end in ends], '{:.2f}')} M steps, "
         f"{_spread([end['processor_s'] for end in ends], '{:.0f}')} s",
     }
 
 
-def _range_of(found: dict[str, Any], steps: int) -> str:
-    kept = kept_speeds(found, steps)
+def _range_of(found: dict[str, Any]) -> str:
+    kept = kept_speeds(found)
     if not kept:
         return "none"
     asked, walked = zip(*kept, strict=True)
-    return f"speed {_spread(asked, '{:.2g}')}: {_spread(walked, '{:.2f}')} m/s walked"
+    return f"speed {', '.join(map('{:.2g}'.format, asked))}: {_spread(walked, '{:.2f}')} m/s walked"
 
 
 def _spread(values: Iterable[float], form: str) -> str:

@@ -12,20 +12,30 @@ the curve of learning. Nothing of the package's own policies is in it.
 
 import argparse
 import json
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
-import torch
-from stable_baselines3 import PPO
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.env_util import make_vec_env
-from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+
+try:
+    import gymnasium
+    import torch
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.base_class import BaseAlgorithm
+    from stable_baselines3.common.callbacks import BaseCallback
+    from stable_baselines3.common.env_util import make_vec_env
+    from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+except ImportError as error:
+    print(
+        f"expected Gymnasium, PyTorch and Stable-Baselines3, found that {error}: "
+        "pip install 'neuralgaits[gym]' stable-baselines3",
+        file=sys.stderr,
+    )
+    sys.exit(2)
 
 from neuralgaits.gym_env import ID, BipedEnv, Trials, trials
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
@@ -113,6 +123,12 @@ def main() -> None:
     parser.add_argument("--action", default="target", choices=("target", "torque"))
     parser.add_argument("--out", type=Path, default=Path("runs/ppo"))
     asked = parser.parse_args()
+    for name, least in (("samples", 0), ("every", 1), ("steps", 1), ("trials", 1), ("seed", 0)):
+        if getattr(asked, name) < least:
+            parser.error(f"expected --{name} of {least} or more, found {getattr(asked, name)}")
+    policy = asked.out / f"policy-{asked.seed}.zip"
+    if not asked.samples and not policy.is_file():
+        parser.error(f"expected the policy to try at {policy}, found none: learn it with --samples")
     torch.set_num_threads(1)
     asked.out.mkdir(parents=True, exist_ok=True)
     kept = asked.out / f"learned-{asked.seed}.json"
@@ -122,9 +138,10 @@ def main() -> None:
     if asked.samples:
         model, envs, curve = learned(made, asked)
     else:
-        model = PPO.load(asked.out / f"policy-{asked.seed}.zip", device="cpu")
+        model = PPO.load(policy, device="cpu")
         envs = VecNormalize.load(str(asked.out / f"scales-{asked.seed}.pkl"), made)
-        curve = json.loads(kept.read_text())["curve"]
+        before = json.loads(kept.read_text())
+        curve, asked.samples = before["curve"], before["asked"]["samples"]
     act = acting(model, envs)
 
     def tried(name: str, speed: float, steps: int, **plant: Any) -> Trials:
@@ -138,7 +155,14 @@ def main() -> None:
         name: asdict(tried(name, SPEED, DISTURBED_STEPS, disturb=disturbance))
         for name, disturbance in DISTURBANCE_SET.items()
     }
-    found = {"seed": asked.seed, "curve": curve, "speeds": speeds, "disturbed": disturbed}
+    settings = {"samples": asked.samples, "trials": asked.trials, "action": asked.action}
+    found = {
+        "seed": asked.seed,
+        "asked": settings,
+        "curve": curve,
+        "speeds": speeds,
+        "disturbed": disturbed,
+    }
     kept.write_text(json.dumps(found))
 
 

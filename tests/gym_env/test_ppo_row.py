@@ -53,13 +53,14 @@ def test_seeds_become_one_row(made):
         2000,
         of(50, 50, speed=0.6),
         {"mass": of(50, 24), "slope": of(25, 0)},
-        {"0.9": of(50, 50, speed=0.8), "0.5": of(50, 24, speed=0.4)},
+        {"0.9": of(50, 50, speed=0.8), "0.5": of(50, 30, speed=0.4)},
     )
     falls = seed_of(None, of(3, 30), {"mass": of(3, 3), "slope": of(50, 50)}, {})
     row = made.row([walks, falls], asked=0.7, steps=STEPS)
     assert (row["learn_s"], row["speed"], row["cost"]) == (4.0, 0.6, 0.2)
     assert (row["fell"], row["walks"], row["undisturbed"]) == (4, 8, "1 of 4")
-    assert row["range"] == "speed 0.7 to 0.9: 0.60 to 0.80 m/s walked; none"
+    assert row["under"] == "mass 3 of 4, slope 1 of 4"
+    assert row["range"] == "speed 0.7, 0.9: 0.60 to 0.80 m/s walked; none"
     assert row["samples"].startswith("0.00 M") and "1 of 2 seeds" in row["note"]
 
 

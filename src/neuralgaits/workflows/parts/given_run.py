@@ -8,7 +8,7 @@ import numpy as np
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Box, Gait, GaitSpec, specs
 from neuralgaits.certificate.traced import after_impact, trace_spec
-from neuralgaits.errors import InputError
+from neuralgaits.errors import ConvergenceError, InputError, NeuralGaitsError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd.gait_file import GivenGait, write_gait
 from neuralgaits.hzd.steady import Steady, steady
@@ -48,7 +48,7 @@ def given_run(
         out: the run folder; a new one below `root` if None.
         root: folder of the runs.
 
-    Raises: InputError where no orbit attracts.
+    Raises: InputError where no orbit attracts; ConvergenceError where an optimised gait has none.
     """
     zd = ZeroDynamics(robot, gait.policy)
     try:
@@ -58,10 +58,7 @@ def given_run(
     if not isinstance(walk, str) and not all(np.isfinite(part).all() for part in walk):
         walk = _NO_SOLUTION
     if isinstance(walk, str):
-        raise InputError(
-            f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "
-            "the joints' convention, and whether it is this robot's"
-        )
+        raise _refusal(robot, given, walk)
     if not 0.0 < walk.multiplier < 1.0:
         raise InputError(
             f"expected an orbit that attracts, found a Poincare multiplier of {walk.multiplier:.4g}"
@@ -91,6 +88,20 @@ def given_run(
     run = Run(folder, robot, spec, made)
     finish(folder, _summary(run, walk, solve_s, began), root)
     return run
+
+
+def _refusal(robot: PlanarBiped, given: Given, found: str) -> NeuralGaitsError:
+    """What is said of a gait without a periodic orbit, and whose fault it is."""
+    if given.by == "optimise":
+        # Equations hold at the nodes; the flow between them is what decides.
+        return ConvergenceError(
+            f"expected a gait of {robot.name} at {given.speed:g} m/s, found one in which, by its "
+            f"flow, {found}: ask for another speed, or for polynomials of another --degree"
+        )
+    return InputError(
+        f"expected a gait with a periodic orbit on {robot.name}, found that {found}: check "
+        "the joints' convention, and whether it is this robot's"
+    )
 
 
 def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
