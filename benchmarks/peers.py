@@ -280,13 +280,15 @@ def table(rows: dict[str, Row]) -> str:
         lines.append("| " + " | ".join(cells) + " |")
     lines += [
         "",
-        *(
-            " ".join(part for part in (f"- `{name}`: {'; '.join(row.commands)}.", row.note) if part)
-            + (f" Fell: {row.under}." if row.under else "")
-            for name, row in rows.items()
-        ),
+        *(f"- `{name}`: {'; '.join(row.commands)}{said(row)}" for name, row in rows.items()),
     ]
     return "\n".join(lines)
+
+
+def said(row: Row) -> str:
+    """What must be known of a row beside its cells."""
+    fell = f"fell: {row.under}" if row.under else ""
+    return "".join(f"; {part}" for part in (row.note, fell) if part)
 
 
 def shown(value: float | None, form: str) -> str:
