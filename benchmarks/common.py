@@ -49,7 +49,7 @@ def whole(name: str, default: int, *, least: int = 1) -> int:
 
 def seeds(default: int = 20) -> range:
     """Seeds to run: all of them, or as many as the environment variable SEEDS says."""
-    return range(int(os.environ.get("SEEDS", default)))
+    return range(whole("SEEDS", default))
 
 
 def show(figure: str, measured: object, asked: str = "") -> None:

@@ -217,7 +217,7 @@ def long_walks(robot: PlanarBiped, names: list[str]) -> None:
     """From the middle of the region, all seeds of a variant side by side."""
     for name in names:
         spec = variant(name, robot)
-        gaits = [trained(robot, spec, seed)[0] for seed in SEEDS]
+        gaits, losses = zip(*(trained(robot, spec, seed) for seed in SEEDS), strict=True)
         zds = [ZeroDynamics(robot, gait.policy) for gait in gaits]
         middle = np.array([0.5, 0.5])
         starts = [zd.phi_inv(gait.z(middle)) for zd, gait in zip(zds, gaits, strict=True)]
@@ -234,6 +234,7 @@ def long_walks(robot: PlanarBiped, names: list[str]) -> None:
             figures = summary(result)
             up = sum(not ending.fell for ending in result.episodes.endings)
             show(f"{name}, {law}: seeds that walk {LONG} steps", f"{up} of {len(gaits)}")
+            show("  losses", " ".join(f"{loss:.3g}" for loss in losses))
             show("  steps", " ".join(str(int(n)) for n in result.episodes.gauge.steps))
             show("  speed m/s, cost", f"{figures['speed_m_s']} {figures['cost_of_transport']}")
 

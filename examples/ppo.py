@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -97,16 +97,26 @@ class Learning(BaseCallback):
         self._spent += time.process_time() - paused
 
 
+class Kept(NamedTuple):
+    """Files of one seed."""
+
+    policy: Path
+    scales: Path
+    """Of what it observes."""
+    found: Path
+    """What was asked, the curve of learning, and all trials at its end."""
+
+
 def learned(
-    made: VecEnv, asked: argparse.Namespace
+    made: VecEnv, asked: argparse.Namespace, kept: Kept
 ) -> tuple[BaseAlgorithm, VecNormalize, list[dict[str, Any]]]:
     """A policy, the scales of what it observes, and the curve. The first two are kept."""
     envs = VecNormalize(made, gamma=GAMMA)
     model = PPO("MlpPolicy", envs, **SETTINGS, seed=asked.seed, device="cpu")
     learning = Learning(envs, asked)
     model.learn(asked.samples, callback=learning)
-    model.save(asked.out / f"policy-{asked.seed}.zip")
-    envs.save(str(asked.out / f"scales-{asked.seed}.pkl"))
+    model.save(kept.policy)
+    envs.save(str(kept.scales))
     return model, envs, learning.curve
 
 
@@ -120,32 +130,37 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=50, help="steps that a trial has to walk")
     parser.add_argument("--trials", type=int, default=4, help="episodes of each kind")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--action", default="target", choices=("target", "torque"))
+    parser.add_argument(
+        "--action", default="target", choices=("target", "torque"), help="of a policy to be learned"
+    )
     parser.add_argument("--out", type=Path, default=Path("runs/ppo"))
     asked = parser.parse_args()
     for name, least in (("samples", 0), ("every", 1), ("steps", 1), ("trials", 1), ("seed", 0)):
         if getattr(asked, name) < least:
             parser.error(f"expected --{name} of {least} or more, found {getattr(asked, name)}")
-    policy = asked.out / f"policy-{asked.seed}.zip"
-    if not asked.samples and not policy.is_file():
-        parser.error(f"expected the policy to try at {policy}, found none: learn it with --samples")
+    names = f"policy-{asked.seed}.zip", f"scales-{asked.seed}.pkl", f"learned-{asked.seed}.json"
+    kept = Kept(*(asked.out / name for name in names))
+    before: dict[str, Any] = {}
+    if not asked.samples:
+        for file in kept:
+            if not file.is_file():
+                parser.error(f"expected the policy to try, found no {file}: learn with --samples")
+        before = json.loads(kept.found.read_text())
+    settings = before.get("asked", {"samples": asked.samples, "action": asked.action})
     torch.set_num_threads(1)
     asked.out.mkdir(parents=True, exist_ok=True)
-    kept = asked.out / f"learned-{asked.seed}.json"
-    made = make_vec_env(
-        lambda: gymnasium.make(ID, action=asked.action), ENVIRONMENTS, seed=asked.seed
-    )
-    if asked.samples:
-        model, envs, curve = learned(made, asked)
+    action = asked.action = settings["action"]
+    made = make_vec_env(lambda: gymnasium.make(ID, action=action), ENVIRONMENTS, seed=asked.seed)
+    if before:
+        model = PPO.load(kept.policy, device="cpu")
+        envs = VecNormalize.load(str(kept.scales), made)
+        curve = before["curve"]
     else:
-        model = PPO.load(policy, device="cpu")
-        envs = VecNormalize.load(str(asked.out / f"scales-{asked.seed}.pkl"), made)
-        before = json.loads(kept.read_text())
-        curve, asked.samples = before["curve"], before["asked"]["samples"]
+        model, envs, curve = learned(made, asked, kept)
     act = acting(model, envs)
 
     def tried(name: str, speed: float, steps: int, **plant: Any) -> Trials:
-        env = BipedEnv(action=asked.action, **plant)
+        env = BipedEnv(action=action, **plant)
         found = trials(env, act, speed=speed, steps=steps, count=asked.trials)
         print(f"{name:28s} {found}", flush=True)
         return found
@@ -155,15 +170,8 @@ def main() -> None:
         name: asdict(tried(name, SPEED, DISTURBED_STEPS, disturb=disturbance))
         for name, disturbance in DISTURBANCE_SET.items()
     }
-    settings = {"samples": asked.samples, "trials": asked.trials, "action": asked.action}
-    found = {
-        "seed": asked.seed,
-        "asked": settings,
-        "curve": curve,
-        "speeds": speeds,
-        "disturbed": disturbed,
-    }
-    kept.write_text(json.dumps(found))
+    found = {"seed": asked.seed, "asked": settings | {"trials": asked.trials}, "curve": curve}
+    kept.found.write_text(json.dumps(found | {"speeds": speeds, "disturbed": disturbed}))
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ def given_run(
         out: the run folder; a new one below `root` if None.
         root: folder of the runs.
 
-    Raises: InputError where no orbit attracts; ConvergenceError where an optimised gait has none.
+    Raises: InputError where no orbit attracts, ConvergenceError if an optimisation ended there.
     """
     zd = ZeroDynamics(robot, gait.policy)
     try:
@@ -58,12 +58,18 @@ def given_run(
     if not isinstance(walk, str) and not all(np.isfinite(part).all() for part in walk):
         walk = _NO_SOLUTION
     if isinstance(walk, str):
-        raise _refusal(robot, given, walk)
-    if not 0.0 < walk.multiplier < 1.0:
-        raise InputError(
-            f"expected an orbit that attracts, found a Poincare multiplier of {walk.multiplier:.4g}"
-            ": no tube around it is kept; give a gait that is stable without feedback along z"
+        said = (
+            f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "
+            "the joints' convention, and whether it is this robot's"
         )
+        raise _refusal(robot, given, walk, said)
+    if not 0.0 < walk.multiplier < 1.0:
+        found = f"a Poincare multiplier of {walk.multiplier:.4g}"
+        said = (
+            f"expected an orbit that attracts, found {found}: no tube around it is kept; give a "
+            "gait that is stable without feedback along z"
+        )
+        raise _refusal(robot, given, f"its orbit has {found}", said)
     spec = specs.load(specs.GIVEN, robot, degree=gait.degree)
     made = Gait(zd.policy, fit_tube(zd, spec, walk))
     asked = Asked(
@@ -90,18 +96,22 @@ def given_run(
     return run
 
 
-def _refusal(robot: PlanarBiped, given: Given, found: str) -> NeuralGaitsError:
-    """What is said of a gait without a periodic orbit, and whose fault it is."""
+def _refusal(robot: PlanarBiped, given: Given, found: str, said: str) -> NeuralGaitsError:
+    """What refuses a gait without an orbit that attracts: a gait's file, or what IPOPT ended with.
+
+    Args:
+        robot: that it was to walk on.
+        given: where it is from.
+        found: of it.
+        said: of a gait that somebody gave.
+    """
     if given.by == "optimise":
         # Equations hold at the nodes; the flow between them is what decides.
         return ConvergenceError(
             f"expected a gait of {robot.name} at {given.speed:g} m/s, found one in which, by its "
             f"flow, {found}: ask for another speed, or for polynomials of another --degree"
         )
-    return InputError(
-        f"expected a gait with a periodic orbit on {robot.name}, found that {found}: check "
-        "the joints' convention, and whether it is this robot's"
-    )
+    return InputError(said)
 
 
 def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
