@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from neuralgaits.errors import ConvergenceError, InputError
+from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd import solver
 from neuralgaits.hzd.collocation import nodes
+from neuralgaits.hzd.steady import steady
 from neuralgaits.records.asked import Given
 from neuralgaits.workflows.parts.given_run import given_run
 from support import published_gaits
@@ -57,6 +59,13 @@ def test_a_speed_without_a_gait_is_refused(optimiser):
     with pytest.raises(ConvergenceError, match="at 4 m/s, found that IPOPT ended with") as refusal:
         optimiser.at(4.0)
     assert "\n" not in str(refusal.value)
+
+
+def test_a_slow_gait_has_the_orbit_that_was_asked_for(optimiser, amber):
+    """At mid-step it is barely faster than what falls back."""
+    walk = steady(ZeroDynamics(amber, optimiser.at(0.35).gait.policy))
+    assert not isinstance(walk, str)
+    assert walk.speed_m_s == pytest.approx(0.35, rel=1e-6) and 0.0 < walk.multiplier < 0.95
 
 
 def test_a_missing_extra_is_one_line(amber, monkeypatch):

@@ -11,8 +11,11 @@ from neuralgaits.analysis.orbit import cycle, motion_of, orbit_between
 from neuralgaits.analysis.quantities import Look
 from neuralgaits.gait import ZeroDynamics
 
-SLOWEST, FASTEST, TRIED = 0.1, 2.0, 40
-"""Speeds at the section that an orbit is looked for between, in sqrt(g l), and how many."""
+SLOWEST, FASTEST, TRIED = 0.01, 2.0, 200
+"""Speeds at the section that an orbit is looked for between, in sqrt(g l), and how many.
+
+Slow orbits pass it barely faster than what does not get over the foot: a coarse look misses them.
+"""
 STEPS = 240
 """Of z1 along a step: quadratures of what bends are good to 1e-5."""
 
