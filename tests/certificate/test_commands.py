@@ -30,6 +30,7 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.reading import _part, _Unfit
+from neuralgaits.certificate.run_comparison import RunComparison
 from neuralgaits.certificate.scope import commands_within
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, Pair
@@ -226,19 +227,20 @@ def test_a_proof_of_some_commands_is_read_as_that_and_no_more():
     low, high = (0.0, 0.0, 0.60, 0.60), (1.0, 1.0, 0.61, 0.61)
     chart = Chart.of([replace(SPEED, high=0.61, largest_change=0.004)])
     asked: Any = SimpleNamespace(conditions={"torso": {}, "ahead": {}}, boxes=lambda: BOXES)
+    own = RunComparison((), asked, CHART, ("speed",))
     stated: Any = SimpleNamespace(scales={"torso": 1.0}, low=low, high=high)
     proof: Any = SimpleNamespace(chart=chart, statements=(stated,))
     open_ = {"torso": "undecided", "ahead": "undecided"}
-    part = _part(summary_of(open_), asked, proof, CHART, ["speed"])
+    part = _part(summary_of(open_), proof, own)
     assert part is not None
     assert part.conditions == ("torso",) and part.levels == ()
     assert part.told[0].startswith("speed from 0.6 to 0.61, by at most 0.004")
     whole: Any = SimpleNamespace(chart=CHART, statements=())
-    assert _part(summary_of(open_), asked, whole, CHART, ["speed"]) is None
+    assert _part(summary_of(open_), whole, own) is None
     claimed = Conclusion(2, "proved", None, (), {})
     for more in (summary_of(open_ | {"torso": "proved"}), summary_of(open_, (claimed,))):
         with pytest.raises(_Unfit, match="about some commands only"):
-            _part(more, asked, proof, CHART, ["speed"])
+            _part(more, proof, own)
 
 
 @pytest.fixture(scope="module")

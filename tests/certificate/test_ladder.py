@@ -9,7 +9,7 @@ from neuralgaits.certificate.levels import ladder
 from neuralgaits.certificate.levels.chart import Axis, Chart
 from neuralgaits.certificate.levels.level import Level
 from neuralgaits.certificate.levels.sets import SOUGHT
-from neuralgaits.certificate.proof_file import check, coverage, theorem_tables
+from neuralgaits.certificate.proof_file import check, consistency, coverage, theorem_tables
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.programs import Constant, Input, Operation, Output, Program
 from neuralgaits.records.certified import Conclusion
@@ -49,7 +49,7 @@ def taller(monkeypatch):
     monkeypatch.setattr(ladder, "LEVELS", (*ladder.LEVELS, DUMMY))
     monkeypatch.setattr(theorem_tables, "LEVELS", ladder.LEVELS)
     by_number = {level.number: level for level in ladder.LEVELS}
-    for module in (theorem_tables, check):
+    for module in (theorem_tables, check, consistency):
         monkeypatch.setattr(module, "BY_NUMBER", by_number)
 
 

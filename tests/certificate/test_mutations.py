@@ -15,7 +15,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file import check as checker
-from neuralgaits.certificate.proof_file.coverage import contradictions
+from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify
@@ -119,11 +119,7 @@ def test_conclusions_that_do_not_follow_are_rejected(high, tmp_path):
             claims = read_claims(path)
         except InputError as error:
             return 2, str(error)
-        wrong = checker._parameters_that_differ(claims)
-        if wrong is not None:
-            return 1, wrong
-        wrong = contradictions(claims.statements, claims.theorems, claims.asked)
-        if wrong:
+        if wrong := inconsistencies(claims, claims.asked):
             return 1, wrong[0]
         report = checker._concluded(claims, checker.Report("consistent", None, (), (), (), 0))
         return code(report.verdict, report.reason), report.reason

@@ -6,7 +6,7 @@ it. Needs no JAX.
 """
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from neuralgaits.certificate.levels.walking_set.theorem import cover_the_tube
@@ -37,16 +37,6 @@ def friction_needed(described: Mapping[str, Any]) -> float:
         if on_the_tube or (name in IMPULSES and GUARD in _corners(boxes)):
             found[name] = min(quantity["coefficient"], found.get(name, math.inf))
     return max(found.values()) if set(found) == {*FORCES, *IMPULSES} else math.inf
-
-
-def named(described: Mapping[str, Any], quantities: Collection[str]) -> list[str]:
-    """Names of the conditions of a spec, as described, on these quantities."""
-    return [
-        row["name"]
-        for row in described["conditions"]
-        if isinstance(row.get("quantity"), Mapping)
-        and row["quantity"].get("function") in quantities
-    ]
 
 
 def _corners(boxes: Iterable[Any]) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:

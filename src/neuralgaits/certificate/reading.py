@@ -11,14 +11,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from neuralgaits.certificate.ground import FORCES, IMPULSES, friction_needed, named
-from neuralgaits.certificate.levels.chart import PLAIN, Chart
+from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
-from neuralgaits.certificate.proof_file.coverage import Asked, contradictions, stated_roots
+from neuralgaits.certificate.proof_file.consistency import inconsistencies
+from neuralgaits.certificate.proof_file.coverage import Asked, stated_roots, unstated
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
-from neuralgaits.errors import InputError, NeuralGaitsError
+from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
+from neuralgaits.certificate.run_comparison import RunComparison, compare_with_run
+from neuralgaits.errors import InputError
 from neuralgaits.records.asked import asked_of
 from neuralgaits.records.certified import (
     PROOF,
@@ -113,31 +115,35 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
                 if digest is not None
                 else f"{name} is missing"
             )
-    config = asked_of(folder)
-    asked = Asked.read(config.regions, {one.name: one.data for one in config.conditions})
-    commands = config.described.get("commands", ())
-    chart = _chart(commands)
-    proof = _claims(run, asked, chart, config.described)
-    if set(summary.conditions) != set(asked.conditions):
+    _refuse_disorder(summary)
+    described = asked_of(folder).described
+    if set(summary.conditions) != {row["name"] for row in described["conditions"]}:
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
+    proof, own = _claims(run)
     stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
-    if proof is not None and _box(run, proof, chart) != stated:
+    if proof is not None and own is not None and _box(run, proof, own.told) != stated:
         raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
-    _refuse_ground(summary, proof, config.described)
+    _refuse_ground(summary, proof, described)
     # Nothing is said of a floor where the level that speaks of it is not claimed.
     if proof is None or WALKING not in proof.theorems.claimed:
         without = {kind: half for kind, half in summary.parameters.items() if kind != "floor"}
         summary = replace(summary, parameters=without)
+    part = None if proof is None or own is None else _part(summary, proof, own)
     summary = replace(
         summary,
-        conditions=dict(_conditions(summary, asked, proof)),
-        levels=tuple(_levels(summary, asked, proof)),
+        conditions=dict(_conditions(summary, proof, own, part)),
+        levels=tuple(_levels(summary, proof, own)),
     )
     summary = replace(summary, verdict=_verdict(summary))
     map_fits = found[MAP] is not None and summary.sha256.get(MAP) == found[MAP]
-    names = [row["name"] for row in commands]
-    part = None if proof is None or not names else _part(summary, asked, proof, chart, names)
     return CertificateReading(summary, None, proof, map_fits, part)
+
+
+def _refuse_disorder(summary: Certified) -> None:
+    """Raises: _Unfit if levels do not rise by one, from 2 to no more than was asked."""
+    numbers = [entry.level for entry in summary.levels]
+    if numbers != list(range(2, 2 + len(numbers))) or max(numbers, default=1) > summary.level:
+        raise _Unfit(f"{SUMMARY} is about levels {numbers} where level {summary.level} was asked")
 
 
 def _refuse_ground(summary: Certified, proof: Claims | None, described: Mapping[str, Any]) -> None:
@@ -150,134 +156,98 @@ def _refuse_ground(summary: Certified, proof: Claims | None, described: Mapping[
         return
     if not friction_needed(described) <= least:
         raise _Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
-    if proof is not None and proof.model is None:
-        raise _Unfit(f"{SUMMARY} is about friction, and {PROOF} does not say with which cones")
-    walking = None if proof is None else proof.theorems.walking
-    if walking is not None and WALKING in claimed:
-        cones = (*FORCES, *(IMPULSES if walking.floor else ()))
-        dropped = set(named(described, cones)) - set(walking.carried)
-        if dropped:
-            raise _Unfit(f"{SUMMARY} is about friction, and {PROOF} drops {min(dropped)}")
 
 
-def _other_spec(model: Mapping[str, Any] | None, described: Mapping[str, Any]) -> str | None:
-    """What differs between the spec of a proof's model and that of the run's config; None."""
-    if model is None:
-        return None
-    own = described["conditions"]
-    rows = {row["name"]: {k: v for k, v in row.items() if k != "name"} for row in own}
-    if rows != model["conditions"]:
-        return "its conditions have other numbers than those of config.json"
-    told = [
-        {k: float.fromhex(v) if k != "name" and v is not None else v for k, v in row.items()}
-        for row in model["policy"].get("commands", ())
-    ]
-    if told != [dict(row) for row in described.get("commands", ())]:
-        return "it is about other commands than those of config.json"
-    return None
-
-
-def _part(
-    summary: Certified, asked: Asked, proof: Claims, chart: Chart, names: Sequence[str]
-) -> ProvedPart | None:
+def _part(summary: Certified, proof: Claims, own: RunComparison) -> ProvedPart | None:
     """What a proof says of some of the commands; None if it is about all of them.
 
     Raises: _Unfit if the summary calls anything proved of all of them.
     """
-    if proof.chart.of_commands(len(names)) == chart:
+    if proof.chart == own.chart:
         return None
     called = [name for name, row in summary.conditions.items() if row.verdict == "proved"]
     called += [f"level {entry.level}" for entry in summary.levels if entry.proved]
     if called:
         raise _Unfit(f"{SUMMARY} calls {called[0]} proved, and {PROOF} is about some commands only")
-    bounds = {root for root, _ in stated_roots(proof.statements)}
-    stated = {name: True for name in asked.conditions}
-    for box in asked.boxes():
-        stated[box[0]] = stated[box[0]] and box in bounds
-    conditions = tuple(name for name, every in stated.items() if every)
-    levels = tuple(_concluded(proof, asked)) if len(conditions) == len(stated) else ()
-    return ProvedPart(proof.chart.sequences(names) or (), conditions, levels)
+    left = {name for name, *_ in unstated(proof.statements, own.asked)}
+    conditions = tuple(name for name in own.asked.conditions if name not in left)
+    levels = () if left else tuple(_concluded(proof, own.asked))
+    return ProvedPart(proof.chart.sequences(own.told) or (), conditions, levels)
 
 
-def _chart(commands: Sequence[Mapping[str, Any]]) -> Chart:
-    """Of all that a gait is told, as a spec describes it."""
-    if not commands:
-        return PLAIN
-    from neuralgaits.gait.commands import Command  # Brings JAX.
-
-    return Chart.of(Command(**row) for row in commands)
-
-
-def _box(run: Path, proof: Claims, chart: Chart) -> dict[str, float]:
-    """The box of robots that a proof is about, by the names and widths of its axes.
-
-    Raises: _Unfit where they are no box of robots like the run's.
-    """
-    errors = proof.chart.parameters[len(chart.parameters) :]
+def _box(run: Path, proof: Claims, told: Sequence[str]) -> dict[str, float]:
+    """The box of robots that a proof is about, by the names and widths of its axes."""
     walking = proof.theorems.walking
+    errors = proof.chart.behind(len(told)).parameters
     floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
     if not errors:
         return floor
     from neuralgaits.robots import load_robot  # Brings JAX.
     from neuralgaits.robots.parameters import Axis, box_of
 
-    try:
-        axes = tuple(Axis(one.name, one.high) for one in errors)
-        return box_of(load_robot(run / ROBOT), axes) | floor
-    except (ValueError, NeuralGaitsError) as error:
-        raise _Unfit(f"{PROOF} is about no box of robots like the run's: {error}") from None
+    axes = tuple(Axis(one.name, one.high) for one in errors)
+    return box_of(load_robot(run / ROBOT), axes) | floor
 
 
-def _claims(run: Path, asked: Asked, chart: Chart, described: Mapping[str, Any]) -> Claims | None:
-    """A proof file about the run's own files, whose statements are those of its spec."""
+def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
+    """A proof file about the run's own files, whose statements are those of its spec.
+
+    Raises: _Unfit if it contradicts itself, is about another run, or states more than a few
+        evaluations of its Program give.
+    """
     if not packed.is_there(run / PROOF):
-        return None
+        return None, None
     try:
         claims = read_claims(run / PROOF)
         wrong = differences(claims, run)
     except InputError as error:
         raise _Unfit(f"{PROOF} is damaged or of another version: {error}") from None
-    if claims.program.hash != claims.program_hash:
-        wrong.append("its Program has another hash than it says")
     full = claims.theorems.full is not None
     rigid = claims.model is not None and "residuals" not in claims.model
     if (run / RESIDUAL).is_file() and (full or rigid):
         wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
-    if other := _other_spec(claims.model, described):
-        wrong.append(other)
-    wrong += contradictions(claims.statements, claims.theorems, asked)
-    told = len(chart.parameters)
-    errors = claims.chart.parameters[told:]
-    if not chart.holds(Chart(claims.chart.parameters[:told])):
-        wrong.append("it is about other commands")
-    if any(axis.low != -axis.high or axis.change is not None for axis in errors):
-        wrong.append("it is about robots of a box that the run's own is not the middle of")
+    if not wrong:
+        wrong = inconsistencies(claims, claims.asked)
     if wrong:
         raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
-    return claims
+    try:
+        own = compare_with_run(claims, run, own_process=False)
+    except InputError as error:
+        raise _Unfit(f"{PROOF} could not be compared with the run: {error}") from None
+    if wrong := [*own.wrong, *inconsistencies(claims, own.asked)]:
+        raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
+    if broken := first_broken_bound(claims):
+        raise _Unfit(f"{PROOF} states what is not so: {broken}")
+    return claims, own
 
 
 def _conditions(
-    summary: Certified, asked: Asked, proof: Claims | None
+    summary: Certified, proof: Claims | None, own: RunComparison | None, part: ProvedPart | None
 ) -> Iterator[tuple[str, ConditionVerdict]]:
     """Verdicts on conditions; one that is proved has a statement on each box of its region."""
-    bounds = {
-        root: s.bounds[root[0]] for root, s in stated_roots(proof.statements if proof else ())
-    }
-    boxes = asked.boxes()
+    stated = {} if proof is None else dict(stated_roots(proof.statements))
+    boxes = [] if own is None else own.asked.boxes()
+    in_part = () if part is None else part.conditions
     for name, row in summary.conditions.items():
-        if row.verdict != "proved":
+        bounds = [
+            stated[box].bounds[name] if box in stated else None for box in boxes if box[0] == name
+        ]
+        every = bool(bounds) and None not in bounds
+        if row.verdict == "proved":
+            if not every:
+                raise _Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")
+            yield name, replace(row, margin=min(bound for bound in bounds if bound is not None))
+        elif row.in_part and name not in in_part:
+            raise _Unfit(f"{SUMMARY} calls {name} proved in part, and {PROOF} does not")
+        else:
             yield name, replace(row, margin=None)
-            continue
-        own = [box for box in boxes if box[0] == name]
-        if not all(box in bounds for box in own):
-            raise _Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")
-        yield name, replace(row, margin=min(bounds[box] for box in own))
 
 
-def _levels(summary: Certified, asked: Asked, proof: Claims | None) -> Iterator[Conclusion]:
+def _levels(
+    summary: Certified, proof: Claims | None, own: RunComparison | None
+) -> Iterator[Conclusion]:
     """Levels above 1; one that is proved is claimed by the proof file and follows from it."""
-    concluded = [] if proof is None else _concluded(proof, asked)
+    concluded = [] if proof is None or own is None else _concluded(proof, own.asked)
     found = {one.level: one for one in concluded}
     below = True
     for entry in summary.levels:

@@ -71,7 +71,8 @@ class ConditionVerdict:
     @property
     def in_part(self) -> bool:
         """Whether it is proved for all that was asked, which is a part of what the gait is told."""
-        return self.verdict == "undecided" and self.proved_fraction == 1.0
+        whole = self.proved_fraction == 1.0 and self.undecided_boxes == 0
+        return self.verdict == "undecided" and whole
 
 
 @dataclass(frozen=True)

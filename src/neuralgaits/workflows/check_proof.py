@@ -7,13 +7,10 @@ the statements are about these conditions, and each of the spec's boxes must hav
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels.chart import Chart
 from neuralgaits.certificate.proof_file.check import (
     ASSUMPTIONS,
     DERIVED_ELSEWHERE,
@@ -23,10 +20,9 @@ from neuralgaits.certificate.proof_file.check import (
     check,
     tied,
 )
-from neuralgaits.certificate.proof_file.coverage import Asked
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
-from neuralgaits.errors import RunError
+from neuralgaits.certificate.run_comparison import compare_with_run
 from neuralgaits.records.checked import Checked
 from neuralgaits.runs import resolve
 from neuralgaits.runs.latest import through_latest
@@ -80,22 +76,11 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
 
     Raises: InputError if the run cannot be opened or traced.
     """
-    found = retrace.ask(folder, claims.theorems, claims.chart)
-    try:
-        wrong = program_differences(claims, found)
-        asked = Asked.read(found["regions"], found["conditions"])
-        chart = Chart.read(found["chart"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise RunError(
-            f"expected the conditions of {folder}, traced again, found an answer that is none "
-            f"({error!r}): its spec meddles with the process that traces it"
-        ) from None
-    if not wrong and not chart.holds(claims.chart):
-        wrong = ["the file's chart is not that of what the run's gait is told, and of its robots"]
-    if wrong:
-        return _rejected(claims, wrong)
-    report = tied(report, claims, asked)
-    return report if claims.chart == chart else _of_part(report, claims)
+    found = compare_with_run(claims, folder)
+    if found.wrong:
+        return _rejected(claims, list(found.wrong))
+    report = tied(report, claims, found.asked)
+    return report if claims.chart == found.chart else _of_part(report, claims)
 
 
 def _of_part(report: Report, claims: Claims) -> Report:
@@ -106,26 +91,6 @@ def _of_part(report: Report, claims: Claims) -> Report:
     if report.verdict != "proved":
         return replace(report, levels=levels)
     return replace(report, verdict="undecided", reason=reason, levels=levels)
-
-
-def program_differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
-    """What differs between a proof and the run's own conditions, traced again."""
-    walking, full = claims.theorems.walking, claims.theorems.full
-    if full is not None and [barrier.name for barrier in full.barriers] != found["full_order"]:
-        return [f"the run's barriers are {', '.join(found['full_order'])}, not those of level 4"]
-    if found["program_hash"] != claims.program_hash:
-        return [
-            f"the run's conditions have the hash {found['program_hash']}, not {claims.program_hash}"
-        ]
-    wrong = []
-    if walking is not None:
-        for what in ("barriers", "carried", "told"):
-            if list(getattr(walking, what)) != found[what]:
-                wrong.append(f"{what} of level 2 are not all those of the run's spec")
-    # The C++ checker starts from the model, and this program from nothing but the Program.
-    if claims.model is not None and claims.model != found.get("model"):
-        wrong.append("the file's model is not the run's robot, policy, tube and spec")
-    return wrong
 
 
 def _rejected(claims: Claims, wrong: list[str]) -> Report:

@@ -28,6 +28,11 @@ def _lists(parameters: Any) -> Mapping[str, tuple[float, ...]]:
     }
 
 
+def _one_gait(known: Parameters, chart: Chart) -> str | None:
+    """Why the theorems of full order are not about a chart, or None."""
+    return full_order.refusal(chart, known[2].floor if 2 in known else 0.0)
+
+
 LEVELS = (
     Level(
         2,
@@ -54,6 +59,7 @@ LEVELS = (
         lambda known, boxes: full_order.labelled_premises(known[4]),
         lambda known, boxes, bounds: conclude_full_order(known[4], bounds),
         full_order=True,
+        refusal=_one_gait,
     ),
     Level(
         5,
@@ -64,6 +70,7 @@ LEVELS = (
         lambda known, boxes, bounds: conclude_disturbed(known[4], known[5], bounds),
         rests_on=(4,),
         full_order=True,
+        refusal=_one_gait,
     ),
 )
 
@@ -73,6 +80,12 @@ def labelled_premises(known: Parameters, boxes: Boxes) -> Iterator[tuple[str, st
     for level in LEVELS:
         if level.number in known:
             yield from level.premises(known, boxes)
+
+
+def refusals(known: Parameters, chart: Chart) -> dict[int, str]:
+    """Levels with parameters whose theorem is not about the chart, and why, by number."""
+    found = {level.number: level.refusal(known, chart) for level in LEVELS if level.number in known}
+    return {number: reason for number, reason in found.items() if reason is not None}
 
 
 def conclude(
@@ -89,8 +102,12 @@ def conclude(
     told = known[2].told if 2 in known else ()
     pairs = chart.sequences(told)
     found: dict[int, Conclusion] = {}
+    refused = refusals(known, chart)
     for level in LEVELS:
         if level.number not in known:
+            continue
+        if reason := refused.get(level.number):
+            found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
             continue
         open_below = [n for n in level.rests_on if n not in found or found[n].verdict != "proved"]
         if open_below:

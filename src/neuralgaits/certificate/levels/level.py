@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.chart import Chart, Corner
 from neuralgaits.certificate.levels.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
 
@@ -31,6 +31,7 @@ class Level:
         rests_on: numbers of the levels that have to be proved.
         full_order: whether its premises are about outputs off zero: about xi of the unit ball. It
             rests on no condition of level 1 then.
+        refusal: from parameters and the chart: why the theorem is not about them, or None.
     """
 
     number: int
@@ -41,3 +42,4 @@ class Level:
     conclude: Callable[[Parameters, Boxes, Bounds], Conclusion]
     rests_on: tuple[int, ...] = ()
     full_order: bool = False
+    refusal: Callable[[Parameters, Chart], str | None] = lambda known, chart: None

@@ -12,12 +12,13 @@ from neuralgaits.certificate.levels.chart import PLAIN, PLANE, Chart, Corner
 from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
 from neuralgaits.certificate.levels.full_order.model import size_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
-from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises
+from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises, refusals
 from neuralgaits.certificate.levels.sets import SOUGHT, Margins, Sets, one_step
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.traced import step_at
+from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
@@ -60,8 +61,13 @@ def trace_certificate(
 
     And of xi, anywhere in the unit ball, if a set is about outputs off zero.
 
-    Raises: SpecError naming the operation and line that cannot be traced.
+    Raises: SpecError naming the operation and line that cannot be traced, or a level that is not
+        about such a gait.
     """
+    for number, reason in refusals(
+        sets.parameters, Chart.of(gait.commands, spec.parameters)
+    ).items():
+        raise SpecError(f"expected a gait that level {number} is about, found another: {reason}")
     model = model_of(robot, spec.parameters)
 
     def margins(u, xi=None):

@@ -12,7 +12,7 @@ from numpy.polynomial.chebyshev import chebval
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.certificate.levels.chart import PLANE
+from neuralgaits.certificate.levels.chart import PLANE, Chart
 from neuralgaits.certificate.levels.disturbed import margins as disturbed
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
 from neuralgaits.certificate.levels.full_order import margins as full_order
@@ -100,8 +100,7 @@ def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float
 
 def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     del known
-    if not isinstance(of.gait, Gait):
-        return "it is about gaits without commands"
+    assert isinstance(of.gait, Gait)
     if of.zd.residual is not None or of.zd.reset_residual is not None:
         return "it is about the rigid model, and the run's dynamics carry a residual"
     try:
@@ -194,10 +193,12 @@ def find_sets(
     pushed = level > FULL_ORDER_LEVEL
     of = Subject(spec, gait, zd, disturbance, floor, pushed, bandwidth)
     parameters, reasons, least = {}, {}, {}
+    chart = Chart.of(spec.commands, spec.parameters)
     for entry in LEVELS:
         if entry.number > level or not set(entry.rests_on) <= set(parameters):
             continue
-        found = SOUGHT[entry.number].find(of, parameters)
+        refusal = entry.refusal(parameters, chart)
+        found = refusal or SOUGHT[entry.number].find(of, parameters)
         if isinstance(found, str):
             reasons[entry.number] = found
         else:

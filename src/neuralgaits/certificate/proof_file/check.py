@@ -13,12 +13,8 @@ from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import level_one_boxes, proved_bounds
-from neuralgaits.certificate.proof_file.coverage import (
-    Asked,
-    contradictions,
-    unstated,
-    why_incomplete,
-)
+from neuralgaits.certificate.proof_file.consistency import inconsistencies
+from neuralgaits.certificate.proof_file.coverage import Asked, unstated, why_incomplete
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
@@ -100,13 +96,7 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
         unclaimed=_unclaimed(claims),
         boxes=0,
     )
-    if claims.program.hash != claims.program_hash:
-        reason = f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"
-        return replace(report, verdict="rejected", reason=reason)
-    wrong = contradictions(claims.statements, claims.theorems, claims.asked)
-    if differs := _parameters_that_differ(claims):
-        wrong.append(differs)
-    if wrong:
+    if wrong := inconsistencies(claims, claims.asked):
         return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]))
     try:
         trees = [statement.leaves() for statement in claims.statements]
@@ -129,7 +119,7 @@ def tied(report: Report, claims: Claims, asked: Asked) -> Report:
     """
     if not report.holds:
         return report
-    if wrong := contradictions(claims.statements, claims.theorems, asked):
+    if wrong := inconsistencies(claims, asked):
         return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]), levels=())
     report = replace(report, unclaimed=_not_on_all(claims, asked))
     levels = tuple(replace(level, verdict="proved") for level in report.levels)
@@ -159,21 +149,6 @@ def _unclaimed(claims: Claims) -> tuple[str, ...]:
 
 def _not_on_all(claims: Claims, asked: Asked) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name, *_ in unstated(claims.statements, asked)))
-
-
-def _parameters_that_differ(claims: Claims) -> str | None:
-    """The first parameter of a claimed theorem that is not the Program's constant of that name."""
-    known = {constant.name: constant.array for constant in claims.program.constants}
-    for number in claims.theorems.claimed:
-        level = BY_NUMBER[number]
-        part = level.part
-        for name, values in level.constants(claims.theorems.parameters[number]).items():
-            if name == "disturbance" and not any(values):
-                continue  # The Program has nothing to add.
-            array = known.get(f"{part}.{name}")
-            if array is None or array.tolist() != list(values):
-                return f"{name} of level {number} is not the Program's {part}.{name}"
-    return None
 
 
 def _concluded(claims: Claims, report: Report) -> Report:

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.levels.chart import Chart, Corner
 from neuralgaits.certificate.levels.premises import Premise
 
 FENCES = LOWER, UPPER = "level-lower", "level-upper"
@@ -117,6 +117,16 @@ class FullOrder:
     def crossings(self) -> tuple[float, float]:
         """Phases between which the foot meets the ground at eta = 0, likewise."""
         return 1.0 - self.crossing, 1.0 + self.crossing
+
+
+def refusal(chart: Chart, floor: float) -> str | None:
+    """Why levels 4 and 5 are not about such a chart, on a floor unknown by so much [m]; or None."""
+    if chart.parameters:
+        others = ", ".join(axis.name for axis in chart.parameters)
+        return f"it is about one gait of one robot, without axes of {others}"
+    if floor:
+        return "it is about footholds that lie where they are meant to"
+    return None
 
 
 def constants_of_set(shape: FullOrder) -> dict[str, float]:

@@ -1,0 +1,50 @@
+"""Whether a proof file contradicts itself, whatever its boxes are bounded to be.
+
+The check of a file, the reader of a run's certificate and with it page, figures and export ask
+here and nowhere else. Needs no JAX.
+"""
+
+from neuralgaits.certificate.levels.ladder import refusals
+from neuralgaits.certificate.proof_file.coverage import Asked, contradictions
+from neuralgaits.certificate.proof_file.reader import Claims
+from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
+
+
+def inconsistencies(claims: Claims, asked: Asked | None) -> list[str]:
+    """List what in a proof file cannot be so, one sentence each.
+
+    Args:
+        claims: of `read_claims`.
+        asked: conditions and regions of the spec; None if they are not known.
+
+    Returns: an empty list if every statement is one that spec and theorems ask for, every level
+        that is claimed can be about the file's chart, and every parameter of a theorem that
+        margins have in them is the Program's constant of that name.
+    """
+    if claims.program.hash != claims.program_hash:
+        return [f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"]
+    wrong = contradictions(claims.statements, claims.theorems, asked)
+    wrong += _levels_without_subject(claims)
+    wrong += _parameters_that_differ(claims)
+    return wrong
+
+
+def _levels_without_subject(claims: Claims) -> list[str]:
+    """Levels that the file has parameters of and that are not about a chart like its own."""
+    found = refusals(claims.theorems.parameters, claims.chart)
+    return [f"level {number} is stated, and {reason}" for number, reason in found.items()]
+
+
+def _parameters_that_differ(claims: Claims) -> list[str]:
+    """Parameters of theorems that are not the Program's constants of their names."""
+    known = {constant.name: constant.array for constant in claims.program.constants}
+    wrong = []
+    for number, parameters in claims.theorems.parameters.items():
+        level = BY_NUMBER[number]
+        for name, values in level.constants(parameters).items():
+            if name == "disturbance" and not any(values):
+                continue  # The Program has nothing to add.
+            array = known.get(f"{level.part}.{name}")
+            if array is None or array.tolist() != list(values):
+                wrong.append(f"{name} of level {number} is not the Program's {level.part}.{name}")
+    return wrong

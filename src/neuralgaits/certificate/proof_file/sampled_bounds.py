@@ -1,0 +1,81 @@
+"""Bounds of a proof file compared with its Program's values at points.
+
+A file whose bounds were made up states more than a few hundred evaluations give. This finds such a
+file in a fraction of a second; it proves nothing, and only `check` bounds the boxes again.
+"""
+
+import itertools
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.certificate.levels.chart import Corner, asked_for
+from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, Statement
+from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.prune import prune
+
+POINTS, MOST_CORNERS = 256, 64
+"""Points of each root box beside its corners, and corners at most."""
+ROUNDING = 1e-7
+"""What evaluation in doubles may be off, of a scale or value; gaits' Programs are off by 1e-10."""
+
+
+def first_broken_bound(claims: Claims) -> str | None:
+    """Return a statement that one of the points breaks, as a sentence; None if there is none."""
+    roots: dict[tuple[Corner, Corner], list[Statement]] = {}
+    for statement in claims.statements:
+        roots.setdefault((statement.low, statement.high), []).append(statement)
+    for statements in roots.values():
+        if broken := _broken(claims, statements):
+            return broken
+    return None
+
+
+def _broken(claims: Claims, statements: list[Statement]) -> str | None:
+    """Look at the statements about one root box."""
+    program = prune(claims.program, {name for one in statements for name in one.conditions})
+    points = _points(statements[0])
+    if not len(points):
+        return None
+    inputs = {"u": points}
+    if len(program.inputs) > 1:
+        inputs[FIBRE] = _in_ball(len(points), program.inputs[1].shape[0])
+    with np.errstate(all="ignore"):
+        values = evaluate(program, inputs, POINT)
+    for one in statements:
+        for name in one.conditions:
+            scale, least = one.scales[name], one.bounds[name] * one.scales[name]
+            found = values[name].reshape(len(points), -1).min(axis=1)
+            slack = ROUNDING * (scale + np.abs(least))
+            # A value that is no number breaks a bound, too.
+            if (wrong := ~(found >= least - slack)).any():
+                worst = int(np.argmax(wrong))
+                where = [float(f"{x:.6g}") for x in points[worst]]
+                return (
+                    f"{name} of region {one.region} is {found[worst]:.6g} at u = {where}, and at "
+                    f"least {least:.6g} is stated"
+                )
+    return None
+
+
+def _points(statement: Statement) -> Float[np.ndarray, "points n"]:
+    """Corners, middle and random points of a root box, where something is stated of them."""
+    low, high = np.array(statement.low), np.array(statement.high)
+    random = np.random.default_rng(0).random((POINTS, len(low)))
+    corners = itertools.islice(itertools.product((0.0, 1.0), repeat=len(low)), MOST_CORNERS)
+    shares = np.concatenate([np.array(list(corners)), np.full((1, len(low)), 0.5), random])
+    # Where two axes have to be near each other, half of the points have the same value of both.
+    for near in statement.near:
+        shares[::2, near.second] = shares[::2, near.first]
+    points = np.clip(low + (high - low) * shares, low, high)
+    return points[asked_for(statement.near, points, points)]
+
+
+def _in_ball(count: int, size: int) -> Float[np.ndarray, "points size"]:
+    """Random points of the unit ball, every other one on its surface."""
+    draw = np.random.default_rng(1)
+    direction = draw.standard_normal((count, size))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    radius = draw.random((count, 1)) ** (1.0 / size)
+    radius[::2] = 1.0
+    return direction * radius * (1.0 - 1e-12)

@@ -1,0 +1,74 @@
+"""A proof file compared with the run that it should be about, whose conditions are traced again."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from neuralgaits.certificate import retrace
+from neuralgaits.certificate.levels.chart import Chart
+from neuralgaits.certificate.proof_file.coverage import Asked
+from neuralgaits.certificate.proof_file.reader import Claims
+from neuralgaits.errors import RunError
+
+
+class RunComparison(NamedTuple):
+    """What differs between a proof file and a run, and what the run's spec asks for.
+
+    Attributes:
+        wrong: differences, one sentence each.
+        asked: conditions and regions of the run's spec.
+        chart: every command that the run's gait takes, and the proof's axes of robots.
+        told: names of these commands.
+    """
+
+    wrong: tuple[str, ...]
+    asked: Asked
+    chart: Chart
+    told: tuple[str, ...]
+
+
+def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) -> RunComparison:
+    """Trace a run's conditions again and compare them with a proof file.
+
+    Args:
+        claims: of the file.
+        folder: of the run.
+        own_process: trace in a process of its own even if the spec is one of this package's: a
+            spec of the run's own always is.
+
+    Raises: InputError if the run cannot be opened or traced.
+    """
+    describe = retrace.ask if own_process else retrace.here_if_built_in
+    found = describe(folder, claims.theorems, claims.chart)
+    try:
+        wrong = _differences(claims, found)
+        asked = Asked.read(found["regions"], found["conditions"])
+        chart = Chart.read(found["chart"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise RunError(
+            f"expected the conditions of {folder}, traced again, found an answer that is none "
+            f"({error!r}): its spec meddles with the process that traces it"
+        ) from None
+    if not wrong and not chart.holds(claims.chart):
+        wrong = ["the file's chart is not that of what the run's gait is told, and of its robots"]
+    return RunComparison(tuple(wrong), asked, chart, tuple(found["told"]))
+
+
+def _differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
+    """What differs between a proof and the run's own conditions, traced again."""
+    walking, full = claims.theorems.walking, claims.theorems.full
+    if full is not None and [barrier.name for barrier in full.barriers] != found["full_order"]:
+        return [f"the run's barriers are {', '.join(found['full_order'])}, not those of level 4"]
+    if found["program_hash"] != claims.program_hash:
+        return [
+            f"the run's conditions have the hash {found['program_hash']}, not {claims.program_hash}"
+        ]
+    wrong = []
+    if walking is not None:
+        for what in ("barriers", "carried", "told"):
+            if list(getattr(walking, what)) != found[what]:
+                wrong.append(f"{what} of level 2 are not all those of the run's spec")
+    # The C++ checker starts from the model, and this program from nothing but the Program.
+    if claims.model is not None and claims.model != found.get("model"):
+        wrong.append("the file's model is not the run's robot, policy, tube and spec")
+    return wrong
