@@ -5,6 +5,7 @@ import json
 import pytest
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import RunError
 from neuralgaits.report.page.closing import failures
 from neuralgaits.report.page.document import document
@@ -151,13 +152,14 @@ def test_more_than_the_spec_has_is_another_spec(shipped):
 
 def test_an_export_does_not_quote_a_damaged_certificate(shipped):
     run = open_run(shipped)
-    assert _origin(run).proof_verdict == "proved at level 3"
+    assert _origin(run, read_certificate(run.folder)).proof_verdict == "proved at level 3"
     summary = json.loads((shipped / "certificate/summary.json").read_text())
     for file, value in (
         ("certificate/summary.json", summary | {"level": 9}),
         ("certificate/proof.json", '{"weights_sha256"'),
     ):
         _written(shipped, file, value)
-        assert _origin(run).proof_verdict is None
-        (warning,) = _warnings(run)
+        found = read_certificate(run.folder)
+        assert _origin(run, found).proof_verdict is None
+        (warning,) = _warnings(found)
         assert warning.startswith("nothing is proved of this gait: certificate/")

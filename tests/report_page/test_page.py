@@ -372,7 +372,8 @@ def test_a_disturbance_that_nothing_is_claimed_about_is_not_shown(contents, ship
     _change(shipped, "certificate/summary.json", open_levels)
     _anew(shipped)
     page = contents(shipped)
-    assert page.saved.disturbance == () and page.saved.proved_level == 1
+    assert page.saved.disturbance == () and page.saved.proved_level == 0
+    assert "disturbance of level 2 is not the Program's" in failures(page)
 
 
 @pytest.mark.parametrize("hostile", [HOSTILE, "<!--<script>", "javascript:alert(1)//'"])

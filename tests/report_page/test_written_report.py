@@ -93,7 +93,7 @@ def test_the_walk_is_kept_and_is_one_of_whole_steps(written):
 def test_a_second_report_repeats_the_first_without_a_simulation(written, monkeypatch):
     before = written.path.read_bytes()
     monkeypatch.setattr("neuralgaits.report.shown_walk.TrainedWalks", None)
-    monkeypatch.setattr("neuralgaits.workflows.report.figures", lambda _: written.figures)
+    monkeypatch.setattr("neuralgaits.workflows.report.draw", lambda *_: written.figures)
     assert write_report(written.path.parent).path.read_bytes() == before
 
 

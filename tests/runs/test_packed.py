@@ -9,10 +9,11 @@ import pytest
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.errors import InputError
-from neuralgaits.records.certified import PROOF
+from neuralgaits.records.certified import PROOF, SUMMARY
 from neuralgaits.runs import RunFolder, packed
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.workflows import demo
+from neuralgaits.workflows.report import saved_of
 
 
 @pytest.fixture
@@ -44,14 +45,27 @@ def test_the_plain_file_is_the_one_that_counts(run):
     assert not packed.is_there(run / PROOF)
 
 
-@pytest.mark.parametrize("damage", [b"", b"no gzip", None])
+def _cut(content):
+    return content[:1000]
+
+
+def _flipped(content):
+    """A byte of the checksum: all of the text is read before it is seen."""
+    return content[:-6] + bytes([content[-6] ^ 0xFF]) + content[-5:]
+
+
+@pytest.mark.parametrize("damage", [lambda _: b"", lambda _: b"no gzip", _cut, _flipped])
 def test_a_damaged_one_is_refused_in_one_line(run, damage):
     place = packed.packed(run / PROOF)
-    place.write_bytes(place.read_bytes()[:1000] if damage is None else damage)
+    place.write_bytes(damage(place.read_bytes()))
     with pytest.raises(InputError, match="expected a proof file") as refused:
         read_claims(run / PROOF)
     assert "\n" not in str(refused.value)
-    assert read_certificate(RunFolder.open(run)).summary is None
+    found = read_certificate(RunFolder.open(run))
+    assert found.summary is None and "proof.json.gz is damaged" in str(found.reason)
+    assert file_hashes(run, (PROOF,)) == {PROOF: None}
+    saved = saved_of(RunFolder.open(run), found)
+    assert "proof.json.gz is damaged" in saved.damaged[SUMMARY]
 
 
 def test_one_that_holds_too_much_is_refused(run, monkeypatch):

@@ -85,6 +85,15 @@ def test_a_spec_that_ends_its_process_is_one_line(trained, tmp_path, more, error
     assert "\n" not in str(refused.value)
 
 
+def test_a_spec_that_never_ends_is_one_line(trained, tmp_path, monkeypatch):
+    """Its process cannot even import JAX in the time it is given here."""
+    run = run_with(trained, tmp_path / "run", TEXT)
+    replace_spec(run, TEXT + "\nwhile True:\n    pass\n")
+    monkeypatch.setattr(retrace, "LONGEST_S", 0.01)
+    with pytest.raises(RunError, match="no answer by then"):
+        retrace.ask(run, Theorems())
+
+
 def test_an_answer_that_is_none_is_one_line(certified_own, monkeypatch):
     run, file, _ = certified_own
     for answer in ({}, {"program_hash": None}, {"program_hash": 3, "barriers": 1}):

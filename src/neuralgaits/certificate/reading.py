@@ -81,7 +81,7 @@ class _Unfit(Exception):
 
 
 def hashes(run: Path) -> dict[str, str | None]:
-    """The sha256 of what a certificate is about, by file; None where there is no such file."""
+    """The sha256 of what a certificate is about, by file; None where none can be read."""
     return file_hashes(run, (*FILES, MAP))
 
 
@@ -109,6 +109,8 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
         raise _Unfit(f"{SUMMARY} is about another file too, {more[0]}, as in earlier versions")
     for name in FILES:
         digest = found[name]
+        if unreadable := packed.why_unreadable(run / name):
+            raise _Unfit(f"certificate cannot be read: {unreadable}")
         if summary.sha256.get(name) != digest:
             raise _Unfit(
                 f"{SUMMARY} is about another {name} than the run's"

@@ -41,7 +41,7 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
     describe = retrace.ask if own_process else retrace.here_if_built_in
     found = describe(folder, claims.theorems, claims.chart)
     try:
-        wrong = _differences(claims, found)
+        wrong = differences_of_program(claims, found)
         asked = Asked.read(found["regions"], found["conditions"])
         chart = Chart.read(found["chart"])
     except (KeyError, TypeError, ValueError) as error:
@@ -54,7 +54,7 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
     return RunComparison(tuple(wrong), asked, chart, tuple(found["told"]))
 
 
-def _differences(claims: Claims, found: Mapping[str, Any]) -> list[str]:
+def differences_of_program(claims: Claims, found: Mapping[str, Any]) -> list[str]:
     """What differs between a proof and the run's own conditions, traced again."""
     walking, full = claims.theorems.walking, claims.theorems.full
     if full is not None and [barrier.name for barrier in full.barriers] != found["full_order"]:

@@ -42,9 +42,9 @@ class ProvedOfGait:
     of_a_box: bool = False
 
 
-def certificate_of(run: Run) -> ProvedOfGait:
-    """Read a run's certificate, if it has one and its proof files bear it out."""
-    found = read_certificate(run.folder)
+def certificate_of(run: Run, found: CertificateReading | None = None) -> ProvedOfGait:
+    """Give what figures show of a run's certificate; it is read if it is None."""
+    found = found or read_certificate(run.folder)
     if found.summary is None:
         return ProvedOfGait(found.reason or "the run has no certificate")
     level = found.summary.conclusion

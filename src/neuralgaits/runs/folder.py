@@ -209,12 +209,15 @@ class RunFolder:
 
 
 def file_hashes(path: Path, files: Iterable[str]) -> dict[str, str | None]:
-    """The sha256 of files of a folder, by name; None where there is no such file."""
-    found = {file: path / file for file in files}
-    return {
-        file: _sha256(packed.content(place)) if packed.is_there(place) else None
-        for file, place in found.items()
-    }
+    """The sha256 of files of a folder, by name; None where there is none that can be read."""
+    return {file: _hash_of(path / file) for file in files}
+
+
+def _hash_of(file: Path) -> str | None:
+    try:
+        return _sha256(packed.content(file)) if packed.is_there(file) else None
+    except OSError:
+        return None
 
 
 def _versions() -> dict[str, str]:

@@ -32,11 +32,23 @@ def content(path: Path) -> bytes:
     try:
         with gzip.open(lies) as file:
             found = file.read(LARGEST_BYTES + 1)
-    except (EOFError, zlib.error) as error:
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise OSError(f"{lies.name} is damaged: {error}") from None
+    if not found:
+        raise OSError(f"{lies.name} is damaged: it is empty")
     if len(found) > LARGEST_BYTES:
         raise OSError(f"{lies.name} holds more than {LARGEST_BYTES} bytes")
     return found
+
+
+def why_unreadable(path: Path) -> str | None:
+    """Return why a file that is there cannot be read, packed or not; None if it can or is none."""
+    try:
+        if is_there(path):
+            content(path)
+    except OSError as error:
+        return str(error) if error.errno is None else f"{place(path).name}: {error.strerror}"
+    return None
 
 
 def remove(path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.reading import read_certificate
+from neuralgaits.certificate.reading import CertificateReading, read_certificate
 from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, writing
@@ -69,7 +69,8 @@ def export_controller(
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
     trained, folder = open_run(run), Path(out)
     writing.refuse_used(folder, force=force)
-    design = design_of(trained)
+    certificate = read_certificate(trained.folder)
+    design = design_of(trained, certificate)
     files, told = WRITERS[format](design, states)
     return Export(
         told(
@@ -78,20 +79,26 @@ def export_controller(
             out=str(folder),
             files=tuple(writing.publish(folder, files)),
             laws=tuple(design.controllers),
-            warnings=tuple(_warnings(trained)),
+            warnings=tuple(_warnings(certificate)),
         )
     )
 
 
-def design_of(trained: Run) -> Design:
-    """Everything the exported controller of a run is made of."""
+def design_of(trained: Run, certificate: CertificateReading | None = None) -> Design:
+    """Everything the exported controller of a run is made of.
+
+    Args:
+        trained: the run.
+        certificate: what is known of it; read if None.
+    """
+    certificate = certificate or read_certificate(trained.folder)
     gait = trained.trained
     return Design.of(
         trained.robot,
         gait,
         EXPORTED,
         momentum_range(gait),
-        _origin(trained),
+        _origin(trained, certificate),
         reset_residual=trained.residuals.reset,
     )
 
@@ -101,8 +108,7 @@ def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     return gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
 
 
-def _origin(trained: Run) -> Origin:
-    found = read_certificate(trained.folder)
+def _origin(trained: Run, found: CertificateReading) -> Origin:
     about, verdict = found.summary, None
     if about is not None and found.proof is not None:
         verdict = f"{about.verdict} at level {about.level}"
@@ -117,9 +123,8 @@ def _origin(trained: Run) -> Origin:
     )
 
 
-def _warnings(trained: Run) -> list[str]:
+def _warnings(found: CertificateReading) -> list[str]:
     """What stands against putting this gait on a robot: that it agrees with Python says nothing."""
-    found = read_certificate(trained.folder)
     if found.summary is None:
         why = found.reason or "it has no certificate"
         return [f"nothing is proved of this gait: {why}"]

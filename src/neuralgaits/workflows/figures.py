@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.reading import CertificateReading
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
@@ -22,7 +23,13 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
     Returns: one entry a figure, always in the same order; `Missing` names what makes the figure.
     Raises: RunError with one line if the run is missing or damaged, InputError if `out` is a file.
     """
-    run = open_run(run)
+    return draw(open_run(run), out)
+
+
+def draw(
+    run: Run, out: str | Path | None = None, certificate: CertificateReading | None = None
+) -> list[Drawn | Missing]:
+    """Do what `figures` does for an open run whose certificate may have been read before."""
     folder = run.path / FOLDER if out is None else Path(out)
     if folder.exists() and not folder.is_dir():
         raise InputError(
@@ -31,7 +38,7 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
     makers = (*OF_FAMILIES, *MAKERS) if run.asked.commands else MAKERS
     if run.asked.as_given is not None:
         makers = [one for one in makers if one[0] not in OF_TRAINING]
-    source = Source(run, certificate_of(run))
+    source = Source(run, certificate_of(run, certificate))
     found: list[tuple[str, str] | Missing] = []
     sheets = []
     with second_pen() as pen:

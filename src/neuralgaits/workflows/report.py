@@ -6,7 +6,7 @@ from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
-from neuralgaits.certificate.reading import read_certificate
+from neuralgaits.certificate.reading import CertificateReading, read_certificate
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.reported import Lack, Reported
 from neuralgaits.records.shown import ShownWalk
@@ -20,7 +20,7 @@ from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, resolve, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT
-from neuralgaits.workflows.figures import figures
+from neuralgaits.workflows.figures import draw
 from neuralgaits.workflows.inspect import inspect
 
 FILE = "report.html"
@@ -54,12 +54,13 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     refuse_unwritable(path)
-    saved = saved_of(folder)
+    certificate = read_certificate(folder)
+    saved = saved_of(folder, certificate)
     robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
     with ThreadPoolExecutor(1) as beside:
         # Most of a walk is compiled without Python, while the figures are drawn.
         walking = beside.submit(_walk, run, folder)
-        drawn = figures(folder.path) if folder.finished else []
+        drawn = draw(open_run(folder.path), None, certificate) if folder.finished else []
         walk, no_walk = walking.result()
     contents = Contents(
         saved=saved,
@@ -86,9 +87,9 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     return Report(path, drawn, summary)
 
 
-def saved_of(folder: RunFolder) -> Saved:
-    """A run as its files say, its certificate as far as its proof files bear it out."""
-    found = read_certificate(folder)
+def saved_of(folder: RunFolder, found: CertificateReading | None = None) -> Saved:
+    """Read a run as its files say; its certificate, too, if that is None."""
+    found = found or read_certificate(folder)
     disturbance: tuple[float, ...] = ()
     if found.proof is not None and 2 in found.proof.theorems.claimed:
         walking = found.proof.theorems.walking

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.errors import NeuralGaitsError
-from neuralgaits.report.certificate import certificate_of
+from neuralgaits.errors import NeuralGaitsError, RunError
+from neuralgaits.report.certificate import ProvedOfGait, certificate_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.report import saved_of
@@ -73,9 +73,11 @@ def ask_process(file: Path, run: Path) -> Heard:
 
 def ask_report(run: Path) -> Heard:
     """The highest level that figures or page show as proved, or `none`; or what is boasted."""
-    opened = open_run(run)
-    certificate = certificate_of(opened)
     page = saved_of(RunFolder.open(run))
+    try:
+        certificate = certificate_of(open_run(run))
+    except RunError:  # No figure and no export then.
+        certificate = ProvedOfGait()
     level = max(certificate.level, page.proved_level, 4 if certificate.full is not None else 0)
     margins = max(certificate.margins.values(), default=0.0)
     multiplier = certificate.orbit.multiplier if certificate.orbit is not None else None

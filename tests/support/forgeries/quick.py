@@ -11,7 +11,7 @@ from unittest import mock
 import jax
 import numpy as np
 
-from neuralgaits.certificate import retrace
+from neuralgaits.certificate import reading, retrace
 from neuralgaits.certificate.levels import problems
 from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.proof_file import reader as claims
@@ -53,10 +53,11 @@ def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator
             return _Taken()
         return check(program, statement)
 
-    with (
-        mock.patch.object(StatementCheck, "of", of),
-        mock.patch.object(shared_check, "cores", lambda: 1),
-    ):
+    with ExitStack() as stack:
+        stack.enter_context(mock.patch.object(StatementCheck, "of", of))
+        stack.enter_context(mock.patch.object(shared_check, "cores", lambda: 1))
+        if known is None:
+            stack.enter_context(mock.patch.object(reading, "first_broken_bound", lambda _: None))
         yield
 
 

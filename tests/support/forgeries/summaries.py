@@ -16,10 +16,13 @@ NO_LEVEL, LEVEL_2, LEVEL_3 = (refused(f"none {words}") for words in ("", "1 2", 
 Edit = Callable[[Path], None]
 
 
-def _report(what: str, edit: Edit, answer=NO_LEVEL, about: About = "walk") -> None:
+def _report(
+    what: str, edit: Edit, answer=NO_LEVEL, about: About = "walk", *, bounded: bool = False
+) -> None:
     """The proof in the folder is looked at by whoever shows the run, not by a checker."""
+    answers = {"cpp": None, "alone": None, "run": None, "report": answer}
 
-    @THEME.forgery(what, cpp=None, alone=None, run=None, report=answer, about=about)
+    @THEME.forgery(what, **answers, about=about, bounded=bounded)
     def _(case: Case) -> None:
         folder = case.folder()
         edit(folder)
@@ -197,14 +200,10 @@ def _(case: Case) -> None:
     renew_summary(folder)
 
 
-TRUSTED = refused("none 1 2 3 boast")
-"""A page bounds no box and traces no Program: `check-proof --run` does, and would object."""
-
-
 def _bounds(table: Table) -> None:
     for statement in table["statements"]:
         statement["bounds"] = dict.fromkeys(statement["bounds"], 99.0)
 
 
-_report("bounds of 99 in the proof itself", _json(PROOF, _bounds), TRUSTED)
-_report("a Program that says 1 in the proof itself", _json(PROOF, constantly), TRUSTED)
+_report("bounds of 99 in the proof itself", _json(PROOF, _bounds), bounded=True)
+_report("a Program that says 1 in the proof itself", _json(PROOF, constantly))

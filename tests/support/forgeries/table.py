@@ -10,6 +10,7 @@ from support.forgeries import (
     parameters,
     programs,
     regions,
+    run_files,
     summaries,
     texts,
     trees,
@@ -31,6 +32,7 @@ THEMES: dict[str, list[Forgery]] = {
         code,
         texts,
         summaries,
+        run_files,
     )
 }
 KINDS = [kind for kinds in THEMES.values() for kind in kinds]

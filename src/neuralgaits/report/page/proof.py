@@ -153,7 +153,10 @@ def _conditions(found: Certified) -> Html:
         entry.verdict != "proved" and not entry.in_part for entry in found.conditions.values()
     )
     shown = max(TIGHTEST, failed)
-    caption = "Margins in scales, as above; every state of a condition's region has at least its"
+    caption = (
+        "Margins in scales, as above; every state of a condition's region has at least its. Shares "
+        "and boxes are as certify counted them: no proof file states them"
+    )
     parts = [html.table(caption, head, rows[:shown], numbers="  nnn", cards=True)]
     if rest := rows[shown:]:
         told = f"{len(rest)} others, with more room"
