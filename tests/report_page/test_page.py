@@ -373,7 +373,7 @@ def test_a_disturbance_that_nothing_is_claimed_about_is_not_shown(contents, ship
     _anew(shipped)
     page = contents(shipped)
     assert page.saved.disturbance == () and page.saved.proved_level == 0
-    assert "disturbance of level 2 is not the Program's" in failures(page)
+    assert "disturbance of level 2 is not the Program" in failures(page)
 
 
 @pytest.mark.parametrize("hostile", [HOSTILE, "<!--<script>", "javascript:alert(1)//'"])

@@ -15,10 +15,10 @@ from neuralgaits.certificate.levels.chart import Chart
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.retrace import answer
+from neuralgaits.certificate.run_comparison import differences_of_program
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.viewer.sureness import how_sure
 from neuralgaits.workflows import demo
-from neuralgaits.certificate.run_comparison import differences_of_program
 from neuralgaits.workflows.view import view
 
 PROOF = demo.FOLDER / "certificate" / "proof.json"

@@ -28,6 +28,7 @@ from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_comparison import differences_of_program
 from neuralgaits.certificate.search.schedule import SearchInterrupted
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.programs import POINT, Program, evaluate
@@ -35,7 +36,6 @@ from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.prune import prune
 from neuralgaits.records.certified import PROOF, Conclusion
 from neuralgaits.workflows import certify as certifying
-from neuralgaits.workflows import check_proof
 from neuralgaits.workflows.certify import Certificate, certify
 from support.full_order_check import (
     check_by_force,
@@ -318,7 +318,7 @@ def test_one_file_says_what_was_proved_and_is_about_the_run(trained, result):
     assert summary.full_order_proof == summary.proof == str(result.file)
     assert claims.theorems.claimed == (2, 3, 4)
     told = retrace.answer(trained.path, claims.theorems)
-    assert check_proof.program_differences(claims, told) == []
+    assert differences_of_program(claims, told) == []
     assert result.file.stat().st_size < 300_000
     # The conclusion is drawn from the file alone; its boxes are bounded again by the checker.
     assert conclude_full_order(result.shape, proved_bounds(claims.statements)).words

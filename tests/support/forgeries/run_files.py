@@ -43,7 +43,7 @@ def renew(folder: Path) -> None:
     renew_summary(folder)
 
 
-def altered(what: str, answer: Answer = NOTHING, **changes: Change) -> None:
+def altered(what: str, answer: Answer = NOTHING, **changes: Any) -> None:
     """Register a run with some of its files changed: `config`, `proof`, `summary`, `robot`."""
 
     @THEME.forgery(what, cpp=None, alone=None, run=None, report=answer, bounded=True)

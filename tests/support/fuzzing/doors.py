@@ -220,7 +220,8 @@ def sure(place: Place, path: Path) -> None:
 
 def design(place: Place, path: Path) -> None:
     """`export RUN`, up to where it writes."""
-    _origin(open_run(place.root / RUN))
+    run = open_run(place.root / RUN)
+    _origin(run, read_certificate(run.folder))
 
 
 def latest(place: Place, path: Path) -> None:
