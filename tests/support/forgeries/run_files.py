@@ -151,7 +151,7 @@ for _array in ("policy.network.weights[2]", "tube.lower"):
     )
 
 
-def _without_condition(name: str, *, also_claimed: bool = True) -> dict[str, Change]:
+def _without_condition(name: str, *, also_claimed: bool = True) -> dict[str, Any]:
     """A condition taken out of config, summary, model, Program, statements and theorem."""
 
     def config(table: Table) -> None:
@@ -178,7 +178,7 @@ for _name in ("knee", "torque-upper", "normal-force", "friction-forward", "foot-
 altered("a spec without a barrier, everywhere", **_without_condition("torso-upper"))
 
 
-def _condition(name: str, change: Change) -> dict[str, Change]:
+def _condition(name: str, change: Change) -> dict[str, Any]:
     """A condition's numbers changed in config and model."""
 
     def config(table: Table) -> None:

@@ -22,6 +22,7 @@ from neuralgaits.certificate import reading
 from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
+from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.shown import FILE, ShownWalk
