@@ -19,6 +19,7 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.reading import hashes, read_certificate
 from neuralgaits.errors import SpecError
 from neuralgaits.export.source import gait_files
+from neuralgaits.records.levels import HIGHEST_OF_MANY, WORDS
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.viewer.sureness import how_sure
@@ -149,6 +150,13 @@ def test_full_order_is_about_one_gait_of_one_robot(highest, axes):
     answers = {one.level: one for one in conclude(known, [], {}, chart)}
     assert answers[4].verdict == answers[5].verdict == "undecided"
     assert "one gait of one robot" in str(answers[4].reason)
+
+
+def test_levels_and_their_words_are_about_the_same_gaits(highest):
+    chart = Chart((Axis("speed before", 0.5, 0.9), Axis("speed after", 0.5, 0.9)))
+    refused = refusals(highest.theorems.parameters, chart)
+    assert set(refused) == {number for number, words in WORDS.items() if words.one_gait}
+    assert HIGHEST_OF_MANY == min(refused) - 1
 
 
 def test_full_order_is_not_about_footholds_of_unknown_height(highest):

@@ -30,6 +30,7 @@ from neuralgaits.records.certified import (
     ConditionVerdict,
     Verdict,
 )
+from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.runs import RunFolder, from_json, packed
 from neuralgaits.runs.folder import file_hashes
@@ -38,8 +39,8 @@ from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
 """What a certificate is about, and what it rests on."""
-WALKING, ABOUT_A_BOX = 2, 3
-"""Levels: of walking sets; the highest that is about robots of a box."""
+WALKING = 2
+"""The level of walking sets."""
 DAMAGED = f"{SUMMARY} is damaged or of another version"
 
 
@@ -151,7 +152,7 @@ def _refuse_disorder(summary: Certified) -> None:
 def _refuse_ground(summary: Certified, proof: Claims | None, described: Mapping[str, Any]) -> None:
     """Raises: _Unfit if a box of robots or floors is stated of what says nothing of it."""
     claimed = () if proof is None else proof.theorems.claimed
-    if summary.parameters and max(claimed, default=0) > ABOUT_A_BOX:
+    if summary.parameters and max(claimed, default=0) > HIGHEST_OF_MANY:
         raise _Unfit(f"{SUMMARY} states a box of robots of level {max(claimed)}, which is of one")
     least = summary.parameters.get("friction")
     if least is None:

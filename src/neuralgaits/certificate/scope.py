@@ -12,12 +12,12 @@ from neuralgaits.certificate.levels.chart import Chart
 from neuralgaits.certificate.provable import refuse_many_axes, why_not_robust
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
+from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.robots.parameters import axes_of, box_of
 
-LEVEL = 3
-"""What is proved if no level is asked for, and the most that can be of a box of robots, or with
-commands."""
+LEVEL = HIGHEST_OF_MANY
+"""What is proved if no level is asked for."""
 
 Ranges = Mapping[str, tuple[float, float]]
 """(low, high) of commands, by name."""
@@ -97,7 +97,7 @@ def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float
 
 def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
     """Raises: InputError on a level that no theorem is about."""
-    if box and level > LEVEL:
+    if box and level > HIGHEST_OF_MANY:
         raise InputError(
             f"expected level 1, 2 or 3 for a box of robots, found {level}: the theorem of full "
             "order is about one robot; leave --level out, or give --parameters none, whose proof "

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
 
 from neuralgaits.records.certified import HIGHEST
+from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.records.record import Pair, Record, build, shape_of
 from neuralgaits.runs.names import CONFIG
 from neuralgaits.runs.reading import refuse_misshapen
@@ -143,9 +144,9 @@ class Asked(Record):
 
     @property
     def last_level(self) -> int:
-        """The highest that a certificate can reach: 4 and 5 are of one gait, robot and floor."""
+        """The highest level that a certificate of this run can reach."""
         many = self.described.get("parameters") or self.described.get("ground")
-        return 3 if self.commands or many else HIGHEST
+        return HIGHEST_OF_MANY if self.commands or many else HIGHEST
 
     @property
     def learning_rate(self) -> float | None:

@@ -13,6 +13,8 @@ class LevelWords(NamedTuple):
         means: what it means, as the highest that is proved, for a reader who knows none of the
             words.
         states_told, means_told: the same of a gait that takes commands, where that differs.
+        one_gait: whether it is about one gait of one robot on the floor as meant, and so of no gait
+            with commands and no box of robots or floors.
     """
 
     about: str
@@ -21,6 +23,7 @@ class LevelWords(NamedTuple):
     means: str
     states_told: str | None = None
     means_told: str | None = None
+    one_gait: bool = False
 
 
 FOR_EVER = (
@@ -61,6 +64,7 @@ WORDS = {
         "walks for ever from every state of a set in which joints may be a little off their "
         "targets. With joints exactly on target, it comes nearer and nearer to one motion that "
         "repeats.",
+        one_gait=True,
     ),
     5: LevelWords(
         about="full order, disturbed",
@@ -71,6 +75,9 @@ WORDS = {
         "differ by no more than a bound; or as long as it asks anew at each touchdown and within "
         "the time shown, and the motors hold that. With joints exactly on target, it comes nearer "
         "and nearer to one motion that repeats.",
+        one_gait=True,
     ),
 }
 """By number."""
+HIGHEST_OF_MANY = max(number for number, words in WORDS.items() if not words.one_gait)
+"""The highest level that can be of a gait with commands, or of a box of robots or floors."""

@@ -129,7 +129,7 @@ def _full_order_set(source: Source) -> Made:
     certificate = source.certificate
     if source.run.asked.commands:
         line = again.certifying(source.run.path, source.run.asked.last_level)
-        raise Absent("level 4 is not about gaits with commands", line)
+        raise Absent("level 4 is about one gait, and this one takes commands", line)
     if certificate.full is not None:
         return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
     if certificate.of_a_box or source.run.asked.parameters:

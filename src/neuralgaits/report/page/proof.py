@@ -12,6 +12,7 @@ from neuralgaits.records.certified import (
     Conclusion,
     Constant,
 )
+from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import words
 from neuralgaits.report.page.markup import Html
@@ -30,6 +31,10 @@ _LEVEL_FIGURES = {
     "z2_at_mid_step_at_least": ("z2 of the orbit at phase 0.5, at least", "kg m²/s"),
     "z2_at_mid_step_at_most": ("z2 of the orbit at phase 0.5, at most", "kg m²/s"),
 }
+
+
+NOT_OF_MANY = "not about such a gait"
+"""In place of a verdict on levels that are about one gait of one robot."""
 
 
 def certificate(contents: Contents) -> Html:
@@ -82,6 +87,8 @@ def _absent(saved: Saved) -> Html:
 def _ladder(found: Certified, told: bool) -> Html:
     """A row a level; `told` whether the gait takes commands."""
     answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
+    if told or found.parameters:
+        answers = {n: NOT_OF_MANY for n in LEVELS if n > HIGHEST_OF_MANY} | answers
     rows = [
         (
             level,
