@@ -23,6 +23,7 @@ from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.rounds.folder import EpisodeFolder, read, write
 from neuralgaits.rounds.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.runs import RUNS_ROOT, plain
+from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import CONFIG, FIT
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
@@ -127,6 +128,7 @@ def episodes(
         folder = _begin(asked, resume, out=out, root=root)
     else:
         folder = old.gone_on_with(asked, out)
+    refuse_unwritable(folder.path / SUMMARY, folder.path / FIGURE)
     session = _Session(folder, progress, tell or (lambda number, what: None), root)
     try:
         entries, run, stopped = session.run()
