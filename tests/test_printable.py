@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from neuralgaits._environment import prepare
 from neuralgaits._printable import PRINTABLE, printable
 from neuralgaits.runs import RunFolder, finish, resolve, to_json, write_text
 from neuralgaits.runs.commands import command
@@ -64,3 +65,12 @@ def test_latest_finds_a_run_whose_name_is_no_utf8(tmp_path: Path) -> None:
     finish(folder, {"run": str(folder.path)}, root)
     assert resolve("latest", root).path == root / BROKEN
     assert resolve("latest", root).read_json("summary.json")["run"].endswith(r"run-\xff")
+
+
+@pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", "JAX_COMPILATION_CACHE_DIR"])
+def test_a_cache_that_xla_cannot_name_is_left_out(
+    variable: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "environ", {"HOME": "/home", variable: f"/{BROKEN}"})
+    prepare()
+    assert "JAX_COMPILATION_CACHE_DIR" not in os.environ
