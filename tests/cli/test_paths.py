@@ -72,6 +72,15 @@ def test_a_robot_and_a_spec_whose_names_are_no_utf8(
     assert rf"{SHOWN}-not-there.xml" in capfd.readouterr().err
 
 
+def test_episodes_do_not_begin_with_logs_that_they_could_not_find_again(
+    place: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["episodes", "amber3m", "--logs", f"{BROKEN}-logs", "--resume", BROKEN]) == 2
+    err = capfd.readouterr().err
+    assert err.startswith("neuralgaits: expected logs and columns whose path is UTF-8, found /")
+    assert rf"/{SHOWN}-logs: rename what is not" in err
+
+
 @pytest.mark.slow
 def test_verbs_in_a_locale_of_ascii(place: Path) -> None:
     """Sub-processes: the encodings of a process are those of its start."""

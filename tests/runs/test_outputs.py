@@ -171,6 +171,24 @@ def test_an_export_is_not_put_onto_a_fifo_and_follows_a_link(tmp_path: Path) -> 
     assert stat.S_ISFIFO((out / "controller.c").lstat().st_mode)
 
 
+@pytest.mark.parametrize("there", [True, False])
+def test_a_run_that_finds_no_room_leaves_its_folder_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, there: bool
+) -> None:
+    out = tmp_path / "run"
+    if there:
+        out.mkdir()
+
+    def full_disk(handle: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full_disk)
+    with pytest.raises(OSError, match="No space"):
+        RunFolder.create({}, {"a": "b"}, name="biped", seed=0, root=tmp_path, out=out)
+    assert os.listdir(tmp_path) == (["run"] if there else [])
+    assert not there or os.listdir(out) == []
+
+
 def test_a_pointer_that_cannot_be_written_is_refused_before_a_run_is_made(tmp_path: Path) -> None:
     (tmp_path / "latest").mkdir()
     with pytest.raises(InputError, match="found a folder at"):

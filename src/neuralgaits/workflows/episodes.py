@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from neuralgaits._printable import printable
 from neuralgaits._settings import check_rounds, check_seed
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control.laws import law_named
@@ -171,6 +172,12 @@ def _begin(
             f"expected either a plant or a folder of logs, found {found}: give --plant ROBOT to "
             "walk in simulation, or --logs DIR with a robot's own logs"
         )
+    for path in filter(None, (logs, asked["columns"])):
+        if printable(path) != path:
+            raise InputError(
+                f"expected logs and columns whose path is UTF-8, found {printable(path)}: rename "
+                "what is not; episodes are gone on with by that path"
+            )
     if asked["columns"] is not None and logs is None:
         raise InputError("expected --columns with --logs, found it with a plant: drop it")
     if logs is not None:
