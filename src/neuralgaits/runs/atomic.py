@@ -120,7 +120,7 @@ def write_together(files: Mapping[Path, bytes | None], *, clear: bool = False) -
             wanted[path].unlink(missing_ok=True)
         for path, temporary in temporaries.items():
             with _blamed_on(path):
-                os.replace(temporary, wanted[path])
+                temporary.replace(wanted[path])
         for path in files.keys() - temporaries.keys():
             path.unlink(missing_ok=True)
     for folder in {wanted[path].parent for path in temporaries}:
