@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from neuralgaits._digits import from_hex
 from neuralgaits.certificate.ground import FORCES, IMPULSES, friction_needed, named
 from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.levels.ladder import conclude
@@ -169,7 +170,7 @@ def _other_spec(model: Mapping[str, Any] | None, described: Mapping[str, Any]) -
     if rows != model["conditions"]:
         return "its conditions have other numbers than those of config.json"
     told = [
-        {k: float.fromhex(v) if k != "name" and v is not None else v for k, v in row.items()}
+        {k: from_hex(v, k) if k != "name" and v is not None else v for k, v in row.items()}
         for row in model["policy"].get("commands", ())
     ]
     if told != [dict(row) for row in described.get("commands", ())]:

@@ -22,6 +22,7 @@ from neuralgaits.certificate.proof_file.coverage import (
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
+from neuralgaits.certificate.proof_file.told_ranges import OTHER_CHART, is_beyond, why_part
 from neuralgaits.records.certified import Conclusion
 
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]
@@ -104,6 +105,8 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
         reason = f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"
         return replace(report, verdict="rejected", reason=reason)
     wrong = contradictions(claims.statements, claims.theorems, claims.asked)
+    if is_beyond(claims.chart, claims.commands):
+        wrong.append(OTHER_CHART)
     if differs := _parameters_that_differ(claims):
         wrong.append(differs)
     if wrong:
@@ -193,9 +196,8 @@ def _concluded(claims: Claims, report: Report) -> Report:
         return replace(report, verdict="rejected", reason=reason)
     levels = tuple(replace(answer, verdict="consistent") for answer in claimed)
     report = replace(report, levels=levels, holds=True)
-    if reason := _why_incomplete(claims):
-        return replace(report, verdict="undecided", reason=reason)
-    return report
+    reason = _why_incomplete(claims) or why_part(claims.chart, claims.commands)
+    return report if reason is None else replace(report, verdict="undecided", reason=reason)
 
 
 def _why_incomplete(claims: Claims) -> str | None:
