@@ -100,7 +100,7 @@ for _field in ("barriers", "carried"):
         _level(table, 2)[field] = ["knee"] * 200_000
 
 
-@_kind("100,000 commands of level 2", "more than 1000 ")
+@_kind("100,000 commands of level 2", "more than 1000 told")
 def _(table: dict[str, Any]) -> None:
     _level(table, 2)["told"] = _names(100_000)
 
@@ -298,12 +298,12 @@ def _(table: dict[str, Any]) -> None:
     table["statements"] *= 1_000
 
 
-@_kind("a tree without leaves", "splits")
+@_kind("a tree without leaves")
 def _(table: dict[str, Any]) -> None:
     table["statements"][0]["tree"] = "01" * 900_000
 
 
-@_kind("a tree of leaves alone", "goes on after its last leaf")
+@_kind("a tree of leaves alone")
 def _(table: dict[str, Any]) -> None:
     table["statements"][0]["tree"] = "-" * 1_800_000
 
@@ -506,7 +506,8 @@ def _outer(table: dict[str, Any], size: int) -> tuple[list[list], int]:
 def _(table: dict[str, Any]) -> None:
     rows, wide = _outer(table, 1_000)
     rows += [["sin", [wide + k], 1_000_000] for k in range(10_000)]
-    _operations(table, rows, 1_000_000)
+    rows.append(["sum", [wide + 10_000], 1])
+    _operations(table, rows, 1)
 
 
 @_kind("a move of 300,000 times 1,000,000 numbers", "more than 8388608 numbers that the Program")
@@ -516,14 +517,14 @@ def _(table: dict[str, Any]) -> None:
     _operations(table, rows, 1)
 
 
-@_kind("2 operations on 1,000,000 numbers")
+@_kind("an output of 1,000,000 numbers", "more than 1000 elements of an output of the Program")
 def _(table: dict[str, Any]) -> None:
     rows, wide = _outer(table, 1_000)
     rows += [["sin", [wide], 1_000_000], ["exp", [wide + 1], 1_000_000]]
     _operations(table, rows, 1_000_000)
 
 
-@_kind("a move to 800,000 places")
+@_kind("a move to 800,000 places", "more than 1000 elements of an output of the Program")
 def _(table: dict[str, Any]) -> None:
     _operations(table, [["move", [0], 800_000, [0] * 800_000]], 800_000)
 

@@ -239,8 +239,8 @@ WalkingSet walking_set_of(const Json& table) {
     refuse("a disturbance that is not two numbers from 0 up");
   std::copy(push.begin(), push.end(), t.push);
   t.barriers = names_of(field(table, what, "barriers"), "barriers");
-  t.carried = names_of(field(table, what, "carried"), "carried conditions");
-  if (const Json* told = table.find("told")) t.told = names_of(*told, "commands");
+  t.carried = names_of(field(table, what, "carried"), "carried");
+  if (const Json* told = table.find("told")) t.told = names_of(*told, "told");
   if (table.find("floor")) t.floor = number("floor");
   if (!(t.floor >= 0.0)) refuse("a floor that is not a number from 0 up");
   return t;
