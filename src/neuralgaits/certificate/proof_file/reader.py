@@ -27,7 +27,8 @@ from neuralgaits.certificate.proof_file.limits import (
     limit,
     shortened,
 )
-from neuralgaits.certificate.proof_file.program_field import FIBRE, program_of
+from neuralgaits.certificate.proof_file.program_field import FIBRE
+from neuralgaits.certificate.proof_file.program_field import program_of as _program
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.told_ranges import CommandRange, command_ranges
 from neuralgaits.errors import InputError, reason
@@ -180,7 +181,7 @@ def _claims(table: Any) -> Claims:
     if fields["kind"] != KIND:
         raise ValueError(f"kind {fields['kind']!r} instead of {KIND!r}")
     chart, theorems = Chart.read(fields["chart"]), Theorems.read(fields["theorems"])
-    program = program_of(fields["program"], chart.size)
+    program = _program(fields["program"], chart.size)
     outputs = {output.name for output in program.outputs}
     _refuse_names(outputs, premise_names(theorems))
     if (theorems.full is not None) is not (len(program.inputs) > 1):
