@@ -710,6 +710,23 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   read_conditions(*model.find("conditions"), program, joints, file);
 }
 
+// Levels 4 and 5 are about one gait of one robot, on footholds that lie where they are meant to.
+void match_full_order(const ProofFile& file) {
+  const Theorems& theorems = file.theorems;
+  if (!theorems.full) return;
+  if (file.chart.size() > 2) {
+    string others;
+    for (size_t i = 2; i < file.chart.size(); ++i)
+      others += (i == 2 ? "" : ", ") + file.chart[i].name;
+    throw Inconsistent{"level 4 is stated, and it is about one gait of one robot, without axes of " +
+                       others};
+  }
+  if (theorems.walking && theorems.walking->floor > 0.0)
+    throw Inconsistent{
+        "level 4 is stated, and it is about footholds that lie where they are meant to"};
+}
+
+
 // The file, filled in place: its outputs refer to its conditions.
 void read_proof(const Json& table, bool by_program, ProofFile& file) {
   if (table.type == Json::object && table.find("format") &&
@@ -737,6 +754,7 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
 
   read_model(table, program, by_program, file);
   file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
+  match_full_order(file);
   if (auto& full = file.theorems.full; full && file.underivable.empty()) {
     find_conditions(*full, file.conditions);
     if (file.model.flow || file.model.reset)
