@@ -225,8 +225,12 @@ def _refuse(level: int, disturbance: tuple[float, float], bandwidth: float | Non
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
     if bandwidth is None:
         return
-    if not 0.0 < bandwidth < np.inf:
-        raise InputError(f"expected a bandwidth above 0 rad/s, found {bandwidth:g}")
+    slowest, fastest = BANDWIDTHS
+    if not slowest <= bandwidth <= fastest:
+        raise InputError(
+            f"expected a bandwidth of {slowest:g} to {fastest:g} rad/s, found {bandwidth:g}: write "
+            "--bandwidth 20"
+        )
     if level < FULL_ORDER_LEVEL:
         raise InputError(
             f"expected level {FULL_ORDER_LEVEL} or 5 with a bandwidth, found {level}: raise --level"

@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.physical_numbers import refuse_odd_contact
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree
 
 _HIP_TOLERANCE_M = 1e-6
@@ -268,6 +269,7 @@ def _foot(
     if not name:
         raise RobotError(f"the foot sphere of body {link.name} has no name: give it one")
     _refuse_frictionless(model, geom, floor)
+    refuse_odd_contact(model, geom, floor)
     centre = data.geom_xpos[geom]
     return Foot(
         name,
