@@ -1,4 +1,4 @@
-"""Numbers in a robot file that no robot and no floor has are refused, each in a line that names it."""
+"""Numbers in a robot file that no robot and no floor has are refused, each by its name."""
 
 import re
 
@@ -57,6 +57,10 @@ def with_attributes(start, attributes):
     return AMBER[: end - len(element)] + changed + AMBER[end:]
 
 
+def nested(tag, count, around="mujoco"):
+    return f"<{around}>" + f"<{tag}>" * count + f"</{tag}>" * count + f"</{around}>"
+
+
 def refusal(text):
     with pytest.raises(RobotError) as found:
         robot_from_text(text, "edited")
@@ -98,8 +102,8 @@ def test_usual_numbers_are_taken():
     [
         ("<mujoco/>", "found none: add a <body>"),
         ("<mujoco><worldbody/></mujoco>", "found none: add a <body>"),
-        ("<mujoco>" + "<default>" * 100_000 + "</default>" * 100_000 + "</mujoco>", "in one another"),
-        ("<mujoco><worldbody>" + "<body>" * 5000 + "</body>" * 5000 + "</worldbody></mujoco>", "in"),
+        (nested("default", 100_000), "in one another"),
+        ("<mujoco>" + nested("body", 5000, "worldbody") + "</mujoco>", "in one another"),
     ],
     ids=["empty", "no body", "deep defaults", "deep bodies"],
 )

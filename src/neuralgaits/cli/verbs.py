@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._environment import render_without_screen
 from neuralgaits.cli import proof_screen, screen
 from neuralgaits.cli.arguments import (
     Certify,
@@ -125,12 +126,15 @@ def _train(verb: Train) -> Outcome:
         given = {"resume": _unfinished(verb.resume, given, verb.output.json)}
     if "seeds" in given:
         return carry_out_seeds(verb.robot, given, quiet=verb.output.json)
+    from neuralgaits.analysis.walking_speeds import speed_doubt
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.parts.proof_rounds import Watch
     from neuralgaits.workflows.planarise import load_or_advise
     from neuralgaits.workflows.train import train
 
     robot = None if verb.robot is None else load_or_advise(verb.robot)
+    if robot is not None and (doubt := speed_doubt(robot, given.get("speed"))) is not None:
+        print(f"neuralgaits: {doubt}", file=sys.stderr)
     with TrainingProgress(quiet=verb.output.json) as progress:
         watch = Watch(progress.proved, progress.round_ended)
         run = train(robot, progress=progress, watch=watch, **given)
@@ -197,6 +201,9 @@ def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
 
 
 def _simulate(verb: Simulate) -> Outcome:
+    if verb.video is not None:
+        # Before MuJoCo is imported, which looks at it then.
+        render_without_screen()
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
@@ -207,8 +214,9 @@ def _simulate(verb: Simulate) -> Outcome:
             workers=verb.at_work.workers,
             ray=verb.at_work.ray,
         )
-    if done.summary.engine_note is not None and not verb.output.json:
-        print(done.summary.engine_note, file=sys.stderr)
+    notes = [done.plant_note, None if verb.output.json else done.summary.engine_note]
+    for note in filter(None, notes):
+        print(note, file=sys.stderr)
     return Outcome(done.summary, not any(done.summary.fell), screen.show_walks)
 
 
@@ -314,6 +322,7 @@ def _robots(verb: Robots) -> Outcome:
 
 
 def _doctor() -> Outcome:
+    render_without_screen()
     from neuralgaits.workflows.doctor import doctor
 
     result = doctor()

@@ -55,6 +55,9 @@ from neuralgaits.records.certified import (
 from neuralgaits.runs import packed
 from neuralgaits.runs.names import MAP
 
+BANDWIDTHS = 1.0, 1000.0
+"""Double poles that outputs can have [rad/s]: slower ones outlast a step, and a controller at 1 kHz
+has none that are faster."""
 _TIGHTEST = 5
 """Conditions that a notebook shows."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"

@@ -56,8 +56,8 @@ def refuse_unphysical(model: mujoco.MjModel) -> None:
             for row, column in zip(*np.nonzero(~(np.abs(rows) <= MOST)), strict=True):
                 label = _label(model, kind, int(row))
                 raise RobotError(
-                    f"{label} has {name} {rows[row, column]:g}, but at most {MOST:g} makes sense in "
-                    "SI units: mend that number"
+                    f"{label} has {name} {rows[row, column]:g}, but at most {MOST:g} makes sense "
+                    "in SI units: mend that number"
                 )
     if not np.all(np.abs(model.qpos0) <= MOST):
         joint = int(model.jnt_qposadr.searchsorted(int(np.argmax(~(np.abs(model.qpos0) <= MOST)))))
@@ -133,9 +133,9 @@ def refuse_odd_keyframes(text: str, model: mujoco.MjModel) -> None:
             found = len(key.get(attribute, "").split())
             if attribute in key.attrib and found != expected:
                 raise RobotError(
-                    f"keyframe {label} has {found} numbers in {attribute}: expected {expected}, one "
-                    f"for each of the robot's {'motors' if count == 'nu' else 'coordinates'}; mend "
-                    "or remove it"
+                    f"keyframe {label} has {found} numbers in {attribute}: expected {expected}, "
+                    f"one for each of its {'motors' if count == 'nu' else 'coordinates'}; mend or "
+                    "remove it"
                 )
 
 
