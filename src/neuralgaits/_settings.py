@@ -61,7 +61,7 @@ def check_widths(hidden: tuple[int, ...] | None) -> None:
     if len(hidden) > MOST_LAYERS or max(hidden) > MOST_WIDTH:
         raise InputError(
             f"expected at most {MOST_LAYERS} hidden widths of at most {MOST_WIDTH}, found "
-            f"{len(hidden)} up to {shortened(max(hidden))}"
+            f"{len(hidden)}, the largest {shortened(max(hidden))}"
         )
 
 

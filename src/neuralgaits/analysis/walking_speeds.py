@@ -56,7 +56,8 @@ def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -
     if not highest > most:
         return None
     if gravity <= torque:
-        froude = highest**2 / (float(robot.gravity) * robot.leg_length)
+        share = highest / gravity
+        froude = FROUDE * share * share
         why = (
             f"legs of {robot.leg_length:.2f} m leave the floor at v^2/(g L) = 1, and here it is "
             f"{froude:.2g}"

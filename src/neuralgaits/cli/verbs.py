@@ -126,17 +126,14 @@ def _train(verb: Train) -> Outcome:
         given = {"resume": _unfinished(verb.resume, given, verb.output.json)}
     if "seeds" in given:
         return carry_out_seeds(verb.robot, given, quiet=verb.output.json)
-    from neuralgaits.analysis.walking_speeds import speed_doubt
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.parts.proof_rounds import Watch
     from neuralgaits.workflows.planarise import load_or_advise
     from neuralgaits.workflows.train import train
 
     robot = None if verb.robot is None else load_or_advise(verb.robot)
-    if robot is not None and (doubt := speed_doubt(robot, given.get("speed"))) is not None:
-        print(f"neuralgaits: {doubt}", file=sys.stderr)
     with TrainingProgress(quiet=verb.output.json) as progress:
-        watch = Watch(progress.proved, progress.round_ended)
+        watch = Watch(progress.proved, progress.round_ended, progress.say)
         run = train(robot, progress=progress, watch=watch, **given)
     done = run.summary
     return Outcome(done, done.proved, screen.show_training, undecided=not done.proved)
