@@ -116,8 +116,8 @@ def link_of(
                 "NAME=VALUE without --sensing"
             )
         raise InputError(
-            f"--link needs --controller {REMOTE}, found {_name(controller)}: "
-            f"{_linked(controller)}, or leave --link out"
+            f"expected --link with --controller {REMOTE} only, found {link!r} with "
+            f"{_name(controller)}: {_linked(controller)}, or leave --link out"
         )
     if disturbance.estimator:
         without = " and without --link" if link is not None else ""
