@@ -11,6 +11,9 @@ MOST_WIDTH, MOST_LAYERS = 4096, 8
 """Of a policy's hidden layers: wider ones need more memory than a machine has."""
 MOST_PUSH = 10_000.0
 """Impulse [N s]: a car at walking pace."""
+BANDWIDTHS = 1.0, 1000.0
+"""Double poles that outputs can have [rad/s]: slower ones outlast a step, and a controller at 1 kHz
+has none that are faster."""
 MOST_ROUNDS = 100
 """Of episodes: what is more is a slip of the finger, or damage."""
 
@@ -65,6 +68,16 @@ def check_widths(hidden: tuple[int, ...] | None) -> None:
         )
 
 
+def check_walks(episodes: int, seed: int, push: float | None) -> None:
+    """Raises: InputError unless so many episodes can be walked, drawn and pushed (N s) so."""
+    if not isinstance(episodes, int) or episodes < 1:
+        raise InputError(f"expected at least 1 episode, found {episodes!r}")
+    if not isinstance(seed, int) or seed < 0:
+        raise InputError(f"expected a seed of at least 0, found {seed!r}")
+    check_walked("episodes", episodes)
+    check_push(push)
+
+
 def check_push(push: float | None) -> None:
     """Raises: InputError unless a robot can be pushed so (N s); None is no push."""
     if push is not None and not abs(push) <= MOST_PUSH:
@@ -84,6 +97,16 @@ def check_disturbance(bounds: tuple[float, float]) -> None:
     """Raises: InputError unless they can bound what is added to dz (m/s, N m)."""
     if not all(0.0 <= bound < math.inf for bound in bounds):
         raise InputError(f"expected a disturbance of two bounds >= 0 (m/s, N m), found {bounds}")
+
+
+def check_bandwidth(bandwidth: float) -> None:
+    """Raises: InputError unless outputs can come back so fast (rad/s)."""
+    slowest, fastest = BANDWIDTHS
+    if not slowest <= bandwidth <= fastest:
+        raise InputError(
+            f"expected a bandwidth of {slowest:g} to {fastest:g} rad/s, found {bandwidth:g}: write "
+            "--bandwidth 20"
+        )
 
 
 def check_budget(budget: float | None) -> None:

@@ -1,7 +1,6 @@
 """The controls beside the scene. What a visitor sets is a number within limits, or a button."""
 
 import html
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -12,7 +11,8 @@ import viser
 
 from neuralgaits.viewer import bars, scheme
 from neuralgaits.viewer.player import SPEED, Picture, Player
-from neuralgaits.viewer.walker import Limits, Shown, Told, Walker
+from neuralgaits.viewer.readouts import ended, few_digits, notch
+from neuralgaits.viewer.walker import Limits, Told, Walker
 
 PUSH = Limits(0.0, 40.0, 8.0)
 """Impulse of a push [N s]."""
@@ -31,12 +31,8 @@ _SETTINGS = {
     "torque_limit": ("torque [N m]", 0.5, "limit of every joint; the controller knows it"),
 }
 Key = Literal["U", "J", "I", "K", "O", "L"]
-_NOTCHES = 70
-"""Of the slider of a command: half a centimetre a second of the usual range of speeds."""
 KEYS: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
 """Up and down, of the sliders of commands and stones in their order: keys below each other."""
-_DIGITS = 3
-"""Of a number beside a slider: the page cuts longer ones off."""
 _A_KEY = 0.1
 """How far a key moves a slider, as a share of it."""
 _ANSWER_FRAMES = 240
@@ -199,10 +195,10 @@ class Panel:
         """A slider for each, and two keys while there are any left."""
         with gui.add_folder(title):
             for name, (limits, unit) in told.items():
-                notch = _notch(limits)
+                stride = notch(limits)
                 keys = next(self._keys, None)
                 by_key = "" if keys is None else f"; keys {keys[0]} and {keys[1]}"
-                slider = self._slider(gui, f"{name} [{unit}]", limits, notch, hint + by_key)
+                slider = self._slider(gui, f"{name} [{unit}]", limits, stride, hint + by_key)
 
                 def ask(_event: object, step=0.0, name=name, slider=slider, limits=limits):
                     value = _moved(slider, limits, step)
@@ -233,7 +229,7 @@ class Panel:
     def _slider(
         self, gui: viser.GuiApi, label: str, limits: Limits, step: float, hint: str
     ) -> viser.GuiSliderHandle:
-        low, high, first = map(_few_digits, (limits.low, limits.high, limits.first))
+        low, high, first = map(few_digits, (limits.low, limits.high, limits.first))
         slider = gui.add_slider(label, low, high, step, first, hint=hint)
         self._limited.append((slider, limits))
         return slider
@@ -260,7 +256,7 @@ class Panel:
         shown = picture.shown
         facts = f"{shown.steps} steps · {shown.speed:.2f} m/s · {shown.time:.1f} s"
         if shown.fall is not None:
-            lines = _line(_ended(shown, picture.reset_in), _BAD, strong=True)
+            lines = _line(ended(shown, picture.reset_in), _BAD, strong=True)
         elif picture.paused:
             lines = _line(f"Paused · {facts}", _QUIET)
         else:
@@ -279,34 +275,6 @@ class Panel:
 
     def _lags(self, picture: Picture) -> bool:
         return picture.pace < 0.9 * self._player.speed
-
-
-def _ended(shown: Shown, left: float | None) -> str:
-    """Say why a walk ended, and what to do next.
-
-    Args:
-        shown: last moment of the walk.
-        left: time until the robot is put back (s); None if the visitor does that.
-    """
-    what = "Stopped" if shown.upright else "Fell"
-    text = f"{what}: {shown.fall}, after {shown.steps} steps. "
-    text += "Press Reset" if left is None else f"Reset in {left:.0f} s"
-    return text + ("; push it forward where it slows down." if shown.upright else ".")
-
-
-def _notch(limits: Limits) -> float:
-    """Return the step of a slider: 1, 2 or 5 of a decimal place, about a share of its range.
-
-    Any other one has digits that the number beside the slider has no room for.
-    """
-    share = (limits.high - limits.low) / _NOTCHES * (1.0 + 1e-9)
-    place = 10.0 ** math.floor(math.log10(share))
-    return float(f"{max(n * place for n in (1, 2, 5) if n * place <= share):.0e}")
-
-
-def _few_digits(value: float) -> float:
-    """Round a number to those digits that a slider shows."""
-    return float(f"{value:.{_DIGITS}g}")
 
 
 def _moved(slider: viser.GuiSliderHandle, limits: Limits, step: float) -> float | None:

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from neuralgaits import _notebook
 from neuralgaits._digits import at_least
-from neuralgaits._settings import check_budget, check_disturbance
+from neuralgaits._settings import check_bandwidth, check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
 from neuralgaits.certificate.levels.ladder import conclude
@@ -55,9 +55,6 @@ from neuralgaits.records.certified import (
 from neuralgaits.runs import packed
 from neuralgaits.runs.names import MAP
 
-BANDWIDTHS = 1.0, 1000.0
-"""Double poles that outputs can have [rad/s]: slower ones outlast a step, and a controller at 1 kHz
-has none that are faster."""
 _TIGHTEST = 5
 """Conditions that a notebook shows."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
@@ -228,12 +225,7 @@ def _refuse(level: int, disturbance: tuple[float, float], bandwidth: float | Non
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
     if bandwidth is None:
         return
-    slowest, fastest = BANDWIDTHS
-    if not slowest <= bandwidth <= fastest:
-        raise InputError(
-            f"expected a bandwidth of {slowest:g} to {fastest:g} rad/s, found {bandwidth:g}: write "
-            "--bandwidth 20"
-        )
+    check_bandwidth(bandwidth)
     if level < FULL_ORDER_LEVEL:
         raise InputError(
             f"expected level {FULL_ORDER_LEVEL} or 5 with a bandwidth, found {level}: raise --level"

@@ -9,7 +9,7 @@ import jax
 import numpy as np
 
 from neuralgaits import logs
-from neuralgaits._settings import check_push, check_walked
+from neuralgaits._settings import check_walks
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.engine import engine_for as engine_of_workers
@@ -65,7 +65,7 @@ class Simulation:
 
     @property
     def plant_note(self) -> str | None:
-        """Say that another robot walked than the gait was trained for; None if none did."""
+        """Say that another robot walked than the gait's own; None if none did."""
         return about_other_robot(self.walk.robot, self.walk.plant.robot)
 
     def __repr__(self) -> str:
@@ -151,12 +151,7 @@ def simulate(
     drawn = drawn_robots(trained.robot, parameters, seed, plant, terrain, controller)
     if drawn is not None:
         disturbance = drawn.on_its_floor(disturbance)
-    if not isinstance(episodes, int) or episodes < 1:
-        raise InputError(f"expected at least 1 episode, found {episodes!r}")
-    check_walked("episodes", episodes)
-    if not isinstance(seed, int) or seed < 0:
-        raise InputError(f"expected a seed of at least 0, found {seed!r}")
-    check_push(push)
+    check_walks(episodes, seed, push)
     orders = orders_of(told, command, commands, seed)
     if terrain is None:
         disturbance = on_slope(disturbance, orders)

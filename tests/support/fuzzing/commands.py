@@ -15,6 +15,8 @@ from support.fuzzing.paths import WORDS_OF_PATHS, odd_path, placed, remove_odd
 from support.fuzzing.place import FILES, RUN, Place
 
 CODES = (0, 1, 2, 3)
+UTF8, EVERY, ESCAPED = "utf-8", "", "backslashreplace"
+"""Encoding of a process's streams, their line ends kept, and what stderr does with the rest."""
 ODD_ONE = 5
 """One command in so many is about a path of any bytes."""
 Words = Callable[[str], list[str]]
@@ -97,10 +99,12 @@ def _captured() -> Iterator[list[str]]:
     """What is printed on stdout and stderr, by C libraries too, in the list afterwards."""
     found: list[str] = []
     kept = [os.dup(1), os.dup(2)]
-    coding = {"encoding": "utf-8", "newline": ""}
+    # As the streams of a process are: what cannot be written is an error on stdout alone.
     with (
-        tempfile.TemporaryFile("w+", errors="strict", **coding) as out,
-        tempfile.TemporaryFile("w+", errors="backslashreplace", **coding) as err,
+        tempfile.TemporaryFile("w+", encoding=UTF8, newline=EVERY) as out,
+        tempfile.TemporaryFile(
+            "w+", encoding="utf-8", newline="", errors="backslashreplace"
+        ) as err,
     ):
         try:
             for number, file in ((1, out), (2, err)):

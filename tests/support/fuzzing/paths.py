@@ -128,7 +128,7 @@ PATH_READERS: tuple[Callable[..., None], ...] = (
 
 
 def _lines(place: Place, path: Path) -> int:
-    return len(logs.read(path, place.robot).log.time)
+    return sum(map(len, logs.read_all([path], place.robot)[0]))
 
 
 _READ_LOG = _at(f"{FILES}/walk.csv", ".csv", _lines)

@@ -93,6 +93,20 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
         )
 
 
+def refuse_frictionless(model: mujoco.MjModel, foot: int, floor: int) -> None:
+    """A plant takes the foot's condim; in the file a floor of higher priority would decide.
+
+    Raises: RobotError if either is 1, which is contact without friction.
+    """
+    deciding = [foot]
+    if model.geom_priority[floor] > model.geom_priority[foot]:
+        deciding.append(floor)
+    for geom in deciding:
+        if model.geom_condim[geom] == 1:
+            name = f"foot {model.geom(geom).name}" if geom == foot else "the floor"
+            raise RobotError(f'{name} has condim="1", contact without friction: give it condim="3"')
+
+
 def refuse_odd_contact(model: mujoco.MjModel, foot: int, floor: int) -> None:
     """Check the contact parameters of a foot and of the floor.
 
