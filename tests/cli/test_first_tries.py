@@ -165,10 +165,10 @@ def test_no_late_answer_is_no_news(capsys):
 def test_a_push_that_ended_walks_is_said(capsys):
     screen.show_walks(Simulated.of(WALKED | {"push": 64.0}))
     out = " ".join(capsys.readouterr().out.split())
-    assert "2 of 3 walks ended after the push of 64 N s" in out and "at step 6 to 8" in out
+    assert "2 of 3 walks ended once their push of 64 N s was due" in out and "at step 6 to 8" in out
     screen.show_walks(Simulated.of(WALKED | {"push": None}))
     screen.show_walks(Simulated.of(WALKED | {"push": 64.0, "steps_walked": [50, 2, 4]}))
-    assert "the push" not in capsys.readouterr().out
+    assert "their push" not in capsys.readouterr().out
 
 
 def test_a_plant_that_is_another_robot_is_said():

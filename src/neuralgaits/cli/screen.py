@@ -100,9 +100,9 @@ def show_walks(result: Simulated) -> None:
     show_table(("fell because", "episodes"), [(why, str(n)) for why, n in reasons.items()])
     if result.push and (ended := result.fell_after_push):
         show_sentence(
-            f"{len(ended)} of {count} walks ended after the push of {number(result.push)} N s, "
-            f"which came within half a second of touchdown {result.touchdowns_before_push}: at "
-            f"step {_span(ended)}"
+            f"{len(ended)} of {count} walks ended once their push of {number(result.push)} N s was "
+            f"due, within half a second of touchdown {result.touchdowns_before_push}: at step "
+            f"{_span(ended)}"
         )
     figures = result.shown
     if (orbit := result.poincare) is not None:

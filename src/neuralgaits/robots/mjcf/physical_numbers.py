@@ -59,9 +59,10 @@ def refuse_unphysical(model: mujoco.MjModel) -> None:
                     f"{label} has {name} {rows[row, column]:g}, but at most {MOST:g} makes sense "
                     "in SI units: mend that number"
                 )
-    if not np.all(np.abs(model.qpos0) <= MOST):
-        joint = int(model.jnt_qposadr.searchsorted(int(np.argmax(~(np.abs(model.qpos0) <= MOST)))))
-        raise RobotError(f"{_label(model, 'jnt', joint)} has a ref that is no position: mend it")
+    for joint, place in enumerate(model.jnt_qposadr):
+        if not abs(model.qpos0[place]) <= MOST:
+            found = f"{_label(model, 'jnt', joint)} has ref {model.qpos0[place]:g}"
+            raise RobotError(f"{found}, which is no position: leave it out")
     gravity = float(np.max(np.abs(model.opt.gravity)))
     if not LEAST <= gravity <= MOST:
         raise RobotError(f'gravity is {gravity:g} m/s^2: use <option gravity="0 0 -9.81"/>')
