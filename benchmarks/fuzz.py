@@ -1,10 +1,10 @@
-"""A hundred thousand altered inputs: proofs, run folders, robots, logs, specs, names.
+"""A hundred thousand altered inputs: proofs, run folders, robots, logs, specs, names, paths.
 
 Bytes are flipped, cut, doubled; values of JSON, cells of CSV, attributes of XML and headers of
-safetensors are exchanged for what does not belong there. Each input is carried through the
-functions that the verbs call, in processes that are watched. A share of the proof files goes
-through the C++ checker too, and through one built with sanitizers; a sample of all through the
-command line.
+safetensors are exchanged for what does not belong there; whole inputs lie at paths of any bytes.
+Each input is carried through the functions that the verbs call, in processes that are watched. A
+share of the proof files goes through the C++ checker too, and through one built with sanitizers; a
+sample of all through the command line.
 
 Asked: 0 tracebacks, 0 hangs over 10 s, 0 files lost. `INPUTS=1000` alters so many;
 `fuzz.py KIND ...` alters these alone; `fuzz.py replay KIND NUMBER` shows one again.
@@ -33,7 +33,8 @@ SHARES = {
     "robot files": 0.27,
     "logs": 0.20,
     "spec files": 0.05,
-    "names and settings": 0.20,
+    "names and settings": 0.15,
+    "paths": 0.05,
 }
 """Of all inputs."""
 INPUTS = int(os.environ.get("INPUTS", "100000"))

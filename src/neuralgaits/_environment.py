@@ -4,12 +4,16 @@ Those of JAX are environment variables, so they reach processes that this one st
 import of it. What the user has set stays.
 """
 
+import ctypes
 import gc
 import os
+import sys
 
 from neuralgaits._cache import cache_folder
 from neuralgaits._printable import printable
 
+OFF_SCREEN = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so"}
+"""Values of MUJOCO_GL that need no window, the better one first, and what each stands on."""
 THREADS = "NEURALGAITS_THREADS"
 """Variable: how many threads a computation of this program may use; all cores if not set."""
 
@@ -34,6 +38,24 @@ def prepare() -> None:
     folder = os.environ["JAX_COMPILATION_CACHE_DIR"]
     if printable(folder) != folder:
         del os.environ["JAX_COMPILATION_CACHE_DIR"]
+
+
+def render_without_screen() -> None:
+    """Have MuJoCo render off the screen where there is none, if it has not been imported yet.
+
+    What the user has set stays, and so does everything where no library for it can be loaded:
+    MuJoCo refuses to be imported with a back end that is not there.
+    """
+    screens = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL")
+    if sys.platform != "linux" or "mujoco" in sys.modules or any(map(os.environ.get, screens)):
+        return
+    for backend, library in OFF_SCREEN.items():
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            continue
+        os.environ["MUJOCO_GL"] = backend
+        return
 
 
 def one_thread() -> None:

@@ -4,14 +4,36 @@ import math
 
 from neuralgaits.errors import InputError
 
+MOST_WALKED = 1_000_000
+"""Walking steps of an episode, and episodes: a million steps are five days."""
+MOST_GRADIENT_STEPS = 10_000_000
+MOST_WIDTH, MOST_LAYERS = 4096, 8
+"""Of a policy's hidden layers: wider ones need more memory than a machine has."""
+MOST_PUSH = 10_000.0
+"""Impulse [N s]: a car at walking pace."""
+BANDWIDTHS = 1.0, 1000.0
+"""Double poles that outputs can have [rad/s]: slower ones outlast a step, and a controller at 1 kHz
+has none that are faster."""
 MOST_ROUNDS = 100
 """Of episodes: what is more is a slip of the finger, or damage."""
+
+
+def shortened(count: int) -> str:
+    """Write a whole number for a message, however long it is."""
+    text = str(count)
+    return text if len(text) <= 20 else f"a number of {len(text)} digits"
+
+
+def check_walked(name: str, count: int) -> None:
+    """Raises: InputError if so many walking steps or episodes cannot be waited for."""
+    if count > MOST_WALKED:
+        raise InputError(f"{name}: expected at most {MOST_WALKED}, found {shortened(count)}")
 
 
 def check_seed(seed: int) -> None:
     """Raises: InputError unless JAX and NumPy both take it."""
     if not 0 <= seed < 2**31:
-        raise InputError(f"expected a seed from 0 to 2147483647, found {seed}")
+        raise InputError(f"expected a seed from 0 to 2147483647, found {shortened(seed)}")
 
 
 def check_seeds(seeds: tuple[int, int]) -> None:
@@ -27,6 +49,42 @@ def check_steps(steps: int | None) -> None:
     """Raises: InputError if there are no gradient steps; None leaves the number open."""
     if steps is not None and steps < 1:
         raise InputError(f"expected at least 1 gradient step, found {steps}")
+    if steps is not None and steps > MOST_GRADIENT_STEPS:
+        raise InputError(
+            f"expected at most {MOST_GRADIENT_STEPS} gradient steps, found {shortened(steps)}"
+        )
+
+
+def check_widths(hidden: tuple[int, ...] | None) -> None:
+    """Raises: InputError unless a network of these hidden layers can be made; None leaves it."""
+    if hidden is None:
+        return
+    if not hidden or min(hidden) < 1:
+        raise InputError(f"expected hidden widths of at least 1, found {hidden}")
+    if len(hidden) > MOST_LAYERS or max(hidden) > MOST_WIDTH:
+        raise InputError(
+            f"expected at most {MOST_LAYERS} hidden widths of at most {MOST_WIDTH}, found "
+            f"{len(hidden)}, the largest {shortened(max(hidden))}"
+        )
+
+
+def check_walks(episodes: int, seed: int, push: float | None) -> None:
+    """Raises: InputError unless so many episodes can be walked, drawn and pushed (N s) so."""
+    if not isinstance(episodes, int) or episodes < 1:
+        raise InputError(f"expected at least 1 episode, found {episodes!r}")
+    if not isinstance(seed, int) or seed < 0:
+        raise InputError(f"expected a seed of at least 0, found {seed!r}")
+    check_walked("episodes", episodes)
+    check_push(push)
+
+
+def check_push(push: float | None) -> None:
+    """Raises: InputError unless a robot can be pushed so (N s); None is no push."""
+    if push is not None and not abs(push) <= MOST_PUSH:
+        raise InputError(
+            f"expected a push of -{MOST_PUSH:g} to {MOST_PUSH:g} N s, found {push:g}: write "
+            "--push 10"
+        )
 
 
 def check_rounds(rounds: int | None) -> None:
@@ -39,6 +97,16 @@ def check_disturbance(bounds: tuple[float, float]) -> None:
     """Raises: InputError unless they can bound what is added to dz (m/s, N m)."""
     if not all(0.0 <= bound < math.inf for bound in bounds):
         raise InputError(f"expected a disturbance of two bounds >= 0 (m/s, N m), found {bounds}")
+
+
+def check_bandwidth(bandwidth: float) -> None:
+    """Raises: InputError unless outputs can come back so fast (rad/s)."""
+    slowest, fastest = BANDWIDTHS
+    if not slowest <= bandwidth <= fastest:
+        raise InputError(
+            f"expected a bandwidth of {slowest:g} to {fastest:g} rad/s, found {bandwidth:g}: write "
+            "--bandwidth 20"
+        )
 
 
 def check_budget(budget: float | None) -> None:

@@ -9,6 +9,7 @@ from support.fuzzing import cases, commands
 from support.fuzzing.alter import altered_bytes, altered_json
 from support.fuzzing.doors import KINDS, inputs, readers
 from support.fuzzing.formats import altered
+from support.fuzzing.paths import ALLOWED, WORDS_OF_PATHS
 from support.fuzzing.watch import Block, watch
 
 pytestmark = pytest.mark.filterwarnings("ignore")
@@ -18,6 +19,7 @@ CASES = {
     "robot files": 60,
     "spec files": 30,
     "names and settings": 60,
+    "paths": 60,
 }
 HELD = """
 import json, os, pathlib, sys, time
@@ -115,3 +117,39 @@ def test_alterations_bear_anything(name):
         seen = {altered(name, content, draw) for _ in range(20)}
         assert len(seen) > 1
     assert altered_bytes(b"", draw) is not None and altered_json(b"[]", draw) != b""
+
+
+def test_paths_have_every_byte_that_a_path_can_have(place):
+    paths = [cases.case_of(place, cases.PATHS, number).content for number in range(len(ALLOWED))]
+    assert set().union(*paths) == set(range(1, 256))
+    for path in paths:
+        first, *parts = path.split(b"/")
+        assert first == b"odd" and parts and not {b"", b".", b".."} & set(parts)
+
+
+def test_whole_inputs_at_odd_paths_are_read_and_written(place):
+    """Those that are text here; of all others the benchmark tells."""
+    numbers = [number for number in range(100) if _is_text(place, number)][:8]
+    answers = [cases.carry(place, cases.PATHS, number) for number in numbers]
+    assert [line for answer in answers for line in answer.tracebacks + answer.lost] == []
+    assert sum(answer.read for answer in answers) > 20
+    assert not (place.root / "odd").exists()
+
+
+def _is_text(place, number):
+    try:
+        cases.case_of(place, cases.PATHS, number).content.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def test_commands_about_odd_paths_leave_nothing(place, monkeypatch):
+    seen = []
+    monkeypatch.setattr(commands, "main", lambda words: seen.append(words) or 0)
+    for number in range(len(WORDS_OF_PATHS)):
+        at = commands.ODD_ONE * (number + 1) - 1
+        commands.answer_of(place, at)
+    assert [words[0] for words in seen] == [words("x")[0] for _, _, words in WORDS_OF_PATHS]
+    assert all("odd/" in " ".join(words) for words in seen)
+    assert not (place.root / "odd").exists()

@@ -33,3 +33,5 @@ def test_verdicts(amber, change, expected):
     assert verdict == expected
     assert verdict.fell == (expected > Ending.WALKED)
     assert (verdict.reason is not None) == verdict.fell
+    # It stands where neither hip, torso nor foot is where a fall puts it.
+    assert verdict.upright == (verdict in (Ending.RUNNING, Ending.WALKED, Ending.STALLED))

@@ -224,7 +224,7 @@ def states_of(
     """
     draw = np.random.default_rng(seed)
     edges = Edges.of(shape)
-    keep = quick_jit(jax.vmap(lambda z, eta: _numbersdistances_inside(model, edges, z, eta)))
+    keep = quick_jit(jax.vmap(lambda z, eta: _distances_inside(model, edges, z, eta)))
     place = quick_jit(
         jax.vmap(
             lambda u, xi: (model.gait.z(u), output_coordinates(xi, shape.bandwidth, shape.weights))
@@ -275,7 +275,7 @@ def distances_inside(
     return jnp.concatenate([faces, below[None]])
 
 
-def _numbersdistances_inside(
+def _distances_inside(
     model: FullOrderModel, edges: Edges, z: ZeroState, eta: Float[Array, " two_m"]
 ) -> Float[Array, " k"]:
     """All that must not be negative in the set, the foot's height included."""

@@ -117,3 +117,38 @@ def test_sliders_and_keys_tell_the_robot_and_lay_stones():
         ("resize", "rise", 0.05),
         ("resize", "rise", 0.04),
     ]
+
+
+@pytest.mark.parametrize(
+    ("upright", "left", "words"),
+    [
+        (True, None, "Stopped: too slow, after 4 steps. Press Reset; push it forward where"),
+        (True, 2.0, "Stopped: too slow, after 4 steps. Reset in 2 s; push it forward where"),
+        (False, None, "Fell: too slow, after 4 steps. Press Reset."),
+        (False, 5.0, "Fell: too slow, after 4 steps. Reset in 5 s."),
+    ],
+)
+def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
+    made, _ = built
+    shown: Any = SimpleNamespace(fall="too slow", upright=upright, steps=4, speed=0.0, time=0.0)
+    picture: Any = SimpleNamespace(shown=shown, reset_in=left, paused=False, pace=1.0)
+    assert words in made._lines(picture)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(0.55, 0.90), (0.4712345678901, 0.8765432109), (-0.02, 0.02), (-0.087, 0.1)]
+)
+def test_a_number_beside_a_slider_has_room(low, high):
+    """Its box holds five characters, and as many decimals as limits, first value and step need."""
+    told = {"speed": Told(Limits(low, high, 0.5 * (low + high)), "m/s")}
+    server = page.open_server("test")
+    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
+    made: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}
+    Panel(server, player, commands=told, sizes={}, **made)
+    handles: Any = server.gui._gui_input_handle_from_uuid
+    [slider] = [one for one in handles.values() if one.label == "speed [m/s]"]
+    assert slider.precision <= 4 - (low > 0.1)
+    assert low - 0.01 <= slider.min < slider.value < slider.max <= high + 0.01
+    assert slider.step <= (slider.max - slider.min) / 50
+    with page.quiet():
+        server.stop()

@@ -12,7 +12,11 @@ from neuralgaits.errors import InputError
     ("check", "good", "bad"),
     [
         (settings.check_seed, [(0,), (2**31 - 1,)], [(-1,), (2**31,)]),
-        (settings.check_steps, [(None,), (1,)], [(0,), (-5,)]),
+        (settings.check_steps, [(None,), (1,)], [(0,), (-5,), (10**40,), (10**400,)]),
+        (settings.check_seed, [(7,)], [(10**400,)]),
+        (settings.check_push, [(None,), (-64.0,)], [(math.nan,), (math.inf,), (1e308,)]),
+        (settings.check_widths, [(None,), ((32, 32),)], [((),), ((8, 0),), ((10**400,),)]),
+        (settings.check_widths, [((4096,),)], [((1,) * 9,), ((4097,),)]),
         (
             settings.check_disturbance,
             [((0.0, 0.0),), ((0.1, 2.0),)],

@@ -3,7 +3,6 @@
 Conditions are those of the plain gait, asked at every pair of commands that may follow each other.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -21,7 +20,7 @@ from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import walking_posture
-from neuralgaits.gait.commands import Command, Commands, command_named, factors
+from neuralgaits.gait.commands import FASTEST, Command, Commands, command_named, factors
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 
 if TYPE_CHECKING:
@@ -161,8 +160,10 @@ def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
         robot: with knees.
         speed: mean, over a step (m/s).
     """
-    if not 0.0 < speed < math.inf:
+    if not speed > 0.0:
         raise SpecError(f"expected a speed above 0 m/s, found {speed:g}")
+    if speed > FASTEST:
+        raise SpecError(f"expected a speed of at most {FASTEST:g} m/s, found {speed:g}")
     plain = walking(robot, forward=SLOWEST * speed)
     recipe = replace(plain.recipe, samples=dict(plain.recipe.samples) | {"middle": 1})
     return replace(

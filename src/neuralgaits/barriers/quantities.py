@@ -187,7 +187,7 @@ class ParabolicClearance:
 class OrbitalEnergy:
     """E - tilt z1 with E = (z2/(m h))^2 - (g/h) z1^2 [m^2/s^2].
 
-    Source: DESIGN, coordinates; Pratt and Drakunov (2007).
+    Source: Pratt and Drakunov (2007).
     """
 
     height: float

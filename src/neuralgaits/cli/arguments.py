@@ -148,7 +148,8 @@ class Simulate:
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
     push: Annotated[float | None, arg(metavar="NS")] = None
-    """Impulse of a forward push [N s], over 0.1 s."""
+    """Impulse of a forward push [N s], over 0.1 s, within half a second of touchdown 5; the result
+    says how many walks it ended."""
     disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
     sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
@@ -218,7 +219,7 @@ class CheckProof:
     """Check a proof file again, with ball arithmetic only."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE")]
-    """Proof file, as in RUN/certificate/proof.json."""
+    """Proof file, or the run folder that has one, or latest."""
     run: Annotated[str | None, arg(metavar="RUN")] = None
     """Run folder, or latest, that the proof must be about. Without it the best answer is
     consistent, which says nothing of a robot."""

@@ -17,6 +17,17 @@ from neuralgaits.errors import InputError
 _NUMBERS = {float: "a number", int: "a whole number"}
 _POSITIONAL = typing.get_args(Positional[int])[1]
 _HELP, _VERBOSE = ("-h", "--help"), "-v"
+_COMMANDED = {
+    "simulate": ("--command", "command a gait", "{}"),
+    "certify": ("--within", "prove a gait for a part of its commands", "{0}:{0}"),
+}
+"""Verbs to which a command is given otherwise than to `train`: how, what for, and in which form."""
+_EXAMPLE_COMMANDS = {
+    "--speed": "0.8",
+    "--step-length": "0.4",
+    "--step-height": "0.02",
+    "--slope": "3",
+}
 _EXAMPLES = {"RUN": "latest", "ROBOT": "amber3m"}
 
 
@@ -65,6 +76,7 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
         if word == "--":
             alone += left
         elif word.startswith("--"):
+            _refuse_elsewhere(verb, word, verbs)
             name = _option(verb, word, options, left)
             if name in seen:
                 # The parser would take the last one and say nothing.
@@ -81,6 +93,29 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
     for name, one in options.items():
         if one.required and name not in seen:
             raise InputError(f"expected {name} {one.metavar}, found none; {_see(verb)}")
+
+
+def _refuse_elsewhere(verb: str, word: str, verbs: Mapping[str, type]) -> None:
+    """Look for an option that other verbs have. Raises: InputError naming them."""
+    name, _, value = word.partition("=")
+    name = name.replace("_", "-")
+    if name in options_of(verbs[verb]):
+        return
+    owners = [other for other, settings in verbs.items() if name in options_of(settings)]
+    if not owners:
+        return
+    *others, last = owners
+    listed = f"{', '.join(others)} and {last}" if others else last
+    way = _see(verb)
+    if verb in _COMMANDED and name in _EXAMPLE_COMMANDS:
+        use, purpose, form = _COMMANDED[verb]
+        command = name.removeprefix("--").replace("-", "_")
+        way = f"to {purpose} use {use} {command}={value or form.format(_EXAMPLE_COMMANDS[name])}"
+    # A plural of it: `--logs` where `--log` was typed.
+    longer = next((own for own in options_of(verbs[verb]) if own.startswith(name)), None)
+    if longer is not None:
+        way = f"did you mean {longer}?"
+    raise InputError(f"unknown option {name} of {verb}: {name} belongs to {listed}; {way}")
 
 
 def _option(verb: str, word: str, options: Mapping[str, _Setting], left: Iterator[str]) -> str:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.asked import asked_of
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
-from neuralgaits.records.simulated import LinkFigures, Simulated
+from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
 from neuralgaits.records.trained import Trained, TrainingProof
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.commands import command, named
@@ -93,12 +93,17 @@ _MANY_SATURATED = 0.05
 def show_walks(result: Simulated) -> None:
     """How far each episode came, what stopped it, and the gait's figures."""
     walks, count = result.steps_walked, len(result.fell)
-    lowest, highest = (min(walks), max(walks)) if walks else (0, 0)
-    span = f"{lowest}" if lowest == highest else f"{lowest} to {highest}"
+    span = _span(walks or (0,))
     answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
     show_sentence(answer, f": {result.stayed} of {count} episodes stayed up, {span} steps")
     reasons = Counter(reason for reason in result.fall_reasons if reason is not None)
     show_table(("fell because", "episodes"), [(why, str(n)) for why, n in reasons.items()])
+    if result.push and (ended := result.fell_after_push):
+        show_sentence(
+            f"{len(ended)} of {count} walks ended once their push of {number(result.push)} N s was "
+            f"due, within half a second of touchdown {result.touchdowns_before_push}: at step "
+            f"{_span(ended)}"
+        )
     figures = result.shown
     if (orbit := result.poincare) is not None:
         figures += [
@@ -145,6 +150,12 @@ def show_walks(result: Simulated) -> None:
     show_facts([*facts, *([("disturb", ", ".join(changed))] if changed else [])])
 
 
+def _span(counts: Sequence[int]) -> str:
+    """The least and the largest of some counts."""
+    lowest, highest = min(counts), max(counts)
+    return f"{lowest}" if lowest == highest else f"{lowest} to {highest}"
+
+
 def _link(link: LinkFigures) -> None:
     """What the connection to a controller process did."""
     trips = link.round_trip_us
@@ -152,10 +163,25 @@ def _link(link: LinkFigures) -> None:
     words = (
         f"{link.law} in a process of its own, {link.mode}: {link.ticks} ticks, "
         f"{link.packets_lost} of {link.packets_sent} packets lost, "
-        f"{link.packets_late} late, {link.deadline_misses} deadlines missed, "
-        f"round trip {p50:.0f} us, p99 {p99:.0f} us"
+        f"{link.packets_late} late, round trip {p50:.0f} us, p99 {p99:.0f} us"
     )
     show_sentence(words)
+    if link.deadline_misses:
+        share = f"{link.deadline_misses} ticks ({link.missed_share:.1%})"
+        show_sentence(f"{share} kept the command of the tick before: {_missed(link)}")
+
+
+def _missed(link: LinkFigures) -> str:
+    """Say why answers were missed, and whether that matters."""
+    if link.mode == LOCKSTEP:
+        return (
+            "the loss and delay that --link asks for; the simulation waits for everything else, so "
+            "the walk is the same each time"
+        )
+    return (
+        "an answer was lost or came too late. A busy machine does that, and the walk differs from "
+        "one time to the next; --link lockstep=1 waits for every answer"
+    )
 
 
 def show_robot(result: RobotFacts) -> None:

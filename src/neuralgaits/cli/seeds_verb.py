@@ -44,7 +44,7 @@ def carry_out_seeds(robot: str | None, given: dict[str, Any], *, quiet: bool) ->
     from neuralgaits.workflows.train_seeds import train_seeds
 
     with TrainingProgress(quiet=quiet) as progress:
-        done = train_seeds(load_robot(robot), progress=progress, **settings)
+        done = train_seeds(load_robot(robot), progress=progress, doubted=progress.say, **settings)
     return Outcome(done.summary, not done.summary.refused, show_seeds)
 
 

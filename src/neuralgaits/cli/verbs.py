@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._environment import render_without_screen
 from neuralgaits.cli import proof_screen, screen
 from neuralgaits.cli.arguments import (
     Certify,
@@ -132,7 +133,7 @@ def _train(verb: Train) -> Outcome:
 
     robot = None if verb.robot is None else load_or_advise(verb.robot)
     with TrainingProgress(quiet=verb.output.json) as progress:
-        watch = Watch(progress.proved, progress.round_ended)
+        watch = Watch(progress.proved, progress.round_ended, progress.say)
         run = train(robot, progress=progress, watch=watch, **given)
     done = run.summary
     return Outcome(done, done.proved, screen.show_training, undecided=not done.proved)
@@ -197,6 +198,9 @@ def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
 
 
 def _simulate(verb: Simulate) -> Outcome:
+    if verb.video is not None:
+        # Before MuJoCo is imported, which looks at it then.
+        render_without_screen()
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
@@ -207,8 +211,9 @@ def _simulate(verb: Simulate) -> Outcome:
             workers=verb.at_work.workers,
             ray=verb.at_work.ray,
         )
-    if done.summary.engine_note is not None and not verb.output.json:
-        print(done.summary.engine_note, file=sys.stderr)
+    notes = [done.plant_note, None if verb.output.json else done.summary.engine_note]
+    for note in filter(None, notes):
+        print(note, file=sys.stderr)
     return Outcome(done.summary, not any(done.summary.fell), screen.show_walks)
 
 
@@ -314,6 +319,7 @@ def _robots(verb: Robots) -> Outcome:
 
 
 def _doctor() -> Outcome:
+    render_without_screen()
     from neuralgaits.workflows.doctor import doctor
 
     result = doctor()

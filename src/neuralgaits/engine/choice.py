@@ -1,10 +1,13 @@
 """Which engine a command means."""
 
 from neuralgaits._environment import cores
+from neuralgaits._settings import shortened
 from neuralgaits.engine.processes import Processes
 from neuralgaits.engine.task import Engine
 from neuralgaits.errors import InputError
 
+MOST_WORKERS = 4096
+"""Processes: more than any one machine has cores."""
 LOCAL = "local"
 """In place of an address: a Ray of this machine, for as long as the command takes."""
 
@@ -20,6 +23,8 @@ def engine_for(workers: int | None = None, ray: str | None = None) -> Engine:
     """
     if workers is not None and workers < 1:
         raise InputError(f"expected at least 1 worker, found {workers}")
+    if workers is not None and workers > MOST_WORKERS:
+        raise InputError(f"expected at most {MOST_WORKERS} workers, found {shortened(workers)}")
     if ray is None:
         return Processes(cores() if workers is None else workers)
     if workers is not None and ray != LOCAL:

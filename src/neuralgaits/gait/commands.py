@@ -19,6 +19,13 @@ from neuralgaits.errors import InputError, SpecError
 
 UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "rad"}
 """Commands that this package knows the meaning of, and their units."""
+FASTEST = 100.0
+"""No robot on legs walks faster [m/s]: what is more is a slip of the keyboard."""
+MOST = {"speed": FASTEST, "step_length": 100.0, "step_height": 100.0, "slope": 0.5 * math.pi}
+LEAST_WIDTH = 1e-6
+"""Of the range of a command, in its unit."""
+MOST_OF_ANY = 1e6
+"""Largest value of a command, by name or of any other, in its unit."""
 
 
 Number = float | Scalar
@@ -47,6 +54,17 @@ class Command:
             raise SpecError(
                 f"command {self.name}: expected a range LOW:HIGH with LOW < HIGH, "
                 f"found {self.low:g}:{self.high:g}"
+            )
+        if self.high - self.low < LEAST_WIDTH:
+            raise SpecError(
+                f"command {self.name}: expected a range at least {LEAST_WIDTH:g} {self.unit} wide, "
+                f"found {self.low:g}:{self.high:g}"
+            )
+        most = MOST.get(self.name, MOST_OF_ANY)
+        if not max(abs(self.low), abs(self.high)) <= most:
+            raise SpecError(
+                f"command {self.name}: expected a range between -{most:g} and {most:g} "
+                f"{self.unit}, found {self.low:g}:{self.high:g}"
             )
         change = self.largest_change
         if change is not None and not 0.0 < change < self.high - self.low:

@@ -10,6 +10,8 @@ from neuralgaits.records.record import Count, Disturb, Record, Texts
 FOLDER = "simulation"
 SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER}/walk.csv"
 MUJOCO = "mujoco"
+STEPS_BEFORE = 5
+"""Touchdowns before a push of `simulate`, or half of a shorter walk: transients have died out."""
 LOCKSTEP = "lock-step"
 """How a controller's process is reached where it is waited for."""
 _OF_FLOOR = {"floor": "floor_height", "friction": "friction"}
@@ -90,6 +92,12 @@ class LinkFigures(Record):
     faults: tuple[int, ...] = ()
     round_trip_us: LinkTimes | None = None
     controller_step_us: LinkTimes | None = None
+
+    @property
+    def missed_share(self) -> float:
+        """Return the share of ticks, of all walks, for which no answer was there in time."""
+        ticks = self.ticks * max(1, len(self.faults))
+        return self.deadline_misses / ticks if ticks else 0.0
 
 
 @dataclass(frozen=True)
@@ -235,6 +243,20 @@ class Simulated(WalkFigures, WalkSettings):
     def stepped_by(self) -> str:
         """The simulator as a sentence names it."""
         return {MUJOCO: "MuJoCo", "drake": "Drake"}.get(self.simulator, self.simulator)
+
+    @property
+    def touchdowns_before_push(self) -> int | None:
+        """How many touchdowns a walk has before its push; None if the file does not say."""
+        return None if self.steps is None else min(STEPS_BEFORE, self.steps // 2)
+
+    @property
+    def fell_after_push(self) -> tuple[int, ...]:
+        """Steps of each walk that fell once its push was due; empty without one."""
+        before = self.touchdowns_before_push
+        if not self.push or before is None:
+            return ()
+        pairs = zip(self.steps_walked, self.fell, strict=True)
+        return tuple(steps for steps, fell in pairs if fell and steps >= before)
 
     @property
     def drawn_from(self) -> str | None:

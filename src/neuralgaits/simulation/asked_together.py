@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.control import AbstractLaw
+from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
@@ -17,6 +18,8 @@ from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import parsed
 from neuralgaits.simulation.setup.terrain_kinds import told_by
 
+OTHER_ROBOT = 0.25
+"""Share by which a plant's mass or leg length may differ before it is called another robot."""
 REMOTE = "c"
 """Name of the controller that is a process of its own."""
 
@@ -55,7 +58,7 @@ def refuse_shared(
     if not isinstance(controller, str) or controller == REMOTE:
         raise InputError(
             "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
-            "another: leave them out"
+            f"{_name(controller)}: leave --workers and --ray out, or --controller"
         )
     if log is not None or film is not None:
         raise InputError(
@@ -68,6 +71,35 @@ def refuse_shared(
         )
 
 
+def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
+    """Say that a plant is another robot than the one that a gait was trained for.
+
+    Args:
+        robot: of the gait.
+        plant: that walks, with as many links.
+
+    Returns: one line; None for the same robot with slightly other numbers.
+    """
+    pairs = {
+        "mass": (float(robot.mass), float(plant.mass), "kg"),
+        "leg length": (robot.leg_length, plant.leg_length, "m"),
+    }
+    found = [
+        f"{what} {theirs:.3g} instead of {ours:.3g} {unit}"
+        for what, (ours, theirs, unit) in pairs.items()
+        if abs(theirs - ours) > OTHER_ROBOT * ours
+    ]
+    joints, others = robot.layout.leg_joints, plant.layout.leg_joints
+    if joints != others:
+        found.insert(0, f"joints {', '.join(others[0])} instead of {', '.join(joints[0])}")
+    if not found:
+        return None
+    return (
+        f"plant {plant.name} is another robot than {robot.name}, which the gait was trained for: "
+        f"{'; '.join(found)}; without --plant it walks on its own"
+    )
+
+
 def link_of(
     link: str | Mapping[str, Any] | LinkConfig | None,
     controller: str | AbstractLaw,
@@ -75,15 +107,36 @@ def link_of(
 ) -> LinkConfig | None:
     """How a controller's process is reached; None without one."""
     if controller != REMOTE:
-        if link is not None:
-            raise InputError(f"expected --link with --controller {REMOTE} only, found {link!r}")
-        return None
-    if disturbance.estimator:
+        if link is None:
+            return None
+        if disturbance.estimator:
+            raise InputError(
+                f"--link needs --controller {REMOTE}, which does not support --sensing encoders: "
+                f"walk with encoders by leaving --link out, or write --controller {REMOTE} --link "
+                "NAME=VALUE without --sensing"
+            )
         raise InputError(
-            f"expected perfect sensing with --controller {REMOTE}, found encoders: its readings "
-            "carry rates and velocity; take pd, fblin or paper, which estimate them in the same C"
+            f"expected --link with --controller {REMOTE} only, found {link!r} with "
+            f"{_name(controller)}: {_linked(controller)}, or leave --link out"
+        )
+    if disturbance.estimator:
+        without = " and without --link" if link is not None else ""
+        raise InputError(
+            f"--controller {REMOTE} does not support --sensing encoders, its readings carry rates "
+            f"and velocity: walk with --controller pd --sensing encoders{without}, which estimates "
+            f"them in the same C, or keep --controller {REMOTE} without --sensing"
         )
     return parse_link(link)
+
+
+def _linked(controller: str | AbstractLaw) -> str:
+    """How a law is walked as a process of its own, as words of a command line."""
+    law = f"law={controller}," if controller in EXPORTED else ""
+    return f"write --controller {REMOTE} --link {law}lockstep=1"
+
+
+def _name(controller: str | AbstractLaw) -> str:
+    return controller if isinstance(controller, str) else type(controller).__name__
 
 
 def refuse_beside_terrain(

@@ -192,5 +192,6 @@ def _no_opengl(error: Exception) -> InputError:
     reason = " ".join(str(error).split())[:120]
     return InputError(
         f"video needs OpenGL, which does not start ({reason}): on a machine without a screen "
-        "set MUJOCO_GL=egl, or MUJOCO_GL=osmesa with Mesa installed"
+        "install Mesa (libegl1 on Debian), and set MUJOCO_GL=egl or osmesa outside of the command "
+        "line"
     )

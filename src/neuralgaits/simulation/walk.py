@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._environment import cores
+from neuralgaits._settings import check_walked
 from neuralgaits._types import Array, Float
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.laws import law_named
@@ -271,3 +272,4 @@ def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:
 def _positive_whole(name: str, value: int) -> None:
     if not isinstance(value, int | np.integer) or value < 1:
         raise InputError(f"{name}: expected a whole number of at least 1, found {value!r}")
+    check_walked(name, int(value))

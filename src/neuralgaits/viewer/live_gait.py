@@ -142,6 +142,7 @@ class LiveGait:
             speed=float(sensors.base_velocity[0]),
             force=live.pushing,
             fall=ending.reason,
+            upright=ending.upright,
             tops=None if live.course is None else live.course.tops,
             laps=live.laps,
         )

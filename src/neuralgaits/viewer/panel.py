@@ -11,6 +11,7 @@ import viser
 
 from neuralgaits.viewer import bars, scheme
 from neuralgaits.viewer.player import SPEED, Picture, Player
+from neuralgaits.viewer.readouts import ended, few_digits, notch
 from neuralgaits.viewer.walker import Limits, Told, Walker
 
 PUSH = Limits(0.0, 40.0, 8.0)
@@ -30,8 +31,6 @@ _SETTINGS = {
     "torque_limit": ("torque [N m]", 0.5, "limit of every joint; the controller knows it"),
 }
 Key = Literal["U", "J", "I", "K", "O", "L"]
-_NOTCHES = 70
-"""Of the slider of a command: half a centimetre a second of the usual range of speeds."""
 KEYS: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
 """Up and down, of the sliders of commands and stones in their order: keys below each other."""
 _A_KEY = 0.1
@@ -196,10 +195,10 @@ class Panel:
         """A slider for each, and two keys while there are any left."""
         with gui.add_folder(title):
             for name, (limits, unit) in told.items():
-                notch = (limits.high - limits.low) / _NOTCHES
+                stride = notch(limits)
                 keys = next(self._keys, None)
                 by_key = "" if keys is None else f"; keys {keys[0]} and {keys[1]}"
-                slider = self._slider(gui, f"{name} [{unit}]", limits, notch, hint + by_key)
+                slider = self._slider(gui, f"{name} [{unit}]", limits, stride, hint + by_key)
 
                 def ask(_event: object, step=0.0, name=name, slider=slider, limits=limits):
                     value = _moved(slider, limits, step)
@@ -230,7 +229,8 @@ class Panel:
     def _slider(
         self, gui: viser.GuiApi, label: str, limits: Limits, step: float, hint: str
     ) -> viser.GuiSliderHandle:
-        slider = gui.add_slider(label, limits.low, limits.high, step, limits.first, hint=hint)
+        low, high, first = map(few_digits, (limits.low, limits.high, limits.first))
+        slider = gui.add_slider(label, low, high, step, first, hint=hint)
         self._limited.append((slider, limits))
         return slider
 
@@ -256,10 +256,7 @@ class Panel:
         shown = picture.shown
         facts = f"{shown.steps} steps · {shown.speed:.2f} m/s · {shown.time:.1f} s"
         if shown.fall is not None:
-            text = f"Fell: {shown.fall}, after {shown.steps} steps. "
-            left = picture.reset_in
-            text += "Press Reset." if left is None else f"Reset in {left:.0f} s."
-            lines = _line(text, _BAD, strong=True)
+            lines = _line(ended(shown, picture.reset_in), _BAD, strong=True)
         elif picture.paused:
             lines = _line(f"Paused · {facts}", _QUIET)
         else:

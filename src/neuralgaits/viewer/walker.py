@@ -29,7 +29,9 @@ class Shown(NamedTuple):
     force: Float[np.ndarray, "2"]
     """Push under way, along x and z [N]."""
     fall: str | None
-    """Why the robot fell; None while it walks."""
+    """Why the robot fell or stopped; None while it walks."""
+    upright: bool = False
+    """Whether it stands, though its walk has ended."""
     tops: Float[np.ndarray, "K 4"] | None = None
     """Of the blocks that it walks on, back ends (x, z) and front ends [m]; None on a floor. The
     array is another one where they have changed."""

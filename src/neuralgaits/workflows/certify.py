@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from neuralgaits import _notebook
 from neuralgaits._digits import at_least
-from neuralgaits._settings import check_budget, check_disturbance
+from neuralgaits._settings import check_bandwidth, check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
 from neuralgaits.certificate.levels.ladder import conclude
@@ -227,8 +227,7 @@ def _refuse(level: int, disturbance: tuple[float, float], bandwidth: float | Non
         raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
     if bandwidth is None:
         return
-    if not 0.0 < bandwidth < np.inf:
-        raise InputError(f"expected a bandwidth above 0 rad/s, found {bandwidth:g}")
+    check_bandwidth(bandwidth)
     if level < FULL_ORDER_LEVEL:
         raise InputError(
             f"expected level {FULL_ORDER_LEVEL} or 5 with a bandwidth, found {level}: raise --level"

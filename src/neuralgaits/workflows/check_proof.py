@@ -23,8 +23,12 @@ from neuralgaits.certificate.proof_file.check import (
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.run_comparison import compare_with_run
+from neuralgaits.errors import RunError
+from neuralgaits.records.certified import PROOF
 from neuralgaits.records.checked import Checked
-from neuralgaits.runs import resolve
+from neuralgaits.runs import packed, resolve
+from neuralgaits.runs.commands import LATEST, command, named
+from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.latest import through_latest
 
 Progress = Callable[[int, int], None]
@@ -36,7 +40,8 @@ def check_proof(
     """Check a proof file.
 
     Args:
-        file: the proof file; `runs/latest` in its path stands for the run that it names.
+        file: the proof file, or the run folder or `latest` that has one; `runs/latest` in a path
+            stands for the run that it names.
         run: a run folder or `latest`, which the proof must be about. A run's own spec is code, and
             is run in a process of its own.
         progress: called with (leaves done, leaves) now and then.
@@ -48,7 +53,7 @@ def check_proof(
     Raises: InputError in one line if the file is no proof file; RunError if there is no such run.
     """
     began = time.perf_counter()
-    file = through_latest(Path(file))
+    file = proof_file_at(file)
     claims = read_claims(file)
     folder = None if run is None else resolve(run).path
     wrong = [] if folder is None else differences(claims, folder)
@@ -69,6 +74,25 @@ def check_proof(
         wall_s=time.perf_counter() - began,
         **found,
     )
+
+
+def proof_file_at(place: str | Path) -> Path:
+    """Find the proof file that a caller means: a file, the folder of a run, or `latest`.
+
+    Raises: RunError if there is no such run, or the run has no proof file.
+    """
+    path = Path(place)
+    if str(place) == LATEST and not path.exists():
+        path = resolve(LATEST).path
+    if not (path / CONFIG).is_file():
+        return through_latest(path)
+    proof = path / PROOF
+    if not packed.is_there(proof):
+        raise RunError(
+            f"expected a proof file at {proof}, found none: make one with "
+            f"`{command('certify', named(path))}`"
+        )
+    return proof
 
 
 def against(claims: Claims, folder: Path, report: Report) -> Report:

@@ -1,11 +1,11 @@
 """Optimise a gait of Bezier outputs at one speed, by collocation, and make a run of it."""
 
-import math
 import time
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import FASTEST
 from neuralgaits.hzd.solver import DEGREE, Optimiser
 from neuralgaits.records.asked import HIGHEST_DEGREE, Given
 from neuralgaits.robots import PlanarBiped
@@ -40,8 +40,10 @@ def optimise(
         solver finds no such gait.
     """
     began = time.perf_counter()
-    if not 0.0 < speed < math.inf:
+    if not speed > 0.0:
         raise InputError(f"expected --speed above 0 m/s, found {speed:g}")
+    if speed > FASTEST:
+        raise InputError(f"expected --speed of at most {FASTEST:g} m/s, found {speed:g}")
     if not LOWEST_DEGREE <= degree <= HIGHEST_DEGREE:
         raise InputError(
             f"expected --degree from {LOWEST_DEGREE} to {HIGHEST_DEGREE}, found {degree}"

@@ -9,6 +9,7 @@ import jax
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits._settings import check_walks
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.engine import engine_for as engine_of_workers
@@ -22,6 +23,7 @@ from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.asked_together import (
     REMOTE,
+    about_other_robot,
     drawn_robots,
     link_of,
     refuse_beside_terrain,
@@ -60,6 +62,11 @@ class Simulation:
 
     walk: Walk
     summary: Simulated
+
+    @property
+    def plant_note(self) -> str | None:
+        """Say that another robot walked than the gait's own; None if none did."""
+        return about_other_robot(self.walk.robot, self.walk.plant.robot)
 
     def __repr__(self) -> str:
         """One line: how many walks stayed up, and how far they came."""
@@ -144,10 +151,7 @@ def simulate(
     drawn = drawn_robots(trained.robot, parameters, seed, plant, terrain, controller)
     if drawn is not None:
         disturbance = drawn.on_its_floor(disturbance)
-    if not isinstance(episodes, int) or episodes < 1:
-        raise InputError(f"expected at least 1 episode, found {episodes!r}")
-    if not isinstance(seed, int) or seed < 0:
-        raise InputError(f"expected a seed of at least 0, found {seed!r}")
+    check_walks(episodes, seed, push)
     orders = orders_of(told, command, commands, seed)
     if terrain is None:
         disturbance = on_slope(disturbance, orders)
@@ -249,7 +253,10 @@ def _engine(
     if controller != REMOTE:
         return engine_for(trained, controller, choice, simulator)
     if choice == "native":
-        raise InputError(f"--engine native: expected pd, fblin, paper or clf-qp, found {REMOTE}")
+        raise InputError(
+            f"--engine native: expected pd, fblin, paper or clf-qp, found {REMOTE}, which is a "
+            "process of its own: leave --engine out, or --controller"
+        )
     return Engine(None, None)
 
 

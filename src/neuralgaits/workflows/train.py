@@ -10,6 +10,7 @@ import numpy as np
 
 from neuralgaits.analysis.orbit import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
+from neuralgaits.analysis.walking_speeds import speed_doubt
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.barriers.commanded import Interval
 from neuralgaits.barriers.regions import CommandedGait
@@ -78,7 +79,7 @@ def train(
         parameters: box of robots that the gait is meant for, half widths by kind: shares of the
             file's mass, inertia and rotor, metres of com.
         progress: called with (step, steps, loss) now and then.
-        watch: told how the proof goes on.
+        watch: told how the proof goes on, and of a speed that no gait is likely to have.
         root: folder of the runs.
 
     Returns: `Run`.
@@ -112,6 +113,9 @@ def train(
             slope=slope,
             parameters=parameters,
         )
+        doubt = speed_doubt(robot, speed)
+        if doubt is not None and watch is not None and watch.doubted is not None:
+            watch.doubted(doubt)
         run = asked.begun(root, place)
     return train_to_the_end(run, progress=progress, watch=watch, root=root, began=began)
 

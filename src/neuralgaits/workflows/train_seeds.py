@@ -1,7 +1,7 @@
 """Train many seeds in one command, and leave an ordinary run folder of each."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +9,7 @@ import jax
 
 from neuralgaits._settings import check_seeds
 from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.walking_speeds import speed_doubt
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.barriers.commanded import Interval
 from neuralgaits.barriers.spec import Init
@@ -60,6 +61,7 @@ def train_seeds(
     slope: Interval | None = None,
     parameters: Mapping[str, float] | None = None,
     progress: Progress | None = None,
+    doubted: Callable[[str], None] | None = None,
     root: Path = RUNS_ROOT,
 ) -> Seeds:
     """Train a policy for each of many seeds, with programs that are compiled once.
@@ -83,6 +85,7 @@ def train_seeds(
         parameters: box of robots that the gaits are meant for.
         progress: called with (steps of all seeds done, in all, mean loss) now and then, from one
             thread at a time, which need not be the caller's.
+        doubted: called with one line, before the training, where no gait at that speed is likely.
         root: folder of the runs.
 
     Returns: `Seeds`; a seed whose training ends in NaN, or which a later part refuses, is among
@@ -112,6 +115,9 @@ def train_seeds(
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)
     way = SeedBatches if as_one_program() else SideBySide
+    doubt = speed_doubt(robot, speed)
+    if doubt is not None and doubted is not None:
+        doubted(doubt)
     many = way(first, path, root, len(numbers))
     try:
         many.train(numbers, progress)

@@ -10,14 +10,17 @@ import numpy as np
 from neuralgaits.errors import NeuralGaitsError
 from support.fuzzing.doors import KINDS, Reader, inputs, readers
 from support.fuzzing.formats import altered
+from support.fuzzing.paths import PATH_READERS, log_reader, odd_path
 from support.fuzzing.place import FILES, Place
 from support.fuzzing.words import READERS, word
 
-WORDS = "names and settings"
+WORDS, PATHS = "names and settings", "paths"
 PROOFS, SMALL_PROOF = "proof files", f"{FILES}/small.json"
 SMALL = 0.9
 """Share of proof files that are small, so that their boxes are bounded too."""
-ALL = (*KINDS, WORDS)
+ALL = (*KINDS, WORDS, PATHS)
+NO_FILES = {WORDS: READERS, PATHS: (*PATH_READERS, log_reader)}
+"""Kinds of input that are no file's content, and who takes them."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,8 @@ def case_of(place: Place, kind: str, number: int) -> Case:
     draw = np.random.default_rng([ALL.index(kind), number])
     if kind == WORDS:
         return Case("word", word(draw).encode("utf-8", "surrogatepass"))
+    if kind == PATHS:
+        return Case("path", odd_path(draw, number))
     groups: dict[str, list[str]] = {}
     for known in inputs(place, kind):
         # Boxes and rounds are many files of one sort.
@@ -66,13 +71,14 @@ def case_of(place: Place, kind: str, number: int) -> Case:
 def carry(place: Place, kind: str, number: int) -> Answer:
     """Carry a case through its doors and put the inputs back."""
     case, answer = case_of(place, kind, number), Answer()
-    file = None if kind == WORDS else place.root / case.name
+    file = None if kind in NO_FILES else place.root / case.name
     if file is not None:
         file.write_bytes(case.content)
     before = place.signature()
-    given = file or case.content.decode("utf-8", "surrogatepass")
+    coding = "surrogateescape" if kind == PATHS else "surrogatepass"
+    given = file or case.content.decode("utf-8", coding)
     os.chdir(place.root)
-    for reader in READERS if file is None else readers(case.name):
+    for reader in NO_FILES[kind] if file is None else readers(case.name):
         _open(reader, place, given, answer)
     after = place.signature()
     answer.lost = [name for name, what in before.items() if after.get(name) != what]

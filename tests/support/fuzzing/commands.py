@@ -11,9 +11,14 @@ import numpy as np
 from neuralgaits.cli.main import main
 from support.fuzzing.doors import inputs
 from support.fuzzing.formats import altered
+from support.fuzzing.paths import WORDS_OF_PATHS, odd_path, placed, remove_odd
 from support.fuzzing.place import FILES, RUN, Place
 
 CODES = (0, 1, 2, 3)
+UTF8, EVERY, ESCAPED = "utf-8", "", "backslashreplace"
+"""Encoding of a process's streams, their line ends kept, and what stderr does with the rest."""
+ODD_ONE = 5
+"""One command in so many is about a path of any bytes."""
 Words = Callable[[str], list[str]]
 
 COMMANDS: tuple[tuple[tuple[str, ...], Words], ...] = (
@@ -39,20 +44,40 @@ _FILES = {
 def answer_of(place: Place, number: int) -> tuple[int, list[str]]:
     """Give a command about an altered input. Returns: its code, and what is wrong with that."""
     draw = np.random.default_rng([1000, number])
+    if number % ODD_ONE == ODD_ONE - 1:
+        return _about_odd_path(place, number // ODD_ONE, draw)
     (sort,), words = COMMANDS[number % len(COMMANDS)]
     names = _FILES[sort] if sort in _FILES else tuple(inputs(place, sort))
     name = names[int(draw.integers(len(names)))]
     (place.root / name).write_bytes(altered(name, (place.kept / name).read_bytes(), draw))
     if sort == "checkpoint":
         (place.root / RUN / "summary.json").unlink()
+    code, found = _given(place, words(name))
+    place.put_back(name)
+    return code, [f"about {name}: {what}" for what in found]
+
+
+def _about_odd_path(place: Place, number: int, draw: np.random.Generator) -> tuple[int, list[str]]:
+    """Give a command about a whole input at a path of any bytes."""
+    source, suffix, words = WORDS_OF_PATHS[number % len(WORDS_OF_PATHS)]
+    path = os.fsdecode(odd_path(draw, number))
+    (place.root / path).parent.mkdir(parents=True, exist_ok=True)
+    if source:
+        placed(place, path, source, suffix)
+    try:
+        return _given(place, words(path + suffix))
+    finally:
+        remove_odd(place)
+        place.put_back(None)
+
+
+def _given(place: Place, arguments: list[str]) -> tuple[int, list[str]]:
     os.chdir(place.root)
-    arguments = words(name)
     with _captured() as printed:
         code = main(arguments)
     out, err = printed
-    place.put_back(name)
-    told = f"{' '.join(arguments)} about {name}: "
-    return code, [told + what for what in _complaints(code, out, err, "--json" in arguments)]
+    words = " ".join(map(ascii, arguments))
+    return code, [f"{words}: {what}" for what in _complaints(code, out, err, "--json" in arguments)]
 
 
 def _complaints(code: int, out: str, err: str, as_json: bool) -> Iterator[str]:
@@ -74,7 +99,13 @@ def _captured() -> Iterator[list[str]]:
     """What is printed on stdout and stderr, by C libraries too, in the list afterwards."""
     found: list[str] = []
     kept = [os.dup(1), os.dup(2)]
-    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+    # As the streams of a process are: what cannot be written is an error on stdout alone.
+    with (
+        tempfile.TemporaryFile("w+", encoding=UTF8, newline=EVERY) as out,
+        tempfile.TemporaryFile(
+            "w+", encoding="utf-8", newline="", errors="backslashreplace"
+        ) as err,
+    ):
         try:
             for number, file in ((1, out), (2, err)):
                 os.dup2(file.fileno(), number)

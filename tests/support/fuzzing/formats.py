@@ -3,7 +3,7 @@
 import re
 from pathlib import PurePath
 
-from support.fuzzing.alter import Draw, altered_bytes, altered_json
+from support.fuzzing.alter import DEEP, Draw, altered_bytes, altered_json
 
 CELLS = (
     *("", " ", "nan", "inf", "-inf", "1e999", "0", "-1", "1e308", "1e-320", "0x10", "1_0", "one"),
@@ -52,6 +52,8 @@ def _altered_csv(content: bytes, draw: Draw) -> bytes:
 
 
 def _altered_xml(content: bytes, draw: Draw) -> bytes:
+    if draw.random() < 0.02:
+        return _hollow_xml(draw)
     for _ in range(int(draw.integers(1, 5))):
         found = list(_ATTRIBUTE.finditer(content))
         tags = list(_TAG.finditer(content))
@@ -77,6 +79,14 @@ def _altered_xml(content: bytes, draw: Draw) -> bytes:
             else:
                 content = content[: tag.start(2)] + other[2] + content[tag.end(2) :]
     return content
+
+
+def _hollow_xml(draw: Draw) -> bytes:
+    """A file without content, or with one element in another many times."""
+    tag = str(draw.choice(("default", "body", "frame", "worldbody", "x"))).encode()
+    depth = int(draw.choice((0, 1, 99, 101, 600, DEEP)))
+    inner = (b"<" + tag + b">") * depth + (b"</" + tag + b">") * depth
+    return b"<mujoco>" + inner + b"</mujoco>"
 
 
 def _numbers_off(attribute: bytes, draw: Draw) -> bytes:

@@ -4,17 +4,12 @@ On the robot those numbers are computed once, at the touchdown that begins a ste
 `StepPolicy` with them.
 """
 
-from typing import TYPE_CHECKING
-
 import equinox as eqx
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.gait.commands import Number
 from neuralgaits.gait.policy import NetworkPolicy
-
-if TYPE_CHECKING:
-    pass
 
 
 class StepPolicy(NetworkPolicy):

@@ -8,6 +8,7 @@ policies are bounded by them.
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
+import math
 from dataclasses import dataclass
 
 import mujoco
@@ -18,6 +19,8 @@ from neuralgaits.robots.mjcf.planar_tree import joint_name
 
 LEAST_RANGE = 0.1
 """Of a joint [rad]: less is no step, but 1.6 rad read as degrees is 0.03."""
+MOST_RANGE = 4.0 * math.pi
+"""Of a joint [rad]: no leg joint turns twice around, but 180 degrees read as radians do."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +100,12 @@ def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
             "little for a step: widen its range; if it is written in radians, say so with "
             '<compiler angle="radian"/>, or MuJoCo reads degrees'
         )
+    if upper - lower > MOST_RANGE:
+        raise RobotError(
+            f"joint {joint_name(model, joint)} can turn by {upper - lower:.3g} rad in all, more "
+            "than two turns: narrow its range; if it is written in degrees, leave "
+            'angle="radian" out of <compiler>'
+        )
     return float(lower), float(upper)
 
 
@@ -127,6 +136,13 @@ def _plain_motor(model: mujoco.MjModel, actuator: int, joint: int) -> Motor:
     gear = float(model.actuator_gear[actuator, 0]) * gain
     if gear == 0.0:
         raise RobotError(f'actuator {name} has gear 0: give it gear="1" or the real ratio')
+    for attribute in ("ctrlrange", "forcerange"):
+        low, high = getattr(model, f"actuator_{attribute}")[actuator]
+        if low > high:
+            raise RobotError(
+                f'motor {name} has {attribute}="{low:g} {high:g}", which limits nothing: write the '
+                "lower end first"
+            )
     bounds = []
     if model.actuator_ctrllimited[actuator]:
         bounds.append(gear * model.actuator_ctrlrange[actuator])

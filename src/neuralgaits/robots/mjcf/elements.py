@@ -63,6 +63,8 @@ def match_elements(root: Element, model: mujoco.MjModel) -> Elements:
         if root.find(f"worldbody//{tag}") is not None:
             raise RobotError(f"the file makes bodies by <{tag}>: write them out as <body>")
     worlds = root.findall("worldbody")
+    if not worlds:
+        raise RobotError("the file has no <worldbody>: add one with the robot's bodies in it")
     bodies: list[Element] = worlds[:1]
     joints: list[Element] = []
     geoms = [one for world in worlds for one in _within(world) if one.tag == "geom"]

@@ -11,12 +11,14 @@ import numpy as np
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.derive import LegData
 from neuralgaits.robots.mjcf.actuation import Motor, read_motor, read_range
+from neuralgaits.robots.mjcf.physical_numbers import refuse_quantity
 from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
 from neuralgaits.robots.mjcf.skeleton import Skeleton
 
 _LEG_TOLERANCE = 1e-6
 _MIN_LENGTH_M = 1e-6
 
+_OF_JOINTS = ("armature", "damping", "torque_limit", "lower", "upper")
 _QUANTITIES = {
     "length": "link length [m]",
     "com": "centre of mass [m]",
@@ -136,6 +138,12 @@ def leg_data(
     first, second = (_one_leg(model, tree, skeleton, lines, joints[i], i) for i in range(2))
     for field in fields(LegData):
         ours, theirs = getattr(first, field.name), getattr(second, field.name)
+        for leg, values in enumerate((ours, theirs)):
+            for i, value in enumerate(values):
+                where = f"body {tree.links[skeleton.legs[leg][i]].name}"
+                if field.name in _OF_JOINTS:
+                    where = f"joint {joints[leg][i].joint.name}"
+                refuse_quantity(field.name, _QUANTITIES[field.name], value.real, where)
         scale = max(float(np.max(np.abs(ours))), float(np.max(np.abs(theirs))), 1e-12)
         wrong = np.flatnonzero(np.abs(ours - theirs) > _LEG_TOLERANCE * scale)
         if wrong.size:

@@ -24,6 +24,7 @@ from neuralgaits.robots.mjcf.actuation import refuse_other_actuators
 from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names
+from neuralgaits.robots.mjcf.physical_numbers import refuse_odd_keyframes, refuse_unphysical
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
 from neuralgaits.robots.mjcf.skeleton import Skeleton, read_skeleton
 from neuralgaits.robots.mjcf.text import standalone_text
@@ -101,6 +102,8 @@ def _read(
 ]:
     """What MuJoCo understood, by role: model, tree, skeleton, lines of the links, joints, leg."""
     model = compile_text(text, name)
+    refuse_unphysical(model)
+    refuse_odd_keyframes(text, model)
     tree = read_tree(model)
     refuse_ignored_physics(model)
     skeleton = read_skeleton(model, tree)

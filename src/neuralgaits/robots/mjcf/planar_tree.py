@@ -108,7 +108,12 @@ def read_tree(model: mujoco.MjModel) -> PlanarTree:
     tops = sorted({top for top in welded if top != 0})
     roots = [top for top in tops if welded[model.body_parentid[top]] == 0]
     if len(roots) != 1:
-        names = ", ".join(body_name(model, top) for top in roots) or "none"
+        names = ", ".join(body_name(model, top) for top in roots)
+        if not roots:
+            raise RobotError(
+                "expected one moving robot in the file, found none: add a <body> with joints to "
+                "<worldbody>"
+            )
         raise RobotError(f"expected one moving robot in the file, found {names}: keep one")
     slides, pitch = _root_joints(model, data, roots[0])
     number = {top: i for i, top in enumerate(tops)}

@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree
 
 _HIP_TOLERANCE_M = 1e-6
@@ -267,7 +268,8 @@ def _foot(
     name = model.geom(geom).name
     if not name:
         raise RobotError(f"the foot sphere of body {link.name} has no name: give it one")
-    _refuse_frictionless(model, geom, floor)
+    refuse_frictionless(model, geom, floor)
+    refuse_odd_contact(model, geom, floor)
     centre = data.geom_xpos[geom]
     return Foot(
         name,
@@ -275,20 +277,6 @@ def _foot(
         float(model.geom_size[geom, 0]),
         _contact_friction(model, geom, floor),
     )
-
-
-def _refuse_frictionless(model: mujoco.MjModel, foot: int, floor: int) -> None:
-    """A plant takes the foot's condim; in the file a floor of higher priority would decide.
-
-    Raises: RobotError if either is 1, which is contact without friction.
-    """
-    deciding = [foot]
-    if model.geom_priority[floor] > model.geom_priority[foot]:
-        deciding.append(floor)
-    for geom in deciding:
-        if model.geom_condim[geom] == 1:
-            name = f"foot {model.geom(geom).name}" if geom == foot else "the floor"
-            raise RobotError(f'{name} has condim="1", contact without friction: give it condim="3"')
 
 
 def _contact_friction(model: mujoco.MjModel, foot: int, floor: int) -> float:

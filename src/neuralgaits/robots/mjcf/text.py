@@ -12,6 +12,8 @@ from xml.etree import ElementTree
 from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
 
+MOST_NESTED = 100
+"""Elements in one another: bodies of a leg are four, and readers here call themselves."""
 _ASSETS = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
 
 
@@ -49,12 +51,19 @@ def _parse(text: str, path: Path) -> ElementTree.Element:
     return root
 
 
-def _include(element: ElementTree.Element, folder: Path, seen: tuple[Path, ...]) -> bool:
+def _include(
+    element: ElementTree.Element, folder: Path, seen: tuple[Path, ...], depth: int = 0
+) -> bool:
     """Replace every <include> below `element`; paths start at the main file's folder."""
+    if depth > MOST_NESTED:
+        raise RobotError(
+            f"{seen[-1].name} has more than {MOST_NESTED} elements in one another, here "
+            f"<{element.tag}>: mend what made the file"
+        )
     touched = False
     for index, child in reversed(list(enumerate(element))):
         if child.tag != "include":
-            touched |= _include(child, folder, seen)
+            touched |= _include(child, folder, seen, depth + 1)
             continue
         path = folder / child.get("file", "")
         if path.resolve() in seen:
@@ -66,7 +75,7 @@ def _include(element: ElementTree.Element, folder: Path, seen: tuple[Path, ...])
                 "there, or remove that <include>"
             )
         included = _parse(_read(path), path)
-        _include(included, folder, (*seen, path.resolve()))
+        _include(included, folder, (*seen, path.resolve()), depth + 1)
         element.remove(child)
         for offset, grandchild in enumerate(included):
             element.insert(index + offset, grandchild)

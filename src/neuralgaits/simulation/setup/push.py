@@ -6,10 +6,9 @@ It acts at the pitch axis of the robot file's root: at the hip in every built-in
 import numpy as np
 
 from neuralgaits._types import Bool, Float
+from neuralgaits.records.simulated import STEPS_BEFORE
 
 DURATION_S = 0.1
-# Touchdowns before the push: transients of the start have died out.
-STEPS_BEFORE = 5
 # The push starts within this time after that touchdown: about one step, so all phases occur [s].
 WINDOW_S = 0.5
 

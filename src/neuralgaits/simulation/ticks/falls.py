@@ -26,6 +26,11 @@ class Ending(IntEnum):
         return self > Ending.WALKED
 
     @property
+    def upright(self) -> bool:
+        """Whether the robot still stood when the episode ended."""
+        return self in (Ending.RUNNING, Ending.WALKED, Ending.STALLED)
+
+    @property
     def reason(self) -> str | None:
         """Why the episode fell, in words; None if it did not."""
         return _REASONS.get(self)
@@ -35,7 +40,7 @@ _REASONS = {
     Ending.LOW_HIP: "hip too low",
     Ending.TORSO: "torso tipped over",
     Ending.NOT_FINITE: "state not finite",
-    Ending.STALLED: "stalled: no touchdown ahead in time",
+    Ending.STALLED: "too slow to finish the step",
     Ending.GAP: "missed its stone: a foot in the gap",
 }
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import jax
 
-from neuralgaits._settings import check_proof_budget, check_seed, check_steps
+from neuralgaits._settings import check_proof_budget, check_seed, check_steps, check_widths
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec, specs, user_code
 from neuralgaits.barriers.commanded import Interval, commands_of
@@ -151,8 +151,7 @@ def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | No
     check_seed(seed)
     if init not in ("posture", "random"):
         raise InputError(f"expected init posture or random, found {init!r}")
-    if hidden is not None and (not hidden or min(hidden) < 1):
-        raise InputError(f"expected hidden widths of at least 1, found {hidden}")
+    check_widths(hidden)
     check_steps(steps)
 
 

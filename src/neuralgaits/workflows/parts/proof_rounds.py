@@ -38,10 +38,17 @@ REPAIR, HISTORY = "repair.safetensors", "rounds.json"
 
 @dataclass(frozen=True)
 class Watch:
-    """Who is told how the rounds go on. Attributes: proved: (share, boxes); ended: a round."""
+    """Who is told how a training goes on.
+
+    Attributes:
+        proved: share that is proved so far, and of how many boxes.
+        ended: a round of proof and repair.
+        doubted: before the training, one line where no gait at that speed is likely.
+    """
 
     proved: Callable[[float, int], None] | None = None
     ended: Callable[[ProofRound], None] | None = None
+    doubted: Callable[[str], None] | None = None
 
 
 class RepairState(NamedTuple):

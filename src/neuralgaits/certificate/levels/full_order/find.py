@@ -103,6 +103,8 @@ def find_full_order(
             f"{CROSSINGS[-1]} phases of the guard"
         )
     gamma = float(lyapunov_rate(bandwidth))
+    if gamma <= min(ALPHAS):
+        return f"outputs with a double pole at {bandwidth:g} rad/s come back too slowly"
     limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
     radius = float(at_least(plan.radius if plan else min(share * limit, LARGEST), DIGITS))
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0

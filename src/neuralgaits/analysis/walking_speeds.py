@@ -1,0 +1,84 @@
+"""Speeds that a robot may be able to walk at, from its legs and motors, before anything is trained.
+
+Nothing here is a proof: a doubt is worth a line before half a minute of training.
+"""
+
+import math
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.robots import PlanarBiped
+
+FROUDE = 1.0
+"""v^2 / (g L) at which a hip on a stiff leg needs no floor: beyond, feet leave it, a robot runs
+(Alexander, Physiological Reviews 69, 1989, section on walking as an inverted pendulum)."""
+LONGEST_STEP = 1.0
+"""In leg lengths: legs 60 degrees apart at touchdown."""
+BENT = 0.25
+"""Inertia of a leg about its hip with the knee bent as far as it goes, as a share of the straight
+leg's: half as long."""
+
+
+def fastest_by_gravity(robot: PlanarBiped) -> float:
+    """Return the speed at which the Froude number is `FROUDE` (m/s)."""
+    return math.sqrt(FROUDE * float(robot.gravity) * robot.leg_length)
+
+
+def fastest_by_torque(robot: PlanarBiped) -> float:
+    """Return a speed above which the hip motor cannot bring a leg forward in time (m/s).
+
+    A leg at rest behind the hip comes to rest ahead of it, turned by the angle a of the longest
+    step within the time T of that step: at full torque one way and then the other this takes
+    4 I a / T^2. A walk asks for more, since the foot leaves the floor going backwards.
+    """
+    inertia = BENT * _leg_inertia(robot)
+    angle = 2.0 * math.asin(0.5 * LONGEST_STEP)
+    torque = float(robot.torque_limit[_swing_hip(robot) - 1])
+    time = math.sqrt(4.0 * inertia * angle / torque)
+    return LONGEST_STEP * robot.leg_length / time
+
+
+def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -> str | None:
+    """Say why a robot is not likely to walk at a speed.
+
+    Args:
+        robot: of `load_robot`.
+        speed: mean (m/s), a range of them, or None for whatever comes.
+
+    Returns: one line with a speed to ask for; None if nothing speaks against it.
+    """
+    if speed is None:
+        return None
+    highest = max(speed) if isinstance(speed, tuple) else speed
+    gravity, torque = fastest_by_gravity(robot), fastest_by_torque(robot)
+    most = min(gravity, torque)
+    if not highest > most:
+        return None
+    if gravity <= torque:
+        share = highest / gravity
+        froude = FROUDE * share * share
+        why = (
+            f"legs of {robot.leg_length:.2f} m leave the floor at v^2/(g L) = 1, and here it is "
+            f"{froude:.2g}"
+        )
+    else:
+        limit = float(robot.torque_limit[_swing_hip(robot) - 1])
+        why = f"{limit:.3g} N m at the hip do not bring a leg forward in time"
+    return (
+        f"no gait at {highest:g} m/s is likely for {robot.name}, training goes on all the same: "
+        f"{why}; ask for less than {most:.2g} m/s"
+    )
+
+
+def _swing_hip(robot: PlanarBiped) -> int:
+    """Return the number of the coordinate that turns the leg in the air about the hip."""
+    return robot.n // 2 + (1 if robot.torso is not None else 0)
+
+
+def _leg_inertia(robot: PlanarBiped) -> float:
+    """Return the inertia of a straight leg and its rotor about the hip (kg m^2)."""
+    straight: Float[np.ndarray, " n"] = np.zeros(robot.n)
+    matrix = np.asarray(robot.mass_matrix(straight))
+    hip = _swing_hip(robot)
+    return float(matrix[hip, hip])

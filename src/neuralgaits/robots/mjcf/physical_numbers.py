@@ -1,0 +1,162 @@
+"""Refusal of numbers in a robot file that no robot and no floor has.
+
+MuJoCo compiles most of them: a joint whose damping is negative gains energy, a foot without
+friction stands on nothing, and an infinite mass makes every other number NaN.
+"""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+
+from neuralgaits.errors import RobotError
+
+MOST = 1e6
+"""Largest magnitude of any length, angle, mass, torque or coefficient, in SI units: a robot of a
+thousand kilometres or tonnes is a slip of the keyboard."""
+LEAST = 1e-6
+"""Smallest value of what must be positive, in SI units."""
+POSITIVE = ("length", "mass", "torque_limit", "foot_radius", "friction")
+NOT_NEGATIVE = ("inertia", "armature", "damping")
+"""Quantities of a leg, by their names in `derive.LegData`."""
+
+_FIELDS = {
+    "body": ("pos", "quat", "ipos", "iquat", "mass", "inertia"),
+    "jnt": ("pos", "axis", "range", "actfrcrange", "margin", "solref", "solimp"),
+    "dof": ("armature", "damping", "frictionloss"),
+    "geom": ("pos", "quat", "size", "friction", "solref", "solimp", "solmix", "margin", "gap"),
+    "actuator": ("gear", "ctrlrange", "forcerange"),
+    "key": ("qpos", "qvel", "ctrl"),
+}
+"""Arrays of a compiled model that come from numbers in the file, and that a walk depends on."""
+_WORDS = {"jnt": "joint", "actuator": "motor", "key": "keyframe"}
+_KINDS = {
+    "body": mujoco.mjtObj.mjOBJ_BODY,
+    "jnt": mujoco.mjtObj.mjOBJ_JOINT,
+    "geom": mujoco.mjtObj.mjOBJ_GEOM,
+    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
+    "key": mujoco.mjtObj.mjOBJ_KEY,
+}
+_OF_KEY = {"qpos": "nq", "qvel": "nv", "ctrl": "nu"}
+"""Attributes of a <key>, and the count of numbers that each lists."""
+
+
+def refuse_unphysical(model: mujoco.MjModel) -> None:
+    """Check that a compiled file holds numbers of a size that a robot can have.
+
+    Raises: RobotError naming the element, the attribute and the number.
+    """
+    for kind, names in _FIELDS.items():
+        for name in names:
+            values = np.asarray(getattr(model, f"{kind}_{name}"))
+            rows = values.reshape(len(values), values[:1].size)
+            for row, column in zip(*np.nonzero(~(np.abs(rows) <= MOST)), strict=True):
+                label = _label(model, kind, int(row))
+                raise RobotError(
+                    f"{label} has {name} {rows[row, column]:g}, but at most {MOST:g} makes sense "
+                    "in SI units: mend that number"
+                )
+    for joint, place in enumerate(model.jnt_qposadr):
+        if not abs(model.qpos0[place]) <= MOST:
+            found = f"{_label(model, 'jnt', joint)} has ref {model.qpos0[place]:g}"
+            raise RobotError(f"{found}, which is no position: leave it out")
+    gravity = float(np.max(np.abs(model.opt.gravity)))
+    if not LEAST <= gravity <= MOST:
+        raise RobotError(f'gravity is {gravity:g} m/s^2: use <option gravity="0 0 -9.81"/>')
+    if not LEAST <= model.opt.impratio <= MOST:
+        raise RobotError(
+            f"impratio of <option> is {model.opt.impratio:g}, expected a number above 0: leave it "
+            "out"
+        )
+
+
+def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
+    """Check one number of a leg.
+
+    Args:
+        name: of the quantity, as in `derive.LegData`.
+        words: for the quantity, with its unit.
+        value: in that unit.
+        where: the body or joint that has it.
+
+    Raises: RobotError if no robot has this value.
+    """
+    if name in POSITIVE and not LEAST <= value <= MOST:
+        raise RobotError(
+            f"{words} is {value:.6g} at {where}: expected {LEAST:g} to {MOST:g}; mend that number"
+        )
+    if name in NOT_NEGATIVE and not 0.0 <= value <= MOST:
+        raise RobotError(
+            f"{words} is {value:.6g} at {where}: expected 0 to {MOST:g}; mend that number"
+        )
+
+
+def refuse_frictionless(model: mujoco.MjModel, foot: int, floor: int) -> None:
+    """A plant takes the foot's condim; in the file a floor of higher priority would decide.
+
+    Raises: RobotError if either is 1, which is contact without friction.
+    """
+    deciding = [foot]
+    if model.geom_priority[floor] > model.geom_priority[foot]:
+        deciding.append(floor)
+    for geom in deciding:
+        if model.geom_condim[geom] == 1:
+            name = f"foot {model.geom(geom).name}" if geom == foot else "the floor"
+            raise RobotError(f'{name} has condim="1", contact without friction: give it condim="3"')
+
+
+def refuse_odd_contact(model: mujoco.MjModel, foot: int, floor: int) -> None:
+    """Check the contact parameters of a foot and of the floor.
+
+    Raises: RobotError naming the geom with a negative coefficient or an impossible margin.
+    """
+    radius = float(model.geom_size[foot, 0])
+    for geom in (foot, floor):
+        name = f"foot {model.geom(geom).name}" if geom == foot else "the floor"
+        friction = model.geom_friction[geom]
+        if np.any(friction < 0.0):
+            found = " ".join(f"{value:g}" for value in friction)
+            raise RobotError(
+                f'{name} has friction="{found}": expected no negative coefficient; write '
+                'friction="0.6"'
+            )
+        margin, gap = float(model.geom_margin[geom]), float(model.geom_gap[geom])
+        if not 0.0 <= margin <= radius or not 0.0 <= gap <= margin + radius:
+            raise RobotError(
+                f"{name} has margin {margin:g} and gap {gap:g} m: expected 0 to the foot's radius, "
+                f"{radius:g} m; leave both out"
+            )
+
+
+def refuse_odd_keyframes(text: str, model: mujoco.MjModel) -> None:
+    """Check that every pose of the file lists all coordinates; MuJoCo fills short ones with zeros.
+
+    Args:
+        text: MJCF that compiles.
+        model: compiled from it.
+
+    Raises: RobotError naming the keyframe and how many numbers it must have.
+    """
+    keys = ElementTree.fromstring(text).iterfind("keyframe/key")
+    for number, key in enumerate(keys):
+        label = key.get("name") or f"number {number}"
+        for attribute, count in _OF_KEY.items():
+            expected = int(getattr(model, count))
+            found = len(key.get(attribute, "").split())
+            if attribute in key.attrib and found != expected:
+                raise RobotError(
+                    f"keyframe {label} has {found} numbers in {attribute}: expected {expected}, "
+                    f"one for each of its {'motors' if count == 'nu' else 'coordinates'}; mend or "
+                    "remove it"
+                )
+
+
+def _label(model: mujoco.MjModel, kind: str, row: int) -> str:
+    """Name an element of the file for a message."""
+    if kind == "dof":
+        kind, row = "jnt", int(model.dof_jntid[row])
+    name = mujoco.mj_id2name(model, _KINDS[kind], row)
+    return f"{_WORDS.get(kind, kind)} {name or f'number {row}'}"

@@ -1,0 +1,38 @@
+"""How numbers and endings are written beside the scene."""
+
+import math
+
+from neuralgaits.viewer.walker import Limits, Shown
+
+_NOTCHES = 70
+"""Of the slider of a command: half a centimetre a second of the usual range of speeds."""
+_DIGITS = 3
+"""Of a number beside a slider: the page cuts longer ones off."""
+
+
+def ended(shown: Shown, left: float | None) -> str:
+    """Say why a walk ended, and what to do next.
+
+    Args:
+        shown: last moment of the walk.
+        left: time until the robot is put back (s); None if the visitor does that.
+    """
+    what = "Stopped" if shown.upright else "Fell"
+    text = f"{what}: {shown.fall}, after {shown.steps} steps. "
+    text += "Press Reset" if left is None else f"Reset in {left:.0f} s"
+    return text + ("; push it forward where it slows down." if shown.upright else ".")
+
+
+def notch(limits: Limits) -> float:
+    """Return the step of a slider: 1, 2 or 5 of a decimal place, about a share of its range.
+
+    Any other one has digits that the number beside the slider has no room for.
+    """
+    share = (limits.high - limits.low) / _NOTCHES * (1.0 + 1e-9)
+    place = 10.0 ** math.floor(math.log10(share))
+    return float(f"{max(n * place for n in (1, 2, 5) if n * place <= share):.0e}")
+
+
+def few_digits(value: float) -> float:
+    """Round a number to those digits that a slider shows."""
+    return float(f"{value:.{_DIGITS}g}")

@@ -1,0 +1,127 @@
+"""Numbers in a robot file that no robot and no floor has are refused, each by its name."""
+
+import re
+
+import pytest
+
+from neuralgaits.cli.main import main
+from neuralgaits.errors import RobotError
+from neuralgaits.robots import load_robot, registry
+from neuralgaits.robots.mjcf.loader import robot_from_text
+
+AMBER = registry.model_file("amber3m").read_text(encoding="utf-8")
+FOOT, FLOOR = '<geom name="foot_left" class="foot"', '<geom name="floor"'
+FEET, KNEES = '<geom contype="0" conaffinity="1" group="0"', '<joint range="0 1.5"'
+HIP, MOTOR = '<joint name="hip_left"', '<motor name="hip_left"'
+
+# name: (text in the AMBER-3M file, attributes put behind it, what the message must say)
+REFUSED = {
+    "negative damping": (HIP, 'damping="-5"', "damping .* is -5 at joint hip_left"),
+    "infinite damping": (HIP, 'damping="inf"', "joint hip_left has damping inf"),
+    "endless reference": (HIP, 'ref="inf"', "joint hip_left has"),
+    "range in degrees": (HIP, 'range="-180 180"', "joint hip_left can turn by 360 rad"),
+    "frictionless feet": (FEET, 'friction="0"', "foot friction is 0 at body shin_left"),
+    "damping of both legs": (KNEES, 'damping="-5"', "damping .* is -5 at joint knee_left"),
+    "negative friction": (FOOT, 'friction="-0.6"', 'foot foot_left has friction="-0.6'),
+    "endless friction": (FOOT, 'friction="inf"', "geom foot_left has friction inf"),
+    "negative rolling friction": (FOOT, 'friction="0.6 -1 0"', "no negative coefficient"),
+    "floor of negative friction": (FLOOR, 'friction="-1"', "the floor has friction"),
+    "contact from afar": (FOOT, 'margin="3"', "foot foot_left has margin 3"),
+    "endless place": (FOOT, 'pos="0 0 1e300"', "geom foot_left has pos 1e"),
+    "foot of a thousand kilometres": (FOOT, 'size="1e7"', "geom foot_left has size 1e"),
+    "endless gear": (MOTOR, 'gear="inf"', "motor hip_left has gear inf"),
+    "motor that moves nothing": (MOTOR, 'gear="1e-300"', "torque limit .* at joint hip_left"),
+    "limits the wrong way": (MOTOR, 'forcerange="50 -50"', "write the lower end first"),
+}
+OPTIONS = {
+    "gravity that no number is": ('gravity="0 0 -inf"', "gravity is inf"),
+    "gravity of a speck": ('gravity="0 0 -1e-300"', "gravity is"),
+    "no impedance": ('impratio="0"', "impratio of <option> is 0"),
+}
+KEYS = {
+    "short": ('qpos="0 0"', "keyframe home has 2 numbers in qpos: expected 7"),
+    "rates": ('qvel="0 0"', "keyframe home has 2 numbers in qvel: expected 7"),
+    "controls": ('ctrl="0 0"', "keyframe home has 2 numbers in ctrl: expected 4.*motors"),
+}
+
+
+def with_attributes(start, attributes):
+    """The AMBER-3M file with an element's attributes replaced or added."""
+    [(end, element)] = [
+        (match.end(), match[0]) for match in re.finditer(re.escape(start) + "[^>]*>", AMBER)
+    ]
+    changed = element
+    for name in re.findall(r'(\w+)="', attributes):
+        changed = re.sub(rf' {name}="[^"]*"', "", changed)
+    changed = changed.replace(start, f"{start} {attributes}", 1)
+    return AMBER[: end - len(element)] + changed + AMBER[end:]
+
+
+def nested(tag, count, around="mujoco"):
+    return f"<{around}>" + f"<{tag}>" * count + f"</{tag}>" * count + f"</{around}>"
+
+
+def refusal(text):
+    with pytest.raises(RobotError) as found:
+        robot_from_text(text, "edited")
+    assert "\n" not in str(found.value)
+    return str(found.value)
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_number_that_no_robot_has_is_refused(case):
+    start, attributes, words = REFUSED[case]
+    assert re.search(words, refusal(with_attributes(start, attributes)))
+
+
+@pytest.mark.parametrize("case", OPTIONS)
+def test_a_world_that_is_none_is_refused(case):
+    attributes, words = OPTIONS[case]
+    assert words in refusal(with_attributes("<option", attributes))
+
+
+@pytest.mark.parametrize("case", KEYS)
+def test_a_keyframe_lists_every_coordinate(case):
+    attributes, words = KEYS[case]
+    start = '<key name="home"'
+    assert re.search(words, refusal(with_attributes(start, attributes)))
+
+
+def test_usual_numbers_are_taken():
+    for start, attributes in (
+        (FOOT, 'margin="0.001"'),
+        (FOOT, 'friction="0.6 0 0"'),
+        (HIP, 'range="-180 180"') if "angle=" not in AMBER else (HIP, 'ref="0"'),
+        (FLOOR, 'friction="0"'),
+    ):
+        assert robot_from_text(with_attributes(start, attributes), "edited").mass > 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("<mujoco/>", "found none: add a <body>"),
+        ("<mujoco><worldbody/></mujoco>", "found none: add a <body>"),
+        (nested("default", 100_000), "in one another"),
+        ("<mujoco>" + nested("body", 5000, "worldbody") + "</mujoco>", "in one another"),
+    ],
+    ids=["empty", "no body", "deep defaults", "deep bodies"],
+)
+@pytest.mark.parametrize("planarise", [False, True])
+def test_an_empty_or_endless_file_is_refused_in_a_line(tmp_path, capfd, text, words, planarise):
+    file = tmp_path / "robot.xml"
+    file.write_text(text)
+    more = ["--planarise", str(tmp_path / "out.xml")] if planarise else []
+    assert main(["inspect", str(file), *more]) == 2
+    line = capfd.readouterr().err
+    assert line.count("\n") == 1
+    assert words in line or planarise
+
+
+def test_files_that_include_one_another_in_a_long_row_are_refused(tmp_path):
+    for number in range(300):
+        inner = f'<include file="{number + 1}.xml"/>'
+        (tmp_path / f"{number}.xml").write_text(f"<mujoco>{inner}</mujoco>")
+    (tmp_path / "300.xml").write_text("<mujoco/>")
+    with pytest.raises(RobotError, match="in one another"):
+        load_robot(tmp_path / "0.xml")

@@ -1,0 +1,67 @@
+"""Numbers of flags that are numbers and make no sense: a line, exit 2, and nothing begun."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from neuralgaits.certificate.levels.full_order.find import ALPHAS, Looks, find_full_order
+from neuralgaits.certificate.levels.full_order.theorem import DECAY
+from neuralgaits.cli.main import main
+from neuralgaits.errors import SpecError
+from neuralgaits.gait.commands import Command
+from support.shipped_run import SHIPPED
+
+HUGE = "9" * 40
+TINY = "5e-324"
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        (["certify", "RUN", "--level", "4", "--bandwidth", TINY], "a bandwidth of 1 to 1000 rad/s"),
+        (["certify", "RUN", "--level", "4", "--bandwidth", "0.1"], "a bandwidth of 1 to 1000"),
+        (["certify", "RUN", "--level", "5", "--bandwidth", "1e308"], "a bandwidth of 1 to 1000"),
+        (["certify", "RUN", "--level", "4", "--bandwidth", "nan"], "a bandwidth of 1 to 1000"),
+        (["simulate", "RUN", "--steps", HUGE], "steps: expected at most 1000000, found a number"),
+        (["simulate", "RUN", "--episodes", HUGE], "episodes: expected at most 1000000"),
+        (["simulate", "RUN", "--push", "nan"], "expected a push of -10000 to 10000 N s"),
+        (["simulate", "RUN", "--push", "1e308"], "expected a push of -10000 to 10000 N s"),
+        (["simulate", "RUN", "--workers", HUGE], "expected at most 4096 workers"),
+        (["train", "amber3m", "--steps", HUGE], "expected at most 10000000 gradient steps"),
+        (["train", "amber3m", "--seed", HUGE], "found a number of 40 digits"),
+        (["train", "amber3m", "--hidden", HUGE], "expected at most 8 hidden widths of at most"),
+        (["train", "amber3m", "--speed", "1e308"], "expected a speed of at most 100 m/s"),
+        (["train", "amber3m", "--speed", f"0:{TINY}"], "expected a range at least 1e-06 m/s wide"),
+        (["train", "amber3m", "--speed", "0.5:1e308"], "between -100 and 100 m/s"),
+        (["train", "amber3m", "--step-height=-1e308:0"], "between -100 and 100 m"),
+        (["train", "amber3m", "--slope=0:1e9"], "between -1.5708 and 1.5708 rad"),
+        (["optimise", "amber3m", "--speed", "1e308"], "expected --speed of at most 100 m/s"),
+    ],
+)
+def test_a_number_that_makes_no_sense_is_one_line(tmp_path, monkeypatch, capfd, words, found):
+    monkeypatch.chdir(tmp_path)
+    run = tmp_path / "run"
+    shutil.copytree(SHIPPED, run)
+    assert main([str(run) if word == "RUN" else word for word in words]) == 2
+    line = capfd.readouterr().err.splitlines()[-1]
+    assert found in line and len(line) < 300
+    assert not (tmp_path / "runs").exists()
+
+
+def test_outputs_slower_than_every_barrier_are_a_reason():
+    """In place of a set: the search for gains has none to try."""
+    slow = 0.5 * min(ALPHAS) / float(DECAY)
+
+    def look(u, xi):
+        one = np.ones(len(u))
+        return {"pace": one, "inertia": one, "foot": 1.0 - u[:, 0]}
+
+    looks = Looks(look, look, 2)
+    assert "come back too slowly" in str(find_full_order(looks, (), slow, 1.0))
+
+
+@pytest.mark.parametrize("width", [0.0, 1e-300, 1e-9])
+def test_a_command_has_a_range(width):
+    with pytest.raises(SpecError, match="expected a range"):
+        Command("speed", 0.0, width)
