@@ -1,4 +1,4 @@
-"""`python -m neuralgaits`."""
+"""Entry point of `python -m neuralgaits`: runs the command line."""
 
 from neuralgaits.cli.main import run
 

@@ -1,4 +1,4 @@
-"""Where this program keeps what it can make again."""
+"""Folder of this program's cache: files that it can make again."""
 
 import os
 from pathlib import Path

@@ -13,7 +13,7 @@ from neuralgaits._cache import cache_folder
 from neuralgaits._printable import printable
 
 OFF_SCREEN = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so"}
-"""Values of MUJOCO_GL that need no window, the better one first, and what each stands on."""
+"""Values of MUJOCO_GL that need no window, best first, and the library that each one needs."""
 THREADS = "NEURALGAITS_THREADS"
 """Variable: how many threads a computation of this program may use; all cores if not set."""
 
@@ -59,9 +59,9 @@ def render_without_screen() -> None:
 
 
 def one_thread() -> None:
-    """One thread for all that this process computes from now on: others work beside it.
+    """Limit this process to one thread from now on, since other processes work beside it.
 
-    Sums are then added in one order, whatever the machine has cores.
+    Sums are then added in one order, however many cores the machine has.
     """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", THREADS):
         os.environ[name] = "1"

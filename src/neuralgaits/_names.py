@@ -1,4 +1,4 @@
-"""What a name may look like, so that none passes for another and none moves a cursor.
+"""Rules for names: no two look alike, and none moves a cursor.
 
 A slash marks the premises of a theorem, as in set/inertia; a condition or region has none.
 """
@@ -11,7 +11,7 @@ LONGEST_NAME = 200
 
 
 def why_no_name(name: object) -> str | None:
-    """What is wrong with the name of a condition or a region; None if nothing is."""
+    """Return why a text cannot name a condition or a region, or None if it can."""
     if not isinstance(name, str):
         return f"{name!r}, which is no text"
     if not name or name != name.strip():

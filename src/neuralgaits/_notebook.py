@@ -1,4 +1,4 @@
-"""What a notebook shows of an object: a heading and a small table, all text escaped."""
+"""HTML of an object in a notebook: a heading and a small table, all text escaped."""
 
 import html
 from collections.abc import Iterable, Sequence

@@ -1,11 +1,11 @@
-"""How a module of this package is run in a process of its own."""
+"""Run a module of this package in a process of its own."""
 
 import os
 import sys
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
-"""Where the package is imported from: the other process imports the same."""
+"""Folder from which the package is imported; the other process imports from the same one."""
 
 
 def command_of(module: str, *arguments: str) -> list[str]:

@@ -13,9 +13,9 @@ PRINTABLE = "neuralgaits-printable"
 
 
 def printable(text: str | os.PathLike[str]) -> str:
-    r"""Return a text that UTF-8 can hold: a byte that is none of it becomes \xff, say.
+    r"""Return a text that UTF-8 can hold; a byte that is not valid UTF-8 becomes \xff, say.
 
-    Under a locale that knows ASCII only, a name in UTF-8 is read as it is meant.
+    Under a locale that knows ASCII only, a name in UTF-8 is still read correctly.
     """
     whole = os.fspath(text)
     try:

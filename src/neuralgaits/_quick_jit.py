@@ -1,7 +1,7 @@
-"""How XLA compiles what is called often and runs for microseconds.
+"""Compiler options of XLA for functions that are called often and run for microseconds.
 
-The passes switched off cost seconds of compiling and gain such kernels nothing. What the
-environment's XLA_FLAGS say of one of these options goes before what is said here.
+The passes switched off cost seconds of compiling and gain such kernels nothing. An option that the
+environment's XLA_FLAGS sets takes precedence over its value here.
 """
 
 import os
@@ -33,7 +33,7 @@ QUICK = _quick()
 
 
 def quick_jit(function: Function) -> Function:
-    """`jax.jit` with these options."""
+    """Compile a function with `jax.jit` and the options of this module."""
     return jax.jit(function, compiler_options=QUICK)  # pyright: ignore[reportReturnType]
 
 

@@ -8,14 +8,14 @@ MOST_WALKED = 1_000_000
 """Walking steps of an episode, and episodes: a million steps are five days."""
 MOST_GRADIENT_STEPS = 10_000_000
 MOST_WIDTH, MOST_LAYERS = 4096, 8
-"""Of a policy's hidden layers: wider ones need more memory than a machine has."""
+"""Limits on a policy's hidden layers: wider ones need more memory than a machine has."""
 MOST_PUSH = 10_000.0
 """Impulse [N s]: a car at walking pace."""
 BANDWIDTHS = 1.0, 1000.0
 """Double poles that outputs can have [rad/s]: slower ones outlast a step, and a controller at 1 kHz
 has none that are faster."""
 MOST_ROUNDS = 100
-"""Of episodes: what is more is a slip of the finger, or damage."""
+"""Limit on the rounds of `episodes`: a larger number is a slip of the finger, or damage."""
 
 
 def shortened(count: int) -> str:
@@ -116,7 +116,10 @@ def check_budget(budget: float | None) -> None:
 
 
 def check_proof_budget(certify: bool, budget: float | None) -> None:
-    """Raises: InputError also if a budget of a proof is given and no proof is asked for."""
+    """Check the time budget of a proof, which makes sense only if a proof is requested.
+
+    Raises: InputError if the budget makes no sense, or is given without a proof.
+    """
     if budget is not None and not certify:
         raise InputError("expected a budget with --certify only, found it alone: add --certify")
     check_budget(budget)

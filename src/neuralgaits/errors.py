@@ -7,7 +7,7 @@ import errno
 import os
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
-"""What a system says of a disk, or a user's share of it, that is full."""
+"""Error numbers with which a system reports a full disk, or a full quota of one user."""
 
 
 class NeuralGaitsError(Exception):
@@ -41,7 +41,7 @@ def reason(error: Exception) -> str:
 
 
 def is_full(error: BaseException) -> bool:
-    """Whether the disk had no room for what was written, whichever library says so."""
+    """Return whether an error means that the disk was full, whichever library raised it."""
     if isinstance(error, OSError):
         return error.errno in _FULL
     return os.strerror(errno.ENOSPC) in str(error)

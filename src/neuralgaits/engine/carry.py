@@ -1,4 +1,4 @@
-"""How a worker carries out a task, whoever sent it: errors become a failure in one line."""
+"""Carry out a task in a worker, whoever sent it: errors become a failure in one line."""
 
 import hashlib
 import platform
@@ -49,14 +49,14 @@ def _line(text: str) -> str:
 
 
 def _at(error: Exception) -> str:
-    """Where it was raised, for a report of it."""
+    """Return the place where an error was raised, for a report of it."""
     frames = traceback.extract_tb(error.__traceback__)
     return f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
 
 
 @cache
 def versions() -> dict[str, str]:
-    """What decides over the digits of results: the same on every worker, or there is no table."""
+    """Return the versions that decide the digits of results; all workers must have the same."""
     root = Path(__file__).parents[1]
     code = hashlib.sha256()
     for file in sorted(root.rglob("*")):
@@ -72,7 +72,7 @@ def _machine() -> str:
 
 
 def differing(asked: dict[str, Any]) -> str | None:
-    """How this worker's versions differ from those that are asked for; None if they do not."""
+    """Describe how this worker's versions differ from the required ones; None if they do not."""
     found = [
         f"{name} {mine} in place of {asked.get(name, 'none')}"
         for name, mine in versions().items()

@@ -1,4 +1,4 @@
-"""Which engine a command means."""
+"""Choose the engine that a command runs its tasks on."""
 
 from neuralgaits._environment import cores
 from neuralgaits._settings import shortened
@@ -9,7 +9,7 @@ from neuralgaits.errors import InputError
 MOST_WORKERS = 4096
 """Processes: more than any one machine has cores."""
 LOCAL = "local"
-"""In place of an address: a Ray of this machine, for as long as the command takes."""
+"""Word in place of an address: start Ray on this machine for the duration of the command."""
 
 
 def engine_for(workers: int | None = None, ray: str | None = None) -> Engine:

@@ -24,9 +24,9 @@ LOCAL, AUTO = "local", "auto"
 _AHEAD = 2
 """Tasks under way for each core: the next one waits where it will run."""
 _COUNT_S = 5.0
-"""How often it is asked how many cores the cluster has, since nodes come and go [s]."""
+"""Interval between two counts of the cluster's cores, since nodes come and go [s]."""
 _REACH_S = 5.0
-"""How long a head may take to answer [s]."""
+"""Longest time that a head may take to answer [s]."""
 
 
 class OnRay(Engine):
@@ -87,7 +87,7 @@ class OnRay(Engine):
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
     ) -> Generator[Done, None, None]:
-        """See `Engine.map`."""
+        """Carry out the jobs as remote Ray functions; see `Engine.map`."""
         ray, named, left = self._ray, name_of(task), iter(jobs)
         remote = ray.remote(num_cpus=1, max_retries=0)(_carry_out_here)
         # Put once: every node fetches it once.
@@ -122,7 +122,10 @@ class OnRay(Engine):
         self._ray.shutdown()
 
     def _answer(self, reference: Any) -> tuple[Files, Failure | None, float]:
-        """What a task said, or how it was lost. Raises: InputError on other versions."""
+        """Return the files of a task, or the way it was lost, and its time [s].
+
+        Raises: InputError if a worker has other versions.
+        """
         errors = self._ray.exceptions
         try:
             said = self._ray.get(reference)

@@ -23,7 +23,7 @@ _READY = "ready"
 _LEAST_BYTES = 2**31
 """A worker may always have as much memory, however many there are."""
 _GONE = (EOFError, ConnectionError, OSError)
-"""What a pipe says whose other end has died."""
+"""Errors that a pipe raises when the process at its other end has died."""
 
 
 class Processes(Engine):
@@ -49,13 +49,13 @@ class Processes(Engine):
 
     @property
     def workers(self) -> int:
-        """As many as were asked for; they start when they are needed."""
+        """Number of processes requested; each starts when it is first needed."""
         return self._count
 
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
     ) -> Generator[Done, None, None]:
-        """See `Engine.map`."""
+        """Carry out the jobs in processes of this machine; see `Engine.map`."""
         named, left = name_of(task), iter(jobs)
         again: deque[tuple[Job, int]] = deque()
         busy: dict[Connection, tuple[_Worker, Job, int]] = {}
@@ -103,7 +103,7 @@ class Processes(Engine):
                     worker.kill()
 
     def close(self) -> None:
-        """End all workers."""
+        """End all worker processes at once."""
         while self._all:
             self._all.pop().kill()
         self._idle.clear()
@@ -114,7 +114,7 @@ class Processes(Engine):
 
 
 class _Worker:
-    """One process and the pipe to it."""
+    """A worker process and the pipe to it."""
 
     def __init__(self, memory_bytes: int):
         context = multiprocessing.get_context("spawn")
@@ -128,7 +128,7 @@ class _Worker:
         theirs.close()
 
     def ended(self) -> str:
-        """How it ended, in words. Raises: InputError if it never began."""
+        """Describe in words how the process ended. Raises: InputError if it never began."""
         self.pipe.close()
         self._process.join()
         code = self._process.exitcode or 0
@@ -144,7 +144,7 @@ class _Worker:
         return f"was killed by {name}" + (", as happens when memory runs out" if memory else "")
 
     def kill(self) -> None:
-        """End it at once."""
+        """End the process at once and close its pipe."""
         self.pipe.close()
         self._process.kill()
         self._process.join()

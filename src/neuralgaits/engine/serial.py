@@ -1,4 +1,4 @@
-"""One task after the other, in this process."""
+"""Run one task after the other, in this process."""
 
 from collections.abc import Generator, Iterable
 
@@ -13,17 +13,17 @@ class Serial(Engine):
 
     @property
     def workers(self) -> int:
-        """One."""
+        """Number of tasks that run at once: always one."""
         return 1
 
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
     ) -> Generator[Done, None, None]:
-        """See `Engine.map`."""
+        """Carry out the jobs in order, in this process; see `Engine.map`."""
         named = name_of(task)
         for job in jobs:
             files, failure, wall = carry_out(named, job, common or {})
             yield Done(job.name, files, failure, 1, wall)
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Do nothing: this engine holds no resources to release."""

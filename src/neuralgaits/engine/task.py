@@ -1,4 +1,4 @@
-"""What a task is, what became of it, and what an engine does."""
+"""Types of a task, its job and its outcome, and the interface of an engine."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Mapping
@@ -10,7 +10,7 @@ Settings = Mapping[str, Any]
 Files = Mapping[str, bytes]
 """Contents of files by name."""
 Task = Callable[[Settings, Files], Files]
-"""A function that stands in a module; it keeps nothing and is sent by its name."""
+"""A stateless module-level function, sent to workers by its qualified name."""
 
 TRIES = 3
 """Workers that may die of a task before it is given up."""
@@ -18,7 +18,7 @@ TRIES = 3
 
 @dataclass(frozen=True)
 class Job:
-    """One call of a task. Attributes: name: that tells it from others of the same map."""
+    """One call of a task. Attributes: name: unique among the jobs of one map."""
 
     name: str
     settings: Settings
@@ -39,14 +39,14 @@ class Failure(NamedTuple):
 
 
 class Done(NamedTuple):
-    """What became of a job.
+    """Outcome of a job.
 
     Attributes:
         name: of the job.
-        files: that it returned; none of one that failed.
+        files: returned by the task; empty if it failed.
         failure: None if it did not fail.
-        tries: workers that began it.
-        wall_s: that the last of them took [s].
+        tries: number of workers that began it.
+        wall_s: time that the last of them took [s].
     """
 
     name: str
@@ -60,12 +60,12 @@ class Engine(ABC):
     """Workers, and how tasks reach them."""
 
     name: str
-    """What a summary calls it."""
+    """Name of the engine in a summary."""
 
     @property
     @abstractmethod
     def workers(self) -> int:
-        """Tasks that run at once."""
+        """Number of tasks that run at once."""
 
     @abstractmethod
     def map(
@@ -73,13 +73,14 @@ class Engine(ABC):
     ) -> Generator[Done, None, None]:
         """Carry out a task for every job, in no particular order.
 
-        Jobs are taken one at a time, as workers become free, and nothing is kept of one that is
-        done: memory does not grow with their number. A job whose worker dies is given to another;
-        one that fails is `Done` with a failure. Closed early, it ends what is under way.
+        Jobs are taken one at a time, as workers become free, and nothing is kept of a finished
+        one: memory does not grow with their number. A job whose worker dies is given to another;
+        one that fails is `Done` with a failure. Closing the generator early ends what is under
+        way.
 
         Args:
-            task: a function that stands in a module.
-            jobs: with names of their own.
+            task: a module-level function.
+            jobs: with unique names.
             common: files of every job, sent once to a worker.
 
         Raises: InputError if workers do not start, or run another version than this process.
@@ -87,7 +88,7 @@ class Engine(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Let the workers go."""
+        """Release the workers and what they hold."""
 
     def __enter__(self) -> Self:
         return self
@@ -97,7 +98,7 @@ class Engine(ABC):
 
 
 def name_of(task: Task) -> str:
-    """`module:function` of a task. Raises: ValueError for one that cannot be found by that."""
+    """Return `module:function` of a task. Raises: ValueError if that does not lead back to it."""
     name = f"{task.__module__}:{task.__qualname__}"
     if "<" in name or task.__module__ == "__main__":
         raise ValueError(f"expected a function that stands in a module, found {name}")

@@ -1,4 +1,4 @@
-"""One definition, several interpreters: Programs and the algebras that evaluate them.
+"""Programs, defined once, and the algebras that evaluate them.
 
 Importing this room imports no JAX; tracing does: `from neuralgaits.programs.tracing.tracer import
 trace`.

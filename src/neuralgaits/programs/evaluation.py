@@ -1,9 +1,9 @@
-"""The only loop over a Program's operations, whatever its values are made of.
+"""The only loop over a Program's operations, for values of any algebra.
 
-An algebra says what a vector of reals is (numbers, Taylor models, balls, lines of C) and how
-the operations act on it. Operations that depend on no input are folded once, possibly in
-another algebra: a search over boxes takes `fold(program, balls)`, turns it into its own values
-and passes it to every call of `evaluate`.
+An algebra says what a vector of reals is (numbers, Taylor models, balls, lines of C) and how the
+operations act on it. Operations that depend on no input are folded once, possibly in another
+algebra: a search over boxes takes `fold(program, balls)`, turns it into its own values and passes
+it to every call of `evaluate`.
 """
 
 from collections.abc import Mapping, Sequence

@@ -41,7 +41,7 @@ class Tensor:
     """One value: the name of a flat tensor in the graph.
 
     Attributes:
-        name: in the graph; of a constant, the wish for one.
+        name: in the graph; for a constant, the preferred one.
         size: number of elements.
         array: of a constant, which joins the graph where it is read. [size]
     """
@@ -91,7 +91,7 @@ class OnnxAlgebra:
         return outputs
 
     def constant(self, array: np.ndarray) -> Tensor:
-        """A constant without a name."""
+        """Create a constant without a name."""
         return self.named("constant", array)
 
     def named(self, name: str, array: np.ndarray) -> Tensor:
@@ -99,7 +99,7 @@ class OnnxAlgebra:
         return Tensor(name, array.size, array.reshape(-1))
 
     def move(self, operands: Sequence[Tensor], index: np.ndarray) -> Tensor:
-        """Gather from the concatenated operands."""
+        """Gather from the concatenated operands, which adds a node to the graph."""
         joined = operands[0]
         if len(operands) > 1:
             names = [self._read(operand) for operand in operands]
@@ -123,16 +123,18 @@ class OnnxAlgebra:
         return self._shaped(product, (rows * columns,))
 
     def sum(self, a: Tensor, size: int) -> Tensor:
-        """Row sums."""
+        """Sum the rows of `a` reshaped to [size, ...]."""
         table, axis = self._read(a, (size, a.size // size)), self._whole(np.array([1]), "axis")
         return self._note("ReduceSum", [table, axis], size, keepdims=0)
 
     def inner(self, a: Tensor, b: Tensor, size: int) -> Tensor:
-        """Row-wise inner products."""
+        """Return row-wise inner products of two matrices."""
         return self.sum(self.elementwise("mul", a, b), size)
 
     def elementwise(self, kind: str, *operands: Tensor) -> Tensor:
-        """One operator, but for 1 + a: ONNX has none for log1p, to rounding of 1 + a."""
+        """Add one operator; ONNX has no log1p, which becomes log(1 + a) with the rounding of 1 +
+        a.
+        """
         if kind == "log1p":
             operands = (self.elementwise("add", self.named("one", np.ones(1)), *operands),)
         if kind == "square":
@@ -163,7 +165,7 @@ class OnnxAlgebra:
         return self._kept(array.astype(np.int64), wish)
 
     def _kept(self, array: np.ndarray, wish: str) -> str:
-        """Name of an initialiser; equal ones stand in the graph once."""
+        """Return the name of an initialiser; equal arrays are stored once."""
         key = (array.tobytes(), array.dtype.str, array.shape)
         if key not in self._known:
             name, count = wish, 2

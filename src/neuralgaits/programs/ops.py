@@ -1,8 +1,8 @@
 """The seventeen operations of a Program, as data.
 
-Every value of a Program is a flat vector of reals. Operands of the elementwise operations
-have the size of the result, or size 1, which then stands for every element. An interpreter
-needs one rule for each line of this table and nothing else.
+Every value of a Program is a flat vector of reals. Operands of the elementwise operations have the
+size of the result, or size 1, which is repeated for every element. An interpreter needs one rule
+for each line of this table and nothing else.
 """
 
 from collections.abc import Mapping, Sequence
@@ -92,7 +92,7 @@ def rule(rules: Mapping[str, R], kind: str, values: str) -> R:
 def complaint(
     name: str, sizes: Sequence[int], size: int, index: Sequence[int], columns: int
 ) -> str | None:
-    """What is wrong with an operation of these operand sizes, or None if it is well formed."""
+    """Return why an operation of these operand sizes is malformed, or None if it is well formed."""
     kind = KINDS.get(name)
     if kind is None:
         return f"unknown operation '{name}'; known are {', '.join(KINDS)}"

@@ -1,8 +1,8 @@
 """A Program: a spec as a short list of operations on flat vectors of reals.
 
-Values are numbered: inputs first, then constants, then the results of operations in the order
-of their evaluation. This file needs no JAX: a Program that was saved with a run or stands in a
-proof file is read, hashed and evaluated without it.
+Values are numbered: inputs first, then constants, then the results of operations in the order of
+their evaluation. This file needs no JAX: a Program that was saved with a run or in a proof file is
+read, hashed and evaluated without it.
 """
 
 import base64
@@ -49,8 +49,8 @@ class Operation:
         kind: its name in `ops.KINDS`.
         operands: numbers of earlier values.
         size: number of elements of the result.
-        index: of `move` only, positions in the concatenated operands. [size]
-        columns: of `affine` only, number of columns of the right-hand matrix.
+        index: positions in the concatenated operands; for `move` only. [size]
+        columns: number of columns of the right-hand matrix; for `affine` only.
     """
 
     kind: str
@@ -61,7 +61,7 @@ class Operation:
 
     @cached_property
     def positions(self) -> np.ndarray:
-        """`index` as an array. [size]."""
+        """Return `index` as a read-only array. [size]."""
         found = np.asarray(self.index)
         found.setflags(write=False)
         return found
@@ -94,11 +94,11 @@ class Program:
             raise SpecError(f"a Program must be well formed, found {problem}")
 
     def __eq__(self, other: object) -> bool:
-        """Whether the other is a Program with the same hash."""
+        """Return whether the other is a Program with the same hash."""
         return isinstance(other, Program) and self.hash == other.hash
 
     def __hash__(self) -> int:
-        """Consistent with equality."""
+        """Return a hash that is consistent with equality."""
         return hash(self.hash)
 
     @cached_property
@@ -112,7 +112,7 @@ class Program:
 
     @cached_property
     def varies(self) -> tuple[bool, ...]:
-        """For each value, whether it depends on an input."""
+        """Flags that tell, for each value, whether it depends on an input."""
         flags = [True] * len(self.inputs) + [False] * len(self.constants)
         for operation in self.operations:
             flags.append(any(flags[operand] for operand in operation.operands))
@@ -120,7 +120,7 @@ class Program:
 
     @cached_property
     def spent(self) -> tuple[tuple[int, ...], ...]:
-        """For each operation, the values that neither a later one reads nor an output is."""
+        """Values that each operation is the last to read, unless they are outputs."""
         later = {output.value for output in self.outputs}
         found = []
         for operation in reversed(self.operations):

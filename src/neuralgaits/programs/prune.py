@@ -12,7 +12,7 @@ from neuralgaits.programs.program import Operation, Output, Program
 
 
 def prune(program: Program, outputs: Collection[str]) -> Program:
-    """The part of a Program that computes these outputs; inputs stay as they are.
+    """Return the part of a Program that computes these outputs, with all inputs kept.
 
     Raises: InputError on names that are no outputs.
     """

@@ -18,7 +18,7 @@ class PlanarBiped(BipedConstants):
     """
 
     def __repr__(self) -> str:
-        """One line: name, mass, legs and motors."""
+        """Return one line with name, mass, legs and motors."""
         motors = len(self.joint_names) - 1
         if isinstance(self.mass, Tracer):
             # While it is being traced its numbers are not known.
@@ -27,7 +27,7 @@ class PlanarBiped(BipedConstants):
         return f"<PlanarBiped {self.name}: {size}, {motors} motors>"
 
     def _repr_html_(self) -> str:
-        """The same for a notebook, with a row a motor."""
+        """Return an HTML summary for a notebook, with one row per motor."""
         rows = [
             (joint, f"{limit:.3g}", f"{low:.3g} to {high:.3g}", f"{rotor:.3g}")
             for joint, limit, low, high, rotor in zip(

@@ -14,16 +14,16 @@ from neuralgaits.robots.constants import MjcfLayout
 THICKNESS = 0.022
 """Radius of a rod in leg lengths."""
 COLOURS = ((0.95, 0.55, 0.16, 1.0), (0.10, 0.42, 0.75, 1.0), (0.27, 0.31, 0.37, 1.0))
-"""Of leg 0, leg 1 and torso, as in the built-in robots."""
+"""Colours (RGBA) of leg 0, leg 1 and torso, as in the built-in robots."""
 
 
 class Bone(NamedTuple):
     """A rod fixed to a body."""
 
     body: int
-    """Of the compiled model: bodies may have no names."""
+    """Number of the body in the compiled model, since bodies may have no names."""
     ends: Float[np.ndarray, "2 3"]
-    """In the body's frame [m]."""
+    """End points in the body's frame [m]."""
     colour: tuple[float, float, float, float]
     """Red, green, blue, opacity."""
 

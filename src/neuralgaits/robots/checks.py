@@ -1,4 +1,4 @@
-"""What a caller hands to a public method: one state of the right size, in finite numbers."""
+"""Checks of arguments of public methods: one state of the right size, in finite numbers."""
 
 from typing import Any
 

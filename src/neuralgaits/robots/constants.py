@@ -22,12 +22,12 @@ from neuralgaits._types import Array, Float
 
 @dataclass(frozen=True)
 class MjcfLayout:
-    """Where the generalised coordinates live in the robot file.
+    """Places of the generalised coordinates in the robot file.
 
     Leg 0 and leg 1 are the legs in file order; a stance leg is named by that number. Without a
-    torso leg 0 is the one whose top link is the root. Joints of a leg are listed from the
-    lowest up to the hip; the single hip joint of a biped without a torso stands in both legs,
-    with opposite signs.
+    torso leg 0 is the one whose top link is the root. Joints of a leg are listed from the lowest
+    up to the hip; the single hip joint of a biped without a torso belongs to both legs, with
+    opposite signs.
 
     Attributes:
         xml: the robot file's text, compilable from any folder.
@@ -38,7 +38,7 @@ class MjcfLayout:
             up-angle is its pitch, so 0 there.
         root_to_hip: from the pitch axis to the hip when the file's pitch is zero, (x, z) [m].
         torso: whether the root is a torso; else it is the top link of leg 0.
-        leg_lengths: of the links of a leg, lowest first [m]. [k]
+        leg_lengths: lengths of a leg's links, lowest first [m]. [k]
         leg_joints: for each leg, its joint names.
         leg_joint_signs: d(joint coordinate here)/d(joint coordinate in the file).
         leg_joint_offsets: value of the joint coordinate here when the file's is zero [rad].
@@ -137,7 +137,7 @@ class BipedConstants(eqx.Module):
 
     @property
     def n(self) -> int:
-        """Number of generalised coordinates (links)."""
+        """Number of generalised coordinates, which is the number of links."""
         return len(self.link_names)
 
     @property

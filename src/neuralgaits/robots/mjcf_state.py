@@ -20,7 +20,7 @@ Numbers = np.ndarray
 
 
 class Sensors(NamedTuple):
-    """What encoders and an inertial unit would give, in the signs of the theory.
+    """Measurements that encoders and an inertial unit would give, in the signs of the theory.
 
     Shapes have any leading batch axes; k is the number of joints of a leg, hip included.
     """
@@ -28,15 +28,15 @@ class Sensors(NamedTuple):
     pitch: Numbers
     """Up-angle of the root link, counter-clockwise (backwards) positive [rad]. [...]"""
     dpitch: Numbers
-    """Its rate [rad/s]. [...]"""
+    """Rate of the pitch [rad/s]. [...]"""
     joints: Numbers
     """Joint coordinates of leg 0 and 1, lowest joint first, hip last [rad]. [..., 2, k]"""
     djoints: Numbers
-    """Their rates [rad/s]. [..., 2, k]"""
+    """Rates of the joints [rad/s]. [..., 2, k]"""
     base: Numbers
     """Pitch axis of the root, (x, z) in the world [m]. [..., 2]"""
     base_velocity: Numbers
-    """Its velocity [m/s]. [..., 2]"""
+    """Velocity of the base [m/s]. [..., 2]"""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Boxes of robots and floors as they are given, `mass=2%,com=5mm`: half widths by kind."""
+"""Sizes of parameter boxes of robots and floors, `mass=2%,com=5mm`: half widths by kind."""
 
 import math
 import re
@@ -20,14 +20,15 @@ UNITS: dict[str, dict[str, float]] = {
 }
 """Kinds of parameter, in the order of their axes, and the units that they may be given in."""
 GROUND = "floor", "friction"
-"""Those of the floor, which have no axes: no quantity at a state depends on them."""
+"""Kinds of parameter of the floor, which have no axes: no quantity at a state depends on them."""
 _MOST = {
     "com": (0.5, " m", "write a unit, as in 5mm"),
     "floor": (0.5, " m", "write a unit, as in 5mm"),
     "friction": (5.0, "", "it is the least coefficient, as in 0.5"),
 }
-"""Largest size of what is no share, and what is said beyond: no foot here steps half a metre wrong,
-and hardly a pair of materials has more friction."""
+"""Largest size, unit and hint for each kind that is no share: no foot here is half a metre off the
+step, and hardly a pair of materials has more friction.
+"""
 _NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
 
 

@@ -27,7 +27,7 @@ _RELATIVE = "(relative error)"
 
 
 class Axis(NamedTuple):
-    """One parameter: what it is an error of, and its half width."""
+    """One parameter: the quantity whose error it is, and its half width."""
 
     name: str
     half: float
@@ -60,7 +60,7 @@ def _types(robot: PlanarBiped) -> _Types:
 
 
 def _plain_names(names: list[str], kind: str) -> list[str]:
-    """Names that may stand in a proof file, all different."""
+    """Return names that a proof file allows, all different."""
     good = all(why_no_name(name) is None and len(name) < 60 for name in names)
     if good and len(set(names)) == len(names):
         return names
@@ -155,7 +155,7 @@ class RobotFamily(eqx.Module):
 
     @property
     def size(self) -> int:
-        """Number of parameters."""
+        """Number of parameters of the family."""
         sizes = {"com": 2 * len(self.masses), "rotor": len(set(self.joint))}
         return sum(sizes.get(kind, len(self.masses)) for kind in self.kinds)
 
@@ -230,7 +230,8 @@ def member(model: Model, p: Float[Array, " k"]) -> PlanarBiped:
 def _tables(
     centre: np.ndarray, types: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """How C and b depend on the features: mass, mass times offset, mass times its square."""
+    """Compute the dependence of C and b on mass, mass times offset and mass times offset squared.
+    """
     n, count = len(types), max(types) + 1
     c, b = np.zeros((n, n, 4, count), complex), np.zeros((n, 4, count), complex)
     for i, kind in enumerate(types):

@@ -17,7 +17,7 @@ def built_in() -> tuple[str, ...]:
 
 
 def describe(name: str) -> str:
-    """One line about a built-in robot.
+    """Return one line about a built-in robot.
 
     Raises: KeyError if there is no such robot.
     """

@@ -57,7 +57,7 @@ class BallAlgebra(Algebra[BallModel]):
         return BallModel({(): _balls(array[:, None])})
 
     def move(self, operands: Sequence[BallModel], index: np.ndarray) -> BallModel:
-        """Gather elements: exact."""
+        """Gather elements, which is exact."""
         if len(operands) == 1:
             return _without_zeros({key: term[index] for key, term in operands[0].terms.items()})
         batch = max(part.constant.shape[1] for part in operands)
@@ -74,7 +74,7 @@ class BallAlgebra(Algebra[BallModel]):
     def affine(
         self, matrix: BallModel, right: BallModel, offset: BallModel | None, columns: int
     ) -> BallModel:
-        """One matrix product in Arb for all coefficients, columns and boxes."""
+        """Compute one matrix product in Arb for all coefficients, columns and boxes."""
         size, batch = right.constant.shape
         inner = size // columns
         rows = matrix.constant.size // inner
@@ -93,14 +93,14 @@ class BallAlgebra(Algebra[BallModel]):
         return BallModel(terms)
 
     def sum(self, a: BallModel, size: int) -> BallModel:
-        """Row sums."""
+        """Sum the rows of `a` reshaped to [size, ...]."""
         shape = (size, -1, a.constant.shape[1])
         return BallModel(
             {key: np.add.reduce(term.reshape(shape), axis=1) for key, term in a.terms.items()}
         )
 
     def inner(self, a: BallModel, b: BallModel, size: int) -> BallModel:
-        """Row-wise inner products."""
+        """Return row-wise inner products of two matrices."""
         return self.sum(self.mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: BallModel) -> BallModel:
@@ -110,14 +110,14 @@ class BallAlgebra(Algebra[BallModel]):
         return rule(_ARITHMETIC, kind, "models in balls")(self, *operands)
 
     def add(self, a: BallModel, b: BallModel) -> BallModel:
-        """Sum."""
+        """Add two vectors of models."""
         terms = dict(a.terms)
         for key, term in b.terms.items():
             _collect(terms, key, term)
         return BallModel.of(terms)
 
     def sub(self, a: BallModel, b: BallModel) -> BallModel:
-        """Difference."""
+        """Subtract the second vector of models from the first."""
         return self.add(a, self.neg(b))
 
     def mul(self, a: BallModel, b: BallModel) -> BallModel:
@@ -137,15 +137,15 @@ class BallAlgebra(Algebra[BallModel]):
         return BallModel.of(terms)
 
     def div(self, a: BallModel, b: BallModel) -> BallModel:
-        """Quotient, by the reciprocal."""
+        """Divide, by multiplying with the reciprocal."""
         return self.mul(a, self.unary(b, functions.reciprocal))
 
     def neg(self, a: BallModel) -> BallModel:
-        """Negative: exact."""
+        """Negate each element, which is exact."""
         return BallModel({key: -term for key, term in a.terms.items()})
 
     def square(self, a: BallModel) -> BallModel:
-        """Square."""
+        """Square each element of a vector of models."""
         return self.mul(a, a)
 
     def unary(self, a: BallModel, function: functions.Derivatives) -> BallModel:
@@ -196,7 +196,7 @@ _middle = functions.each(arb.mid)
 
 
 def _balls(array: np.ndarray) -> Balls:
-    """Exactly these doubles, as balls."""
+    """Convert doubles to balls exactly, with radius zero."""
     return _ball(array.astype(object))
 
 

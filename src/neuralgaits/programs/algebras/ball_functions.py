@@ -27,14 +27,14 @@ _tanh = each(arb.tanh)
 
 
 def reciprocal(x: np.ndarray) -> Jet:
-    """1 / x."""
+    """Return 1 / x and its first three derivatives."""
     value = 1 / x
     square = value * value
     return value, -square, 2 * value * square, -6 * square * square
 
 
 def sqrt(x: np.ndarray) -> Jet:
-    """Square root."""
+    """Return the square root and its first three derivatives."""
     root = _sqrt(x)
     first = 1 / (2 * root)
     second = -first / (2 * x)
@@ -42,39 +42,39 @@ def sqrt(x: np.ndarray) -> Jet:
 
 
 def exp(x: np.ndarray) -> Jet:
-    """Exponential."""
+    """Return the exponential and its first three derivatives."""
     value = _exp(x)
     return value, value, value, value
 
 
 def log1p(x: np.ndarray) -> Jet:
-    """Logarithm of 1 + x."""
+    """Return log(1 + x) and its first three derivatives."""
     slope = 1 / (1 + x)
     square = slope * slope
     return _log1p(x), slope, -square, 2 * slope * square
 
 
 def sin(x: np.ndarray) -> Jet:
-    """Sine of radians."""
+    """Return the sine (x in rad) and its first three derivatives."""
     sine, cosine = _sin_cos(x)
     return sine, cosine, -sine, -cosine
 
 
 def cos(x: np.ndarray) -> Jet:
-    """Cosine of radians."""
+    """Return the cosine (x in rad) and its first three derivatives."""
     sine, cosine = _sin_cos(x)
     return cosine, -sine, -cosine, sine
 
 
 def tanh(x: np.ndarray) -> Jet:
-    """Hyperbolic tangent."""
+    """Return the hyperbolic tangent and its first three derivatives."""
     t = _tanh(x)
     slope = 1 - t * t
     return t, slope, -2 * t * slope, slope * (6 * t * t - 2)
 
 
 def logistic(x: np.ndarray) -> Jet:
-    """1 / (1 + exp(-x))."""
+    """Return 1 / (1 + exp(-x)) and its first three derivatives."""
     s = 1 / (1 + _exp(-x))
     slope = s * (1 - s)
     return s, slope, slope * (1 - 2 * s), slope * (1 - 6 * slope)
@@ -89,4 +89,4 @@ FUNCTIONS = {
     "tanh": tanh,
     "logistic": logistic,
 }
-"""By kind of operation."""
+"""Functions by the kind of operation that they evaluate."""

@@ -41,13 +41,13 @@ class BallModel:
 
     @classmethod
     def of(cls, terms: Mapping[Key, Balls]) -> "BallModel":
-        """With all terms in one shape."""
+        """Create a model whose terms all have one shape."""
         shape = np.broadcast_shapes(*(term.shape for term in terms.values()))
         return cls({key: np.broadcast_to(term, shape) for key, term in terms.items()})
 
     @property
     def constant(self) -> Balls:
-        """The constant terms, remainders included."""
+        """Constant terms of the models, remainders included."""
         return self.terms[()]
 
     @cached_property
@@ -57,7 +57,7 @@ class BallModel:
 
     @cached_property
     def linear(self) -> Balls | None:
-        """Range of the linear part."""
+        """Range of the linear part; None if there is none."""
         return total(term * UNIT for term in self.symbols.values())
 
     @cached_property
@@ -90,17 +90,17 @@ class BallModel:
 
 
 def plus(a: Balls | None, b: Balls | None) -> Balls | None:
-    """Sum, None being zero."""
+    """Add two arrays; None stands for zero."""
     return b if a is None else a if b is None else a + b
 
 
 def times(a: Balls | None, b: Balls | None) -> Balls | None:
-    """Product, None being zero."""
+    """Multiply two arrays; None stands for zero."""
     return None if a is None or b is None else a * b
 
 
 def total(parts: Iterable[Balls]) -> Balls | None:
-    """Sum of any number."""
+    """Add any number of arrays; None stands for zero."""
     found = None
     for part in parts:
         found = plus(found, part)

@@ -26,7 +26,7 @@ Values = Float[np.ndarray, "n B"]
 
 
 class Expanded(NamedTuple):
-    """What an expansion gives: derivatives at the centre, their error, the remainder."""
+    """An expansion: derivatives at the centre, their error, the remainder."""
 
     derivatives: tuple[Values, Values, Values]
     error: Values
@@ -37,7 +37,7 @@ Expansion = Callable[[Values, Values, int], Expanded]
 
 
 def reciprocal(c: Values, r: Values, degree: int) -> Expanded:
-    """1/x, away from zero."""
+    """Expand 1/x, for x away from zero."""
     nearest = _within(np.abs(c) - r - SLACK * (np.abs(c) + r), np.abs(c) + r)
     value, ratio = 1.0 / c, r / nearest
     # The largest derivative is the one nearest to zero: f''/2 = 1/x^3, f'''/6 = 1/x^4.
@@ -63,28 +63,28 @@ def log1p(c: Values, r: Values, degree: int) -> Expanded:
 
 
 def exp(c: Values, r: Values, degree: int) -> Expanded:
-    """Exponential."""
+    """Expand the exponential about the centre."""
     value = np.exp(c)
     most = np.exp(c + r + SLACK * (np.abs(c) + r))
     return _relative((value, value, value), r, most * _power(r, degree))
 
 
 def sin(c: Values, r: Values, degree: int) -> Expanded:
-    """Sine of radians."""
+    """Expand the sine of radians about the centre."""
     sine, cosine = np.sin(c), np.cos(c)
     most = _up_to(1.0, cosine if degree == 2 else sine, 1.0, r)
     return _relative((sine, cosine, -sine), r, most * _power(r, degree))
 
 
 def cos(c: Values, r: Values, degree: int) -> Expanded:
-    """Cosine of radians."""
+    """Expand the cosine of radians about the centre."""
     sine, cosine = np.sin(c), np.cos(c)
     most = _up_to(1.0, sine if degree == 2 else cosine, 1.0, r)
     return _relative((cosine, -sine, -cosine), r, most * _power(r, degree))
 
 
 def tanh(c: Values, r: Values, degree: int) -> Expanded:
-    """Hyperbolic tangent."""
+    """Expand the hyperbolic tangent about the centre."""
     t = np.tanh(c)
     slope = 1.0 - t * t
     second, third = -2.0 * t * slope, slope * (6.0 * t * t - 2.0)
@@ -112,7 +112,7 @@ EXPANSIONS = {
     "tanh": tanh,
     "logistic": logistic,
 }
-"""By kind of operation."""
+"""Expansions by the kind of operation that they belong to."""
 
 
 def _within(nearest: Values, farthest: Values) -> Values:

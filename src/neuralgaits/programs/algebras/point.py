@@ -56,11 +56,11 @@ class PointAlgebra:
         return shaped
 
     def constant(self, array: np.ndarray) -> np.ndarray:
-        """One column, shared by the batch."""
+        """Return the constant as one column, shared by the batch."""
         return array[:, None]
 
     def move(self, operands: Sequence[np.ndarray], index: np.ndarray) -> np.ndarray:
-        """Gather rows."""
+        """Gather rows of the concatenated operands."""
         if len(operands) == 1:
             return operands[0][index]
         batch = max(operand.shape[1] for operand in operands)
@@ -80,7 +80,7 @@ class PointAlgebra:
         offset: np.ndarray | None,
         columns: int,
     ) -> np.ndarray:
-        """One matrix product for all columns and the whole batch."""
+        """Compute one matrix product for all columns and the whole batch."""
         inner, batch = right.shape[0] // columns, right.shape[1]
         product = matrix.reshape(-1, inner) @ right.reshape(inner, columns * batch)
         if offset is not None:
@@ -88,15 +88,15 @@ class PointAlgebra:
         return product.reshape(-1, batch)
 
     def sum(self, a: np.ndarray, size: int) -> np.ndarray:
-        """Row sums."""
+        """Sum the rows of `a` reshaped to [size, ...]."""
         return a.reshape(size, -1, a.shape[1]).sum(axis=1)
 
     def inner(self, a: np.ndarray, b: np.ndarray, size: int) -> np.ndarray:
-        """Row-wise inner products."""
+        """Return row-wise inner products of two matrices."""
         return self.sum(a * b, size)
 
     def elementwise(self, kind: str, *operands: np.ndarray) -> np.ndarray:
-        """What NumPy has for it."""
+        """Apply NumPy's function for an elementwise operation."""
         return rule(_RULES, kind, "points")(*operands)
 
 

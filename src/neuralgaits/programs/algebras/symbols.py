@@ -25,22 +25,22 @@ class SymbolAlgebra:
     casadi: Any
 
     def enter(self, program: Program, inputs: Mapping[str, Any]) -> dict[str, Any]:
-        """Columns of expressions, row by row of what they stand for."""
+        """Return columns of expressions for the inputs, row by row."""
         return {item.name: inputs[item.name] for item in program.inputs}
 
     def leave(
         self, program: Program, outputs: dict[str, Any], inputs: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """The columns, as they are."""
+        """Return the output columns unchanged."""
         del program, inputs
         return outputs
 
     def constant(self, array: np.ndarray) -> Any:
-        """A column with structural zeros."""
+        """Return a CasADi column that keeps the array's zeros structural."""
         return self.casadi.SX(self.casadi.sparsify(self.casadi.DM(array)))
 
     def move(self, operands: Sequence[Any], index: np.ndarray) -> Any:
-        """Gather rows."""
+        """Gather rows of the concatenated operands."""
         return self.casadi.vertcat(*operands)[index.tolist()]
 
     def affine(self, matrix: Any, right: Any, offset: Any | None, columns: int) -> Any:
@@ -52,15 +52,15 @@ class SymbolAlgebra:
         return self.casadi.vec(product.T)
 
     def sum(self, a: Any, size: int) -> Any:
-        """Row sums."""
+        """Sum the rows of `a` reshaped to [size, ...]."""
         return self.casadi.sum2(self._rows(a, a.shape[0] // size))
 
     def inner(self, a: Any, b: Any, size: int) -> Any:
-        """Row-wise inner products."""
+        """Return row-wise inner products of two matrices."""
         return self.sum(a * b, size)
 
     def elementwise(self, kind: str, *operands: Any) -> Any:
-        """What CasADi has for it."""
+        """Apply CasADi's function for an elementwise operation."""
         return rule(_RULES, kind, "symbols")(self.casadi, *operands)
 
     def _rows(self, a: Any, columns: int) -> Any:

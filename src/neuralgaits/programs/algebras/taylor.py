@@ -1,15 +1,15 @@
 """The algebra of Taylor models: rigorous ranges over boxes, in NumPy batches.
 
-Operations keep the polynomial part exact up to rounding and bound what they drop; a unary
-function is expanded about the constant term with a bound on its next derivative over the
-model's range. What is of second order in xi, or of first order in both u and xi, joins the
-remainder, so bounds over the whole unit ball are tight where it is small, and no box of xi is
-ever cut. Source: Makino and Berz (2003).
+Operations keep the polynomial part exact up to rounding and bound what they drop; a unary function
+is expanded about the constant term with a bound on its next derivative over the model's range.
+Terms of second order in xi, or of first order in both u and xi, join the remainder, so bounds over
+the whole unit ball are tight where it is small, and no box of xi is ever cut. Source: Makino and
+Berz (2003).
 
-Rounding: NumPy's + - x / sqrt are IEEE; sin, cos, tanh, exp, log1p are assumed within
-4 ulp. After every operation the remainder grows by `SLACK` times the sum of all coefficient
-magnitudes, which exceeds the rounding of the operation many times over; boxes are wide, so the
-slack costs nothing. Whatever is NaN or infinite is not proved: test `low >= 0`, never its denial.
+Rounding: NumPy's + - x / sqrt are IEEE; sin, cos, tanh, exp, log1p are assumed within 4 ulp. After
+every operation the remainder grows by `SLACK` times the sum of all coefficient magnitudes, which
+exceeds the rounding of the operation many times over; boxes are wide, so the slack costs nothing.
+A bound that is NaN or infinite proves nothing: test `low >= 0`, never its denial.
 """
 
 import math
@@ -61,7 +61,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         return Taylor(array[None, :, None], np.zeros((array.size, 1)), Layout(self.degree, 0))
 
     def move(self, operands: Sequence[Taylor], index: np.ndarray) -> Taylor:
-        """Gather elements: exact."""
+        """Gather elements, which is exact."""
         layout = max(part.layout for part in operands)
         poly, radius = operands[0].poly, operands[0].radius
         if len(operands) > 1:
@@ -96,7 +96,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         return self.add(result, self.move([offset], wide))
 
     def sum(self, a: Taylor, size: int) -> Taylor:
-        """Row sums."""
+        """Sum the rows of `a` reshaped to [size, ...]."""
         batch = a.radius.shape[1]
         radius = np.add.reduce(a.radius.reshape(size, -1, batch), axis=1)
         magnitude = np.add.reduce(a.bound.reshape(size, -1, batch), axis=1) + radius
@@ -105,7 +105,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         return rounded(poly, radius + count * SLACK / 16 * magnitude, a.layout)
 
     def inner(self, a: Taylor, b: Taylor, size: int) -> Taylor:
-        """Row-wise inner products."""
+        """Return row-wise inner products of two matrices."""
         return self.sum(self.mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: Taylor) -> Taylor:
@@ -115,12 +115,12 @@ class TaylorAlgebra(Algebra[Taylor]):
         return rule(_ARITHMETIC, kind, "Taylor models")(self, *operands)
 
     def add(self, a: Taylor, b: Taylor) -> Taylor:
-        """Sum."""
+        """Add two vectors of models."""
         layout = max(a.layout, b.layout)
         return rounded(together(np.add, a.poly, b.poly), a.radius + b.radius, layout)
 
     def sub(self, a: Taylor, b: Taylor) -> Taylor:
-        """Difference."""
+        """Subtract the second vector of models from the first."""
         layout = max(a.layout, b.layout)
         return rounded(together(np.subtract, a.poly, b.poly), a.radius + b.radius, layout)
 
@@ -139,15 +139,15 @@ class TaylorAlgebra(Algebra[Taylor]):
         return rounded(poly, radius, layout, a.bound * b.bound)
 
     def div(self, a: Taylor, b: Taylor) -> Taylor:
-        """Quotient, by the reciprocal."""
+        """Divide, by multiplying with the reciprocal."""
         return self.mul(a, self.unary(b, expansions.reciprocal))
 
     def neg(self, a: Taylor) -> Taylor:
-        """Negative: exact."""
+        """Negate each element, which is exact."""
         return Taylor(-a.poly, a.radius, a.layout)
 
     def square(self, a: Taylor) -> Taylor:
-        """Square."""
+        """Square each element of a vector of models."""
         return self.mul(a, a)
 
     def unary(self, a: Taylor, function: Expansion) -> Taylor:

@@ -27,7 +27,7 @@ def terms(degree: int, axes: int) -> int:
 
 
 class Layout(NamedTuple):
-    """Where coefficients stand: 1, e_1 .. e_n, e_i e_j for i <= j in lexical order, then xi.
+    """Order of coefficients: 1, e_1 .. e_n, e_i e_j for i <= j in lexical order, then xi.
 
     Attributes:
         degree: 1 or 2.
@@ -39,22 +39,22 @@ class Layout(NamedTuple):
 
     @property
     def linear(self) -> slice:
-        """Of e_1 .. e_n."""
+        """Slice of the coefficients of e_1 .. e_n."""
         return slice(1, 1 + self.axes)
 
     @property
     def quadratic(self) -> slice:
-        """Of the products; empty at degree 1."""
+        """Slice of the coefficients of the products; empty at degree 1."""
         return slice(1 + self.axes, terms(*self))
 
     @property
     def slope(self) -> slice:
-        """Of the elements of xi."""
+        """Slice of the coefficients of the elements of xi."""
         return slice(terms(*self), None)
 
     @property
     def squares(self) -> np.ndarray:
-        """Which of the products are squares. bool."""
+        """Mask of the products that are squares. bool."""
         first, second = np.triu_indices(self.axes)
         return first == second
 
@@ -78,12 +78,12 @@ class Taylor:
 
     @property
     def centre(self) -> Bounds:
-        """Constant terms."""
+        """Constant terms of the models."""
         return self.poly[0]
 
     @cached_property
     def linear(self) -> Bounds:
-        """Bound on the linear part."""
+        """Bound on the linear part of each model."""
         return np.add.reduce(np.abs(self.poly[self.layout.linear]))
 
     @cached_property

@@ -29,7 +29,7 @@ class C99Algebra(Algebra[Node]):
     nodes: list[Node] = field(default_factory=list)
 
     def enter(self, program: Program, inputs: Mapping[str, Any]) -> dict[str, Node]:
-        """A node for each input."""
+        """Record a node for each input."""
         del inputs
         return {
             item.name: self._note("input", (), int(np.prod(item.shape)), name=identifier(item.name))
@@ -37,7 +37,7 @@ class C99Algebra(Algebra[Node]):
         }
 
     def constant(self, array: np.ndarray) -> Node:
-        """A constant without a name."""
+        """Record a constant without a name."""
         return self.named(None, array)
 
     def named(self, name: str | None, array: np.ndarray) -> Node:
@@ -46,7 +46,7 @@ class C99Algebra(Algebra[Node]):
         return self._note("constant", (), array.size, name=label, array=array.reshape(-1))
 
     def move(self, operands: Sequence[Node], index: np.ndarray) -> Node:
-        """Elements of the concatenated operands."""
+        """Record a gather from the concatenated operands."""
         return self._note("move", tuple(operands), index.size, index=tuple(int(i) for i in index))
 
     def affine(self, matrix: Node, right: Node, offset: Node | None, columns: int) -> Node:
@@ -56,15 +56,18 @@ class C99Algebra(Algebra[Node]):
         return self._note("affine", operands, size, columns=columns)
 
     def sum(self, a: Node, size: int) -> Node:
-        """Row sums."""
+        """Record the row sums of `a` as [size, ...]."""
         return self._note("sum", (a,), size)
 
     def inner(self, a: Node, b: Node, size: int) -> Node:
-        """Row-wise inner products."""
+        """Record row-wise inner products of two matrices."""
         return self._note("inner", (a, b), size)
 
     def elementwise(self, kind: str, *operands: Node) -> Node:
-        """One of the operations that share loops. Raises: SpecError on another: no libm."""
+        """Record one of the operations that share loops.
+
+        Raises: SpecError on another operation: there is no libm.
+        """
         if kind not in LOOPED:
             raise SpecError(f"cannot write the operation {kind} in C: write the policy without it")
         return self._note(kind, operands, max(operand.size for operand in operands))
@@ -79,10 +82,10 @@ def emit(program: Program, function: str, about: str, tables: Tables) -> Emitted
     """Write a Program as a C function.
 
     Args:
-        program: what it computes; its inputs and outputs become the arguments, flat.
+        program: to write; its inputs and outputs become the arguments, flat.
         function: its name.
-        about: what it is, for the comment above it.
-        tables: of the file it will stand in; its constants are added.
+        about: description, for the comment above it.
+        tables: of the file that will hold it; its constants are added.
 
     Raises: SpecError naming the operation that has no form in C.
     """

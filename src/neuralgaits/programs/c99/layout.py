@@ -1,4 +1,4 @@
-"""Order and memory of recorded operations: which share a loop, and where arrays stand."""
+"""Order and memory of recorded operations: the loops that they share and the arrays they use."""
 
 from dataclasses import dataclass, field
 
@@ -25,11 +25,12 @@ class Group:
 
     @property
     def loop(self) -> bool:
-        """Whether it is a loop over elements, which reads each before it stores in its place."""
+        """Whether the group is a loop over elements; it reads each before it stores in its place.
+        """
         return self.nodes[0].looped
 
     def members(self) -> list[Node]:
-        """All operations, in order."""
+        """All operations of the group, in order."""
         return [*self.streamed, *self.nodes]
 
 
@@ -39,7 +40,7 @@ class Layout:
 
     Attributes:
         groups: in order.
-        stored: by number of a value that stands in an array, the number of that array.
+        stored: by number of a value that is kept in an array, the number of that array.
         slots: sizes of the arrays.
         blocks: numbers of streamed values that their products read.
     """
@@ -79,7 +80,7 @@ def lay_out(nodes: list[Node], outputs: list[Node]) -> Layout:
 
 
 def _scalar(node: Node) -> bool:
-    """Whether a value of size 1 is a variable, not an array of one element."""
+    """Return whether a value of size 1 is a variable rather than an array of one element."""
     return node.looped or node.kind in GATHERED
 
 
@@ -146,7 +147,7 @@ def _streamed(groups: list[Group], outputs: list[Node]) -> list[Group]:
 
 
 def _readers(groups: list[Group], outputs: list[Node]) -> dict[int, set[int]]:
-    """By value, the groups that read it; outputs are read behind the last."""
+    """Map each value to the groups that read it; outputs are read after the last group."""
     readers: dict[int, set[int]] = {}
     for number, group in enumerate(groups):
         for node in group.nodes:
@@ -163,7 +164,7 @@ def _read_alone(group: Group, by: set[int], readers: dict[int, set[int]]) -> boo
 
 
 def _joins(early: Group, later: Group) -> bool:
-    """Whether a loop can be part of a later one, which reads it element by element."""
+    """Return whether a loop can be part of a later one, which reads it element by element."""
     mine = {node.number for node in early.nodes}
     read = [same for node in later.nodes for base, same in _read(node) if base.number in mine]
     size = early.nodes[0].size
@@ -173,7 +174,7 @@ def _joins(early: Group, later: Group) -> bool:
 
 
 def _serves(loop: Group, products: Group) -> bool:
-    """Whether products read a loop element by element, in whole blocks."""
+    """Return whether products read a loop element by element, in whole blocks."""
     first = products.nodes[0]
     if not loop.loop or first.looped or first.kind != "affine" or first.columns > 1:
         return False
@@ -193,7 +194,7 @@ def _read(node: Node):
 
 
 def _last_reads(groups: list[Group], outputs: list[Node]) -> dict[int, tuple[int, bool]]:
-    """By value, the last group that reads it, and whether element by element."""
+    """Map each value to the last group that reads it, and whether element by element."""
     last: dict[int, tuple[int, bool]] = {}
     for number, group in enumerate(groups):
         for node in group.members():

@@ -38,28 +38,28 @@ class Node:
 
     @property
     def data(self) -> np.ndarray:
-        """Numbers of a constant. [size]."""
+        """Elements of a constant. [size]."""
         assert self.array is not None
         return self.array
 
     @property
     def lasting(self) -> bool:
-        """Whether the value stands in an argument or a table."""
+        """Whether the value is an argument or a table, so that it outlives every loop."""
         return self.kind in ("input", "constant")
 
     @property
     def inner(self) -> int:
-        """Of `affine`: columns of the matrix."""
+        """Number of columns of the matrix of an `affine`."""
         return self.operands[1].size // self.columns
 
     @property
     def looped(self) -> bool:
-        """Whether an element needs no loop of its own: such operations share loops."""
+        """Whether the operation is computed element by element, so that it can share a loop."""
         narrow = self.kind == "affine" and self.columns == 1 and self.inner <= NARROW
         return self.kind in LOOPED or narrow
 
     def sources(self) -> Iterator[tuple["Node", int]]:
-        """Of a `move`: for each element, the operand it comes from and its place there."""
+        """Yield, for each element of a `move`, the operand it comes from and its place there."""
         ends = np.cumsum([operand.size for operand in self.operands])
         for i in self.index:
             which = int(np.searchsorted(ends, i, side="right"))
@@ -67,7 +67,8 @@ class Node:
             yield operand, i - int(ends[which]) + operand.size
 
     def slice(self) -> tuple["Node", int] | None:
-        """Of a `move`: the operand and first place if it is a contiguous part of one."""
+        """Return operand and first place of a `move` that is a contiguous part of one, else None.
+        """
         found = list(self.sources())
         source, start = found[0]
         same = all(operand is source for operand, _ in found)
@@ -76,11 +77,11 @@ class Node:
 
     @property
     def view(self) -> bool:
-        """Whether the value is read where its only operand stands, not computed."""
+        """Whether the value is read from its only operand instead of being computed."""
         return self.kind == "move" and len({id(operand) for operand, _ in self.sources()}) == 1
 
     def bases(self) -> Iterator[tuple["Node", bool]]:
-        """What is read for this value as an operand: nodes, and whether at the same element."""
+        """Yield the nodes read when this value is an operand, and whether at the same element."""
         if not self.view:
             yield self, True
             return

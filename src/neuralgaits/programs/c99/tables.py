@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Tables:
-    """Static arrays of one file: equal arrays stand there once.
+    """Static arrays of one file; equal arrays are stored once.
 
     Attributes:
         texts: definitions by name.
@@ -68,7 +68,7 @@ def identifier(name: str) -> str:
 
 
 WIDTH = 96
-"""Of a line."""
+"""Width of a line of C (characters)."""
 
 
 def wrapped(text: str) -> str:

@@ -51,7 +51,7 @@ class Writer:
         self._read: set[str] = set()
 
     def write(self) -> Emitted:
-        """Everything."""
+        """Write the whole function, its prototype and its arrays."""
         lines: list[str] = []
         for group in self._layout.groups:
             lines += self._group(group)
@@ -106,7 +106,7 @@ class Writer:
         ]
 
     def _elements(self, group: list[Node], i: str) -> list[str]:
-        """One element of each operation."""
+        """Write one element of each operation of a group."""
         here = frozenset(node.number for node in group)
         return [
             f"    const ng_real t{node.number} = {self._expression(node, i, here)};"
@@ -123,7 +123,7 @@ class Writer:
         return _FORMS[node.kind].format(*operands)
 
     def _row(self, node: Node, i: str) -> str:
-        """One row of a matrix of few columns times a vector."""
+        """Write one row of a matrix of few columns times a vector."""
         table = self._matrix(node)
         terms = [
             f"{table}[{k}][{i}] * {self._at(node.operands[1], str(k))}" for k in range(node.inner)
@@ -173,7 +173,7 @@ class Writer:
         return [*lines, "    }", "}"]
 
     def _product(self, node: Node) -> list[str]:
-        """A matrix times a matrix."""
+        """Write the product of two matrices."""
         table, columns, inner = self._matrix(node), node.columns, node.inner
         rows = node.size // columns
         at = f"i * {columns} + k"
@@ -192,7 +192,7 @@ class Writer:
         ]
 
     def _rows(self, node: Node) -> list[str]:
-        """Row sums and inner products."""
+        """Write row sums or row-wise inner products."""
         width = node.operands[0].size // node.size
         at = "j" if node.size == 1 else f"i * {width} + j"
         terms = " * ".join(self._at(operand, at) for operand in node.operands)
@@ -247,7 +247,7 @@ class Writer:
         return f"v{number}"
 
     def _blocks(self) -> list[list[Node]]:
-        """By group, the streamed values that stand in blocks."""
+        """Return, for each group, the streamed values that are kept in blocks."""
         kept = self._layout.blocks
         return [[n for n in group.streamed if n.number in kept] for group in self._layout.groups]
 
@@ -259,7 +259,8 @@ class Writer:
         return self._table(node.operands[0], (node.size // node.columns, node.inner))
 
     def _table(self, node: Node, shape: tuple[int, ...]) -> str:
-        """The static array of a constant; a matrix stands transposed, one row a column of it."""
+        """Return the static array of a constant; a matrix is stored transposed, one row a column.
+        """
         name = f"{node.name or 'constant'}{'_columns' if len(shape) == 2 else ''}"
         return self._tables.reals(name, np.ascontiguousarray(node.data.reshape(shape).T))
 

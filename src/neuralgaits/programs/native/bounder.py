@@ -16,7 +16,7 @@ KINDS = (
     *("move", "add", "sub", "mul", "div", "neg", "square", "sum", "affine", "inner"),
     *("sqrt", "exp", "log1p", "sin", "cos", "tanh", "logistic"),
 )
-"""In the order that the compiled code numbers them."""
+"""Kinds of operations in the order in which the compiled code numbers them."""
 FIELDS = 12
 MOST_THREADS = 16
 
@@ -38,10 +38,10 @@ class Bounder:
     def of(
         cls, program: Program, names: Sequence[str], folded: Mapping[int, Taylor]
     ) -> "Bounder | None":
-        """For outputs of a Program of u alone; None where there is no compiled code.
+        """Create a bounder for outputs of a Program of u alone; None without compiled code.
 
         Args:
-            program: whose only input boxes are given for.
+            program: whose only input is u, over which boxes are given.
             names: of the outputs.
             folded: its constant values, as `fold` gives them.
         """
@@ -91,7 +91,7 @@ class _Code(NamedTuple):
 
 
 def _encode(program: Program, names: Sequence[str], folded: Mapping[int, Taylor]) -> _Code:
-    """Constants have negative places, -1 - their number; results take what was let go of."""
+    """Encode a Program; constants have places -1 - number, results reuse freed places."""
     places: dict[int, int] = {0: 0}
     centres: list[np.ndarray] = []
     radii: list[np.ndarray] = []
@@ -171,7 +171,7 @@ class _Room:
         return start
 
     def give(self, start: int, size: int) -> None:
-        """Let go of it."""
+        """Free `size` places from `start` on for later results."""
         merged: list[tuple[int, int]] = []
         for begin, width in sorted([*self._gaps, (start, size)]):
             if merged and sum(merged[-1]) == begin:

@@ -1,1 +1,1 @@
-"""From a JAX function to a Program."""
+"""Tracing of a JAX function to a Program."""

@@ -29,7 +29,7 @@ class _Node:
     """One vector: an input, a constant or the result of an operation.
 
     Attributes:
-        digest: hash of what it is, operands included: equal vectors have equal ones, whatever
+        digest: hash of its definition, operands included: equal vectors have equal ones, whatever
             the order in which they were met.
         varies: whether it depends on an input.
     """
@@ -104,12 +104,12 @@ class Builder:
         return result
 
     def is_constant(self, elements: Elements) -> bool:
-        """Whether no element depends on an input."""
+        """Return whether no element depends on an input."""
         owners = self._owners(elements[elements >= 0])
         return not any(self._nodes[owner].varies for owner in owners)
 
     def unmoved(self, elements: Elements) -> bool:
-        """Whether these elements are one vector as it stands, one scalar, or constants."""
+        """Return whether these elements are one whole vector in order, one scalar, or constants."""
         first = int(elements[0])
         if np.all(elements == first) or np.all(elements < 0):
             return True

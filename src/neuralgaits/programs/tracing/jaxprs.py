@@ -39,7 +39,7 @@ def called(equation: Any, operands: Sequence[Any]) -> tuple[Any, Sequence[Any], 
 
 
 def default_platform(platforms: Sequence[Any]) -> int:
-    """Which entry of `platforms` holds on no platform in particular."""
+    """Return the index of the entry of `platforms` that holds for no platform in particular."""
     return next(i for i, entry in enumerate(platforms) if entry is None)
 
 
@@ -52,19 +52,19 @@ def function_file(equation: Any) -> str:
 
 
 def calls_library(equation: Any) -> bool:
-    """Whether an equation calls a function of JAX itself."""
+    """Return whether an equation calls a function of JAX itself."""
     return function_file(equation).startswith(str(Path(jax.__file__).parent))
 
 
 def contracts_nothing(product: Any) -> bool:
-    """Whether a `dot_general` sums over no element at all."""
+    """Return whether a `dot_general` sums over no element at all."""
     (axes, _), _ = product.params["dimension_numbers"]
     shape = product.invars[0].aval.shape
     return any(shape[axis] == 0 for axis in axes)
 
 
 def frames(equation: Any) -> list[tuple[str, int]]:
-    """Where an equation was made, (file, line) innermost first; empty if JAX does not say."""
+    """Return the (file, line) that made an equation, innermost first; empty if JAX has none."""
     traceback = getattr(getattr(equation, "source_info", None), "traceback", None)
     result = []
     for frame in getattr(traceback, "frames", ()):

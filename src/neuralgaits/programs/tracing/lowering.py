@@ -1,4 +1,4 @@
-"""What each arithmetic primitive of JAX becomes, by its name.
+"""Rules that lower arithmetic primitives of JAX to operations, by the primitive's name.
 
 A rule takes the elements of the operands and the parameters of the primitive.
 """
@@ -36,19 +36,19 @@ def integer_power(build: Builder, base: Elements, exponent: int) -> Elements:
 
 
 def reciprocal_root(build: Builder, a: Elements) -> Elements:
-    """1 / sqrt(a)."""
+    """Lower 1 / sqrt(a) to a root and a quotient."""
     root = simplify.unary(build, "sqrt", a)
     return simplify.binary(build, "div", build.constant(np.ones(a.shape)), root)
 
 
 def tangent(build: Builder, a: Elements) -> Elements:
-    """Sine over cosine."""
+    """Lower the tangent to the sine over the cosine."""
     sine, cosine = (simplify.unary(build, kind, a) for kind in ("sin", "cos"))
     return simplify.binary(build, "div", sine, cosine)
 
 
 def reduce_sum(build: Builder, a: Elements, axes: tuple[int, ...]) -> Elements:
-    """Sum over some axes."""
+    """Lower a sum over some axes to row sums."""
     axes = tuple(int(axis) for axis in axes)
     moved = np.moveaxis(a, axes, tuple(range(a.ndim - len(axes), a.ndim)))
     kept = moved.shape[: a.ndim - len(axes)]

@@ -22,7 +22,7 @@ def broadcast_in_dim(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
 
 
 def concatenate(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
-    """Join along `dimension`."""
+    """Join arrays along the axis `dimension`."""
     return [np.concatenate(arrays, axis=params["dimension"])]
 
 
@@ -44,12 +44,12 @@ def pad(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
 
 
 def reshape(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
-    """Reshape in row-major order."""
+    """Reshape an array in row-major order."""
     return [arrays[0].reshape(params["new_sizes"])]
 
 
 def rev(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
-    """Reverse along `dimensions`."""
+    """Reverse an array along the axes `dimensions`."""
     return [np.flip(arrays[0], axis=tuple(params["dimensions"]))]
 
 
@@ -62,7 +62,7 @@ def select_n(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
 
 
 def slice_(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
-    """Static slice."""
+    """Take a slice with fixed limits and strides."""
     strides = params["strides"] or (1,) * arrays[0].ndim
     limits = zip(params["start_indices"], params["limit_indices"], strides, strict=True)
     return [arrays[0][tuple(slice(*limit) for limit in limits)]]
@@ -75,12 +75,12 @@ def split(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
 
 
 def squeeze(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
-    """Remove axes of length 1."""
+    """Remove axes of length 1 from an array."""
     return [np.squeeze(arrays[0], axis=tuple(params["dimensions"]))]
 
 
 def stack(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
-    """Join along a new axis."""
+    """Join arrays along a new axis."""
     return [np.stack(arrays, axis=params["axis"])]
 
 
@@ -90,7 +90,7 @@ def tile(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
 
 
 def transpose(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
-    """Permute axes."""
+    """Permute the axes of an array."""
     return [np.transpose(arrays[0], params["permutation"])]
 
 
@@ -100,7 +100,7 @@ def unstack(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
 
 
 def unchanged(arrays: Arrays, params: Mapping[str, Any]) -> Arrays:
-    """Give every operand back."""
+    """Return every operand unchanged, as the primitive does."""
     return arrays
 
 
@@ -128,7 +128,7 @@ INDEXED = frozenset({"gather", "dynamic_slice"})
 
 
 def outside(name: str, arrays: Arrays, params: Mapping[str, Any]) -> str:
-    """What of an index lies beyond its array, which JAX moves to the nearest end in silence.
+    """Describe an index that lies beyond its array, which JAX moves to the nearest end in silence.
 
     Args:
         name: of the primitive, one of `INDEXED`.

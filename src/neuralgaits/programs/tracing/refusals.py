@@ -1,6 +1,6 @@
-"""What cannot be traced, why, and what to write instead; by the name of the JAX primitive.
+"""Reasons why JAX primitives cannot be traced, and what to write instead.
 
-Keys ending in `*` stand for every primitive that begins so.
+Keys are names of primitives; one ending in `*` covers every primitive that begins so.
 """
 
 import os
@@ -87,7 +87,7 @@ PYTHON = "a condition is traced with symbols: no `if`, float() or NumPy call on 
 
 
 def advice(primitive: str) -> str:
-    """What to use instead of a primitive."""
+    """Return the advice on what to use instead of a primitive."""
     if primitive in ADVICE:
         return ADVICE[primitive]
     for key, text in ADVICE.items():
@@ -97,7 +97,7 @@ def advice(primitive: str) -> str:
 
 
 def linalg(function: str) -> str:
-    """What to use instead of a function of jnp.linalg."""
+    """Return the advice on what to use instead of a function of jnp.linalg."""
     return _SQUARES if function == "norm" else _LINALG
 
 

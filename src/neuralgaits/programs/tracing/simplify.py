@@ -13,7 +13,7 @@ import numpy as np
 from neuralgaits.programs.tracing.builder import Builder, Elements
 
 _UNSET = np.iinfo(np.int64).max
-"""Stands in a result for elements that still need an operation."""
+"""Mark in a result for elements that still need an operation."""
 
 
 def unary(build: Builder, kind: str, a: Elements) -> Elements:
@@ -58,8 +58,8 @@ def binary(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
 def _exact_binary(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
     """Elements that are an operand, its negative, its square or a constant; the rest unset.
 
-    Values are NaN for what is no constant, so comparisons pick constants only; where several
-    rules fit, the last one stands.
+    Values are NaN except for constants, so comparisons pick constants only; where several rules
+    fit, the last one wins.
     """
     result = np.full(a.size, _UNSET)
     left, right = build.values(a), build.values(b)
@@ -88,10 +88,10 @@ def _exact_binary(build: Builder, kind: str, a: Elements, b: Elements) -> Elemen
 
 
 def _once(build: Builder, kind: str, a: Elements, b: Elements) -> Elements:
-    """One operation on the distinct pairs, in an order that leaves an operand unmoved.
+    """Apply one operation to the distinct pairs, in an order that leaves an operand unmoved.
 
-    The order of elements inside a vector is free: results are handed out as elements, wherever
-    they stand. A good one needs no `move` to put the operands together.
+    The order of elements inside a vector is free, since results are handed out as elements. A good
+    order needs no `move` to put the operands together.
     """
     if a.size == 1:
         return build.apply(kind, [a, b], 1)
@@ -170,7 +170,7 @@ def _affine(build: Builder, matrix: Elements, right: Elements) -> Elements:
 
 
 def _selection(build: Builder, matrix: Elements) -> Elements | None:
-    """For each row that is a unit vector, its position; the width for a row of zeros."""
+    """Return, for each row that is a unit vector, its position; the width for a row of zeros."""
     values = build.values(matrix)
     ones = values == 1.0
     if not np.all(ones | (values == 0.0)) or np.any(ones.sum(axis=1) > 1):

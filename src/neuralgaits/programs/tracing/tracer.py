@@ -1,7 +1,7 @@
-"""From a JAX function to a Program: the only file that walks a jaxpr (`jaxprs` reads its parts).
+"""Trace a JAX function to a Program: the only file that walks a jaxpr (`jaxprs` reads its parts).
 
-It follows the equations of `jax.make_jaxpr`, inlines calls, and hands arithmetic to `lowering`
-and data movement to `movement`. Numbers that are no float64 (masks, indices) must be known while
+It follows the equations of `jax.make_jaxpr`, inlines calls, and hands arithmetic to `lowering` and
+data movement to `movement`. Numbers that are no float64 (masks, indices) must be known while
 tracing and are computed on the spot.
 """
 
@@ -165,7 +165,7 @@ class _Tracer:
         return [read(atom) for atom in jaxpr.outvars]
 
     def _known(self, value: Any) -> _Value:
-        """A constant of the function."""
+        """Return a constant of the function as a known value or a vector of reals."""
         if not isinstance(getattr(value, "dtype", np.dtype(int)), np.dtype):
             return value  # A random key, which no rule takes.
         array = np.asarray(value)
@@ -207,7 +207,7 @@ class _Tracer:
         return self._number(equation, operands, calls)
 
     def _arithmetic(self, name: str, params: Any, operands: list[_Value]) -> Elements:
-        """One operation, or what it gave when the same function was called on the same before."""
+        """Apply one operation; a library call repeated on the same operands reuses its result."""
         arrays = [self._elements(operand) for operand in operands]
         wanted = tuple(params[key] for key in ("y", "axes", "dimension_numbers") if key in params)
         key = (name, wanted, tuple((array.shape, array.tobytes()) for array in arrays))

@@ -18,9 +18,9 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import joint_name
 
 LEAST_RANGE = 0.1
-"""Of a joint [rad]: less is no step, but 1.6 rad read as degrees is 0.03."""
+"""Smallest range of a joint [rad]: no step fits into less; 1.6 rad read as degrees is 0.03."""
 MOST_RANGE = 4.0 * math.pi
-"""Of a joint [rad]: no leg joint turns twice around, but 180 degrees read as radians do."""
+"""Largest range of a joint [rad]: no leg joint turns twice around; 180° read as radians would."""
 
 
 @dataclass(frozen=True)

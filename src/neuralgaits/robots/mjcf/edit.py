@@ -27,10 +27,10 @@ class MjcfEdit:
     """A robot file whose elements are changed one by one.
 
     Attributes:
-        root: of the file.
-        model: as compiled last.
+        root: root element of the file.
+        model: the file as last compiled.
         found: elements of the model's bodies, joints, geoms and actuators.
-        changes: what was changed, one line each.
+        changes: changes made so far, one line each.
     """
 
     def __init__(self, text: str, name: str):
@@ -47,7 +47,7 @@ class MjcfEdit:
         self.found = match_elements(self.root, self.model)
 
     def at_zero(self) -> mujoco.MjData:
-        """Where everything is when all coordinates are zero."""
+        """Return the model's data with all coordinates at zero."""
         data = mujoco.MjData(self.model)
         data.qpos[:] = 0.0
         mujoco.mj_kinematics(self.model, data)
@@ -75,7 +75,7 @@ class MjcfEdit:
         self.changes.append(change)
 
     def text(self) -> str:
-        """The file as it is now, with a comment that lists the changes."""
+        """Return the file's text with all changes, and a comment that lists them."""
         lines = "\n       ".join((_TITLE, *self.changes)).replace("--", "- -")
         body = ElementTree.tostring(self.root, encoding="unicode").rstrip()
         return f"{self._prologue}<!-- {lines} -->\n{body}\n"
@@ -107,7 +107,7 @@ class MjcfEdit:
         parent.insert(place, new)
 
     def remove(self, element: Element) -> None:
-        """Take an element out."""
+        """Remove an element and keep the text that follows it."""
         parent, place = self.parent_and_place(element)
         if place and place == len(parent) - 1:
             parent[place - 1].tail = element.tail

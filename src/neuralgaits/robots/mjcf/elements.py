@@ -1,7 +1,7 @@
-"""An MJCF file as XML elements, each beside the number that MuJoCo gave to what it describes.
+"""Elements of an MJCF file, each beside the number that MuJoCo gave to what it describes.
 
-MuJoCo numbers bodies in the order of the file, parents first, and joints and geoms by their bodies.
-So an element is found without a name, which files of other programs need not have.
+MuJoCo numbers bodies in the order of the file, parents first, and joints and geoms by their
+bodies. So an element needs no name, which files of other programs need not have.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -42,7 +42,7 @@ class Elements:
 def parse(text: str) -> tuple[str, Element]:
     """Read MJCF text, comments included.
 
-    Returns: what stands in front of the root element, and the root element.
+    Returns: the text in front of the root element, and the root element.
     """
     prologue = _PROLOGUE.match(text)
     parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))

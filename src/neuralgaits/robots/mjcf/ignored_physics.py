@@ -84,6 +84,6 @@ def _refuse_joint(model: mujoco.MjModel, joint: int, *, is_root: bool) -> None:
 
 
 def _any(model: mujoco.MjModel, field: str, index: int) -> bool:
-    """Whether a field is set; fields that this MuJoCo does not have yet count as unset."""
+    """Return whether a field is set; a field that this MuJoCo does not have yet counts as unset."""
     values = getattr(model, field, None)
     return values is not None and bool(np.any(values[index]))

@@ -52,13 +52,13 @@ class LegJoint:
 
 
 def link_directions(tree: PlanarTree, skeleton: Skeleton) -> dict[int, tuple[complex, complex]]:
-    """Where each link starts and points at zero coordinates.
+    """Compute the lower end and the direction of each link at zero coordinates.
 
-    A leg link points from its lower joint (or foot centre) to its upper joint. A torso starts
-    at the hip and points straight up at zero pitch, wherever its centre of mass lies.
+    A leg link points from its lower joint (or foot centre) to its upper joint. A torso starts at
+    the hip and points straight up at zero pitch, wherever its centre of mass lies.
 
-    Returns: for each link, lower end and line to the upper end, x + i z (m).
-    Raises: RobotError if a leg link has no length.
+    Returns: for each link, lower end and line to the upper end, x + i z (m). Raises: RobotError if
+    a leg link has no length.
     """
     lines = {}
     for leg, foot in zip(skeleton.legs, skeleton.feet, strict=True):

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 
 def paired_names(first: Sequence[str], second: Sequence[str], kind: str) -> tuple[str, ...]:
-    """What two legs' names have in common, one by one.
+    """Name the pairs of two legs' links or joints by the parts that their names share.
 
     Args:
         first: names of one leg.

@@ -1,7 +1,7 @@
-"""From a robot file to a `PlanarBiped`.
+"""Load a robot file as a `PlanarBiped`.
 
-MuJoCo parses and compiles; what it understood is checked to be a planar biped with one
-unactuated degree of freedom, and reduced to the constants of the closed form. Whatever cannot
+MuJoCo parses and compiles the file. The compiled model is checked to be a planar biped with one
+unactuated degree of freedom, and reduced to the constants of the closed form. A file that cannot
 be treated is refused with one sentence.
 """
 
@@ -100,7 +100,8 @@ def _read(
     tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
     derive.LegData,
 ]:
-    """What MuJoCo understood, by role: model, tree, skeleton, lines of the links, joints, leg."""
+    """Read a robot file by role: compiled model, tree, skeleton, lines of the links, joints, leg.
+    """
     model = compile_text(text, name)
     refuse_unphysical(model)
     refuse_odd_keyframes(text, model)

@@ -1,7 +1,7 @@
 """Refusal of numbers in a robot file that no robot and no floor has.
 
 MuJoCo compiles most of them: a joint whose damping is negative gains energy, a foot without
-friction stands on nothing, and an infinite mass makes every other number NaN.
+friction has no hold on the floor, and an infinite mass makes every other number NaN.
 """
 
 # pyright: reportAttributeAccessIssue=false

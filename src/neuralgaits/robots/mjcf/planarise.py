@@ -35,14 +35,14 @@ class Planarised:
 
 
 def planarise(text: str, name: str) -> Planarised:
-    """Change what stands in the way of treating a planar biped as one with point feet.
+    """Change a robot file into that of a planar biped with point feet.
 
     Args:
         text: MJCF without includes.
         name: of the robot, unless the file names its model.
 
-    Returns: `Planarised`.
-    Raises: RobotError if the file is not a planar biped even so, naming what stands in the way.
+    Returns: `Planarised`. Raises: RobotError if the file is not a planar biped even so, naming
+    what is in the way.
     """
     try:
         edit = MjcfEdit(text, name)
@@ -75,7 +75,7 @@ def _name_motors(edit: MjcfEdit) -> None:
 
 
 def _drop_couplings(edit: MjcfEdit) -> None:
-    """What acts between links beside joints and motors."""
+    """Remove couplings between links other than joints and motors: tendons, constraints, pairs."""
     model = edit.model
     if model.ntendon:
         names = {model.tendon(i).name for i in range(model.ntendon)}
@@ -121,7 +121,7 @@ _FREE = {
     "frictionloss": "0",
     "ref": "0",
 }
-"""A root joint that nothing holds, whatever the file's defaults."""
+"""Attributes of a root joint that nothing holds, whatever the file's defaults."""
 
 
 def _drop_motors_of_the_root(edit: MjcfEdit) -> None:
@@ -134,7 +134,7 @@ def _drop_motors_of_the_root(edit: MjcfEdit) -> None:
 
 
 def _drop_forces(edit: MjcfEdit) -> None:
-    """Springs, dry friction, air, and whatever holds the root."""
+    """Remove springs, dry friction, air and every force that holds the root."""
     model = edit.model
     for joint, element in enumerate(edit.found.joints):
         dof, name = int(model.jnt_dofadr[joint]), model.joint(joint).name
@@ -198,4 +198,4 @@ _STEPS: tuple[Callable[[MjcfEdit], None], ...] = (
     _name_motors,
     _drop_sensors_of_the_floor,
 )
-"""In this order: joints have names before they are named, and feet stand on a floor."""
+"""Changes in order: joints get names before they are referred to, the floor precedes the feet."""

@@ -1,7 +1,8 @@
-"""Point feet for a biped that has others: ankles welded, one small sphere at the end of each leg.
+"""Point feet for a biped with other feet: ankles welded, one small sphere at the end of each leg.
 
-The sphere stands where the leg ends: at the height of the sole under the ankle, or at the tip of a
-shank. What else of the lowest link met the floor keeps its shape and mass, and meets it no more.
+The sphere is placed where the leg ends: at the height of the sole under the ankle, or at the tip
+of a shank. Other parts of the lowest link keep shape and mass, but no longer collide with the
+floor.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -86,7 +87,7 @@ def _weld_ankles(edit: MjcfEdit) -> dict[int, np.ndarray]:
 
 
 def _friction(edit: MjcfEdit, geoms: list[int], floor: int) -> float:
-    """The sliding friction of a foot on the floor: of what stands lowest, not of its shank."""
+    """Return the sliding friction on the floor of the foot's lowest geom, not of its shank."""
     data, values = edit.at_zero(), edit.model.geom_friction[:, 0]
     foot = min(geoms, key=lambda geom: extent(edit.model, data, [geom])[0][2])
     priorities = edit.model.geom_priority[[foot, floor]]

@@ -1,9 +1,9 @@
-"""Which link is the torso, which chains are the legs, where are the feet.
+"""Find the torso, the two legs and the feet among the links.
 
-A biped with a torso has the torso as root and two chains of equal length hanging from one
-point, the hip. Without a torso the root is the top link of one leg: its own chain is then one
-link shorter than the chain that hangs from the hip. A foot is the one sphere of a chain's last
-link that collides with the floor; nothing else on that link may.
+A biped with a torso has the torso as root and two chains of equal length hanging from one point,
+the hip. Without a torso the root is the top link of one leg: its own chain is then one link
+shorter than the chain that hangs from the hip. A foot is the one sphere of a chain's last link
+that collides with the floor; nothing else on that link may.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -215,7 +215,7 @@ def is_flat_foot(
     leg: tuple[int, ...],
     floor: int,
 ) -> bool:
-    """Whether a leg ends in a foot on an ankle: longer than high below its joint, no one sphere.
+    """Return whether a leg ends in a foot on an ankle: longer than high, and not just a sphere.
 
     Args:
         model: compiled robot file.

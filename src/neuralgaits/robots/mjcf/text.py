@@ -1,4 +1,4 @@
-"""The text of a robot file, made independent of the folder it stands in.
+"""The text of a robot file, made independent of the folder that holds it.
 
 A run keeps a copy of its robot file. So includes are put in place, and asset files (meshes,
 textures: pictures only) get absolute paths. MuJoCo's own writer would do the same but rounds
@@ -84,7 +84,7 @@ def _include(
 
 
 def missing_asset(kind: str, path: Path | str) -> str:
-    """What to do about a picture that is not there."""
+    """Return the error message for a missing picture file, with its remedy."""
     return (
         f"expected a {kind} file at {path}, found none: put it there, or remove its <{kind}> from "
         "<asset> and what shows it; bodies with an <inertial> need no picture"

@@ -125,6 +125,6 @@ def _numbers(values: np.ndarray) -> str:
 
 
 def _moment(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> float:
-    """Of a body about the axis across the plane through its own centre of mass [kg m^2]."""
+    """Return a body's moment of inertia about its own centre, axis across the plane [kg m^2]."""
     across = data.ximat[body].reshape(3, 3)[1]
     return float(across**2 @ model.body_inertia[body])
