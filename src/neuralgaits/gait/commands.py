@@ -1,4 +1,4 @@
-"""Commands: what a gait is told at each touchdown, and what one step knows of them.
+"""Commands: the numbers that a gait receives at each touchdown, and their part in one step.
 
 During a step a robot knows two values of each command: `before`, of the step that ended, which
 fixed the posture that this step begins in, and `after`, which fixes where it ends.
@@ -23,7 +23,7 @@ FASTEST = 100.0
 """No robot on legs walks faster [m/s]: what is more is a slip of the keyboard."""
 MOST = {"speed": FASTEST, "step_length": 100.0, "step_height": 100.0, "slope": 0.5 * math.pi}
 LEAST_WIDTH = 1e-6
-"""Of the range of a command, in its unit."""
+"""Smallest width of the range of a command, in its unit."""
 MOST_OF_ANY = 1e6
 """Largest value of a command, by name or of any other, in its unit."""
 
@@ -33,7 +33,7 @@ Number = float | Scalar
 
 @dataclass(frozen=True)
 class Command:
-    """One number that a gait is told at each touchdown.
+    """One number that a gait receives at each touchdown.
 
     Attributes:
         name: `UNITS` has those with a meaning here; any other is a spec's own.
@@ -75,7 +75,7 @@ class Command:
 
     @property
     def unit(self) -> str:
-        """Of its values."""
+        """Unit of the command's values."""
         return UNITS.get(self.name, "-")
 
     @property
@@ -144,7 +144,7 @@ def all_pairs(commands: Commands, count: int) -> Float[np.ndarray, "N k"]:
 
 
 class Limits(NamedTuple):
-    """What commands may be, by their order. [p] each, in their units."""
+    """Limits on the commands, by their order. [p] each, in their units."""
 
     low: Float[np.ndarray, " p"]
     high: Float[np.ndarray, " p"]
@@ -153,7 +153,7 @@ class Limits(NamedTuple):
 
     @classmethod
     def of(cls, commands: Commands) -> "Limits":
-        """Of some commands."""
+        """Return the limits of some commands."""
         low, high = (np.array([getattr(c, n) for c in commands], float) for n in ("low", "high"))
         change = [
             c.high - c.low if c.largest_change is None else min(c.largest_change, c.high - c.low)
@@ -163,7 +163,7 @@ class Limits(NamedTuple):
 
     @property
     def middle(self) -> Float[np.ndarray, " p"]:
-        """The middle of every range."""
+        """Return the middle of every range."""
         return 0.5 * (self.low + self.high)
 
 
@@ -183,17 +183,17 @@ class Ground(NamedTuple):
     """The ground of one step: the line between its footholds, and how both of them lie."""
 
     rise: Scalar
-    """Of the line, metres a metre."""
+    """Slope of the foothold line (m/m)."""
     level: Scalar
-    """Of the line under the stance foot, above the foot [m]."""
+    """Height of the foothold line under the stance foot, above the foot [m]."""
     stance_slope: Scalar
-    """Of the ground under the stance foot [rad]."""
+    """Slope of the ground under the stance foot [rad]."""
     landing_slope: Scalar
-    """Of the ground under the next foothold [rad]."""
+    """Slope of the ground under the next foothold [rad]."""
 
 
 class Step(eqx.Module):
-    """What one step was told, and the ground that follows from it.
+    """Commands of one step, and the ground that follows from them.
 
     Attributes:
         pair: values of the commands.
@@ -206,7 +206,7 @@ class Step(eqx.Module):
     names: tuple[str, ...] = eqx.field(static=True)
 
     def __getitem__(self, name: str) -> tuple[Scalar, Scalar]:
-        """(before, after) of a command."""
+        """Return (before, after) of a command. Raises: SpecError on an unknown name."""
         if name not in self.names:
             raise SpecError(
                 f"expected one of the gait's commands, {', '.join(self.names)}, found {name!r}"
@@ -223,7 +223,7 @@ def pair_at(commands: Commands, v: Float[Array, " k"]) -> Pair:
 
 
 def place_of(commands: Commands, name: str) -> int | None:
-    """Where a command is among them; None if it is not."""
+    """Return the index of a command among the commands; None if it is not there."""
     names = [c.name for c in commands]
     return names.index(name) if name in names else None
 
@@ -268,7 +268,7 @@ CURVE_TERMS = 4
 
 
 def plain_curves(commands: Commands) -> Float[np.ndarray, "p 4"]:
-    """Curves that leave scaled commands as they are. [p, CURVE_TERMS]."""
+    """Return curves that leave scaled commands unchanged. [p, CURVE_TERMS]."""
     return np.tile(np.eye(CURVE_TERMS)[1], (len(commands), 1))
 
 

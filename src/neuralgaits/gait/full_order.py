@@ -1,4 +1,4 @@
-"""Everything that follows from one full state (z, eta) under exact input-output linearisation.
+"""Quantities of one full state (z, eta) under exact input-output linearisation.
 
 The outputs obey ddy = -w^2 y - 2 w dy exactly, whatever z does, so eta is an input here and no
 feedback law appears. The zero dynamics coordinates move with dz2 = M g x_com(q) and the dz1 that
@@ -62,7 +62,7 @@ class FullPoint(Point):
 
     @cached_property
     def q(self) -> Coordinates:
-        """Coordinates [rad]. [n]."""
+        """Coordinates of the robot at this state [rad]. [n]."""
         return lift(self.robot, self.z[0], self.outputs.y + self.output)
 
     @cached_property
@@ -75,7 +75,7 @@ class FullPoint(Point):
 
     @cached_property
     def dq(self) -> Coordinates:
-        """Coordinate rates [rad/s]. [n]."""
+        """Rates of the coordinates at this state [rad/s]. [n]."""
         moving = self.along_z1 * self.dz[0] + self.along_z2 * self.dz[1]
         return moving + self._lifted(self.output_rate)
 
@@ -97,10 +97,10 @@ class FullPoint(Point):
 
 
 def held_jerk(point: FullPoint) -> Actuated:
-    """Third derivatives of the outputs while the joint torques stay as they are. [m] (rad/s^3).
+    """Return third derivatives of the outputs at constant joint torques. [m] (rad/s^3).
 
-    With u = U(z, y, dy, ddy) of the inverse dynamics, 0 = dU/dt is linear in it. Its matrix
-    is that of the joints' inertia, near enough for elimination to have its pivots. Source:
+    With u = U(z, y, dy, ddy) of the inverse dynamics, 0 = dU/dt is linear in it. Its matrix is
+    that of the joints' inertia, near enough for elimination to have its pivots. Source:
     docs/level5.md.
     """
     m = point.robot.n - 1

@@ -22,13 +22,13 @@ def joint_inertia(robot: PlanarBiped) -> Actuated:
 
 
 def slowest_mode(robot: PlanarBiped) -> float:
-    """How much slower than a joint alone all joints together give way under such gains.
+    """Compute how much slower all joints together give way under such gains than one alone.
 
     With the stiffness I w^2, I of `joint_inertia`, the linearised errors of a nominal posture have
     the natural frequencies w sqrt(eigenvalues of (D^-1)_aa diag(I)), the least of which is the
     legs' buckling under the whole body. Rotors keep it near w.
 
-    Returns: its frequency over w, at most 1.
+    Returns: the least frequency over w, at most 1.
     """
     response, inertia = _response(robot), joint_inertia(robot)
     root = np.sqrt(inertia)

@@ -11,7 +11,7 @@ class Orbit(NamedTuple):
     """A periodic orbit of the hybrid zero dynamics, or the reason why there is none."""
 
     fixed_point: Float[np.ndarray, "2"]
-    """z on the section z1 = 0 (m, kg m^2/s); NaN if not found. [2]"""
+    """State z on the section z1 = 0 (m, kg m^2/s); NaN if there is no orbit. [2]"""
     multiplier: float
     """Derivative of the Poincare map there: attracting if below one in magnitude."""
     period_s: float
@@ -21,9 +21,9 @@ class Orbit(NamedTuple):
     guard_state: Float[np.ndarray, "2"]
     """z just before the impact. [2]"""
     result: str
-    """"found", or why not."""
+    """The word "found", or the reason why there is no orbit."""
 
     @property
     def speed_m_s(self) -> float:
-        """Walking speed [m/s]."""
+        """Mean walking speed over a step [m/s]."""
         return self.step_length_m / self.period_s

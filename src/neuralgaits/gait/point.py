@@ -1,10 +1,4 @@
-"""Everything that follows from one zero dynamics state, each quantity computed once.
-
-On the zero dynamics manifold the outputs are zero, so z alone fixes positions, rates,
-accelerations, torques and contact forces. Nothing needs a linear solve: rates are affine in
-dz1, the momentum row is one scalar equation for it, and its time derivative one for ddz1 with
-the same denominator. Source: docs/notation.md.
-"""
+"""Quantities that follow from one zero dynamics state, each computed once."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -93,12 +87,12 @@ class Point:
 
     @cached_property
     def q(self) -> Coordinates:
-        """Coordinates [rad]. [n]."""
+        """Coordinates of the robot on the manifold [rad]. [n]."""
         return lift(self.robot, self.z[0], self.outputs.y)
 
     @cached_property
     def theta(self) -> Coordinates:
-        """Absolute link angles [rad]. [n]."""
+        """Absolute angles of the links [rad]. [n]."""
         return self.robot.link_angles @ self.q
 
     @cached_property
@@ -146,7 +140,7 @@ class Point:
 
     @cached_property
     def dq(self) -> Coordinates:
-        """Coordinate rates [rad/s]. [n]."""
+        """Rates of the coordinates [rad/s]. [n]."""
         return self.along_z1 * self.dz[0] + self.along_z2 * self.dz[1]
 
     @cached_property
@@ -154,7 +148,7 @@ class Point:
         return self._second_derivative(self.dz)
 
     def _curvature(self, along: ZeroState) -> Actuated:
-        """D^2 y_d(z)[along, dz]."""
+        """Return D^2 y_d(z)[along, dz], the curvature of the desired outputs."""
         first, second = self._slope_rates
         return first * along[0] + second * along[1]
 
@@ -183,7 +177,7 @@ class Point:
 
     @cached_property
     def ddq(self) -> Coordinates:
-        """Coordinate accelerations [rad/s^2]. [n]."""
+        """Accelerations of the coordinates [rad/s^2]. [n]."""
         curved = lift(self.robot, jnp.zeros_like(self.z[0]), self._curvature(self.dz))
         return self.along_z1 * self.ddz[0] + self.along_z2 * self.ddz[1] + curved
 
@@ -210,7 +204,7 @@ class Point:
 
     @property
     def step(self) -> Step:
-        """What the robot was told of this step: `p.step["speed"]` is (before, after).
+        """Commands of this step: `p.step["speed"]` is (before, after).
 
         Raises: SpecError for a gait without commands.
         """

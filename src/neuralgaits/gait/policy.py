@@ -1,4 +1,4 @@
-"""What a policy is: desired outputs y_d(z), bounded by the joint ranges, with derivatives."""
+"""Interface of a policy: desired outputs y_d(z), bounded by the joint ranges, with derivatives."""
 
 from abc import abstractmethod
 from collections.abc import Callable
@@ -32,12 +32,12 @@ class AbstractPolicy(eqx.Module):
 
     @property
     def commands(self) -> Commands:
-        """What a family of policies is told at each touchdown; () for a policy of all steps."""
+        """Commands of a family of policies at each touchdown; () for a policy of all steps."""
         return ()
 
     @property
     def step(self) -> Step | None:
-        """What the robot was told of the step of this policy; None for a gait without commands."""
+        """Commands of the step of this policy; None for a gait without commands."""
         return None
 
     @property
@@ -86,7 +86,7 @@ class AbstractPolicy(eqx.Module):
     def step_numbers(
         self, robot: "PlanarBiped", pair: Pair, reset_residual: Reset = None
     ) -> Float[Array, " s"]:
-        """What a tick needs of a step between two commands, computed once a step. [step_size].
+        """Return the parameters of a step between two commands, computed once a step. [step_size].
 
         Args:
             robot: whose impact it is matched to.
@@ -122,7 +122,7 @@ class NetworkPolicy(AbstractPolicy):
     input_shift: Float[Array, "2"]
 
     def inputs(self, z: ZeroState) -> ZeroState:
-        """Of the network. Returns: [2]."""
+        """Return the scaled inputs of the network. [2]."""
         return scaled_inputs(z, self.input_scale, self.input_shift)
 
     def within_bounds(self, logits: Actuated) -> Actuated:
@@ -163,10 +163,10 @@ class OutputJet(NamedTuple):
 
 @eqx.filter_jit
 def output_jet(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
-    """Desired outputs and both partial derivatives.
+    """Return the desired outputs and both partial derivatives.
 
-    A call of its own in whatever is traced around it, so that JAX traces a network once however
-    many points a function looks at.
+    This function is a call of its own in any function that is traced around it, so that JAX traces
+    a network once, however many points a function evaluates.
 
     Returns: `OutputJet`.
     """

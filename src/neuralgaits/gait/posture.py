@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 REFERENCE_LEG_M = 0.8731
-"""Leg length of AMBER-3M, on which lengths and slopes were found."""
+"""Leg length of AMBER-3M, for which lengths and slopes were tuned."""
 GUARD = 0.17 / REFERENCE_LEG_M
 """z1 at the guard, in leg lengths."""
 HIP_HEIGHT = 0.835 / REFERENCE_LEG_M
@@ -49,7 +49,7 @@ KNEE_RANGE, HIP_RANGE = 1.5, (-1.2, 0.6)
 
 
 class Frame(TypedDict):
-    """What a posture and the policies with networks both have, see `NetworkPolicy`."""
+    """Fields that a posture shares with the policies with networks, see `NetworkPolicy`."""
 
     lower: Actuated
     upper: Actuated
@@ -67,7 +67,7 @@ class Posture(NamedTuple):
     guard_outputs: Actuated
     """Joint angles at the guard [rad]. [m]"""
     guard_slopes: Actuated
-    """Their slopes in z1 [rad/m]. [m]"""
+    """Slopes of the guard outputs in z1 [rad/m]. [m]"""
     bend: Actuated
     """Bias of the network's last layer: lifts the swing foot in mid-step. [m]"""
     z_guard: float
@@ -77,7 +77,7 @@ class Posture(NamedTuple):
     input_shift: Float[np.ndarray, "2"]
     """Shift of scaled network inputs. [2]"""
     lean: float
-    """How much further back than usual the torso leans, for hips that turn one way only [rad]."""
+    """Extra lean of the torso backwards, for hips that turn one way only [rad]."""
 
 
 def frame_of(owner: "Posture | NetworkPolicy") -> Frame:

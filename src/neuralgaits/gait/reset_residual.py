@@ -1,8 +1,8 @@
-"""What a residual of the reset map is, and how it enters the state after an impact.
+"""Residuals of the reset map, and how they enter the state after an impact.
 
-A residual of the flow cannot repair the impact. Rates after a plastic impact are
-linear in those before it, and on the zero dynamics manifold these are proportional to z2; so a
-correction is per unit of z2 before the impact. Positions are only relabelled: nothing to correct.
+A residual of the flow cannot repair the impact. Rates after a plastic impact are linear in those
+before it, and on the zero dynamics manifold these are proportional to z2; so a correction is per
+unit of z2 before the impact. Positions are only relabelled: nothing to correct.
 """
 
 from abc import abstractmethod
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 class ImpactCorrection(NamedTuple):
-    """What is added to the state after the model's impact, per unit of z2 before it."""
+    """Correction of the state after the model's impact, per unit of z2 before it."""
 
     momentum: Scalar
-    """To z2 after the impact [-]."""
+    """Correction of z2 after the impact [-]."""
     rates: Actuated
-    """To the rates of the actuated joints, relabelled [rad/(kg m^2)]. [m]"""
+    """Correction of the rates of the actuated joints, relabelled [rad/(kg m^2)]. [m]"""
 
 
 class AbstractResetResidual(eqx.Module):
@@ -41,11 +41,11 @@ class AbstractResetResidual(eqx.Module):
     @property
     @abstractmethod
     def centre(self) -> ZeroState:
-        """State before the impact that stands for all: where a policy is matched to it. [2]."""
+        """State before the impact at which a policy is matched to it. [2]."""
 
 
 Reset = AbstractResetResidual | None
-"""What corrects the reset map; None for nothing."""
+"""Residual that corrects the reset map; None for no correction."""
 
 
 class ResetResidual(AbstractResetResidual):
@@ -83,12 +83,12 @@ class ResetResidual(AbstractResetResidual):
 
 
 class Residuals(NamedTuple):
-    """What was learned of a robot beyond its model."""
+    """Residuals of a robot, learned beyond its model."""
 
     flow: Callable[[ZeroState], ZeroState] | None = None
-    """What is added to dz: z -> [2] (m/s, N m)."""
+    """Correction of dz: z -> [2] (m/s, N m)."""
     reset: Reset = None
-    """What is added to the state after an impact."""
+    """Correction of the state after an impact."""
 
 
 NO_RESIDUALS = Residuals()

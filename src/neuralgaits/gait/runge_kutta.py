@@ -1,4 +1,4 @@
-"""One step of an explicit Runge-Kutta method, the rate traced once however many stages it has."""
+"""A step of an explicit Runge-Kutta method; the rate is traced once for all its stages."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -16,9 +16,9 @@ class Tableau(NamedTuple):
     """Coefficients of a method for rates that do not depend on time."""
 
     stages: Float[np.ndarray, "s s"]
-    """What each stage takes of the slopes before it. [s, s]"""
+    """Weights of the earlier slopes in each stage. [s, s]"""
     weights: Float[np.ndarray, " s"]
-    """What the step takes of all slopes. [s]"""
+    """Weights of all slopes in the step. [s]"""
 
 
 def _lower(*rows: tuple[float, ...]) -> Float[np.ndarray, "s s"]:

@@ -49,9 +49,9 @@ if TYPE_CHECKING:
 
 
 NEWTON_STEPS = 4
-"""That put the swing foot on its foothold: from a few centimetres off, 1e-12 m."""
+"""Newton steps that put the swing foot on its foothold: from a few centimetres off, 1e-12 m."""
 START_NEWTON_STEPS = 20
-"""The same from the nominal posture, which may be far off."""
+"""Newton steps from the nominal posture, which may be far off."""
 
 
 class CommandedPolicy(NetworkPolicy):
@@ -134,7 +134,7 @@ class CommandedPolicy(NetworkPolicy):
 
     @property
     def commands(self) -> Commands:
-        """What the gait is told at each touchdown."""
+        """Commands that the gait receives at each touchdown."""
         return self.told
 
     def __call__(self, z: ZeroState) -> Actuated:
@@ -155,7 +155,7 @@ class CommandedPolicy(NetworkPolicy):
         return movable(self, lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.guard_z1))
 
     def scaled(self, command: Float[Array, " p"]) -> Float[Array, " p"]:
-        """Where in the family a command is: in [-1, 1] or near it, 0 in the middle. [p]."""
+        """Scale a command to its place in the family: about [-1, 1], 0 in the middle. [p]."""
         return scaled(self.commands, self.curves, command)
 
     def guard(
@@ -218,7 +218,7 @@ class CommandedPolicy(NetworkPolicy):
 
     @property
     def step_size(self) -> int:
-        """Of `StepPolicy.numbers`."""
+        """Length of the vector of parameters of a step."""
         return 2 + 4 * len(self.lower) + len(self.network.biases[0])
 
     def step_numbers(

@@ -125,7 +125,7 @@ class HybridInvariantPolicy(StepPolicy):
 
     @property
     def step(self) -> Step | None:
-        """What the robot was told of this step."""
+        """Commands of this step; None for a gait without commands."""
         return self.told
 
     @property
@@ -145,9 +145,9 @@ class HybridInvariantPolicy(StepPolicy):
     def between(
         self, start: Start, guard: Guard, *, exact: bool = False
     ) -> "HybridInvariantPolicy":
-        """The same policy from one end of a step to another.
+        """Return this policy with other ends of its step.
 
-        Unless `exact`, the path is kept inside the bounds; start and guard are kept as they are.
+        Unless `exact`, the path is kept inside the bounds; start and guard are kept unchanged.
         """
         first, last = start, guard
         if not exact:

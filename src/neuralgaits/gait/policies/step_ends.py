@@ -32,7 +32,7 @@ class Guard(NamedTuple):
     """The end of a step, the swing foot on its foothold."""
 
     z1: Scalar
-    """Where it is [m]."""
+    """Value of z1 at the guard [m]."""
     outputs: Actuated
     """Desired outputs there [rad]. [m]"""
     slopes: Actuated
@@ -43,7 +43,7 @@ class Start(NamedTuple):
     """The beginning of a step: what the impact at a guard leaves."""
 
     z1: Scalar
-    """Where it is [m]."""
+    """Value of z1 at the start [m]."""
     outputs: Actuated
     """Desired outputs there [rad]. [m]"""
     slopes: Actuated
@@ -53,7 +53,7 @@ class Start(NamedTuple):
 
 
 class Foothold(NamedTuple):
-    """Where the swing foot has to be at a guard, from the stance foot."""
+    """Required place of the swing foot at a guard, relative to the stance foot."""
 
     length: Scalar | None = None
     """Ahead of it [m]; None leaves it to the posture."""

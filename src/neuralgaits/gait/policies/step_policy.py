@@ -1,4 +1,4 @@
-"""What a policy of one step computes, and the few numbers in which two steps of a family differ.
+"""A policy of one step, and the few parameters in which two steps of a family differ.
 
 On the robot those numbers are computed once, at the touchdown that begins a step; a tick evaluates
 `StepPolicy` with them.
@@ -66,9 +66,9 @@ class NumberedStep(StepPolicy):
 
     @property
     def step_size(self) -> int:
-        """Of its `numbers`."""
+        """Length of the vector of parameters of the step."""
         return len(self.numbers)
 
     def trainable(self) -> "NumberedStep":
-        """Nothing may move."""
+        """Raise NotImplementedError, because a step is computed and not trained."""
         raise NotImplementedError("a step is computed, not trained")

@@ -28,7 +28,7 @@ class ThirdOrderPolicy(AbstractPolicy):
 
     @classmethod
     def of(cls, policy: AbstractPolicy, z: ZeroState) -> "ThirdOrderPolicy":
-        """Of a policy at z [2]."""
+        """Expand a policy at z [2] to third order."""
         first = jax.jacfwd(policy)
         second = jax.jacfwd(first)
         derivatives = first(z), second(z), jax.jacfwd(second)(z)
