@@ -30,7 +30,7 @@ SMALLEST_OUTPUT = 1e-9
 AT_LIMIT = 1e-6
 """Share of a torque limit within which a torque is at it."""
 SLOWER = 1e-3
-"""d sqrt V/dt above what is asked from which a tick counts as relaxed [rad/s]."""
+"""Excess of d sqrt V/dt over its bound from which a tick counts as relaxed [rad/s]."""
 OUT_OF_CONE = 1e-3
 """Share of the weight by which forces miss what a floor gives from which a tick counts likewise."""
 
@@ -63,11 +63,11 @@ class ClfQp(AbstractLaw):
 
     @property
     def linearising(self) -> Fblin:
-        """The law whose torques are sought."""
+        """The linearising law whose torques the program follows within limits."""
         return Fblin(bandwidth=self.bandwidth, hold_ticks=self.hold_ticks)
 
     def told(self, z: ZeroState) -> ZeroState:
-        """All of z. Returns: [2]."""
+        """Return all of z, unchanged. [2]."""
         return z
 
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
@@ -134,12 +134,12 @@ class ClfQp(AbstractLaw):
 
 
 class Accelerations(NamedTuple):
-    """Of the coordinates, affine in the torques."""
+    """Accelerations of the coordinates, affine in the torques."""
 
     without: Coordinates
     """Without torques [rad/s^2]. [n]"""
     by_torque: Float[Array, "n m"]
-    """By each torque [rad/s^2 / N m]. [n, m]"""
+    """Change by each torque [rad/s^2 / N m]. [n, m]"""
 
 
 def accelerations(robot: PlanarBiped, reading: Reading) -> Accelerations:

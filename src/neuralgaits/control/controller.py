@@ -102,12 +102,12 @@ def _numbers(
 
 
 class ControllerState(NamedTuple):
-    """What a controller remembers from tick to tick."""
+    """State that a controller keeps from tick to tick."""
 
     stance: StanceState
     """Stance leg and time since touchdown."""
     ticks_to_policy: Int[Array, ""]
-    """Ticks until the policy is asked again."""
+    """Ticks until the policy is evaluated again."""
     held: Desired
     """The policy's last answer."""
     told: Told
@@ -115,12 +115,12 @@ class ControllerState(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What a tick decided, and what it saw."""
+    """Output of a tick: torques, and the measured quantities behind them."""
 
     torque: Float[Array, "2 k"]
     """Joint torques per leg, from the lowest joint up, legs as in the robot file [N m]."""
     actuated: Actuated
-    """The same torques in the order of the actuated coordinates [N m]. [m]"""
+    """Torques in the order of the actuated coordinates [N m]. [m]"""
     q: Coordinates
     """Measured coordinates [rad]. [n]"""
     dq: Coordinates
@@ -136,13 +136,13 @@ class Command(NamedTuple):
     since_touchdown: Scalar
     """Time since the last touchdown [s], infinite before the first."""
     touchdown: Bool[Array, ""]
-    """Whether the stance leg has just changed."""
+    """Whether the stance leg changed at this tick."""
     saturated: Bool[Array, ""]
     """Whether any torque was clipped, or is at its limit."""
     relaxed: Bool[Array, "2"]
-    """What a law gave up to stay within limits, see `Limited`."""
+    """Requirements that a law gave up to stay within limits, see `Limited`."""
     told: Float[Array, "2 p"]
-    """What the gait is told: of the step before, and of this one."""
+    """Commands of the step before, and of this one. [2, p]"""
 
 
 def start(
@@ -177,7 +177,7 @@ def tell(
 def step(
     controller: Controller, state: ControllerState, measurement: Measurement
 ) -> tuple[ControllerState, Command]:
-    """One control tick. Returns: the next state, and the `Command`."""
+    """Compute one control tick. Returns: the next state, and the `Command`."""
     robot, law = controller.robot, controller.law
     q_before, _ = coordinates(robot, measurement, state.stance.leg)
     standing, touchdown = stance.advance(

@@ -1,4 +1,4 @@
-"""What is not measured: rates and the hip's velocity, from joint angles, pitch and contact.
+"""Estimates of rates and of the hip's velocity, from joint angles, pitch and contact.
 
 Joint rates come from a fading-memory filter of second degree on each joint angle (g-h-k filter,
 all poles alike; Brookner 1998, Tracking and Kalman Filtering Made Easy, section 5.6.2), which has
@@ -32,15 +32,17 @@ from neuralgaits.robots.dynamics import angular_momentum, hip_velocity
 
 @dataclass(frozen=True)
 class Estimator:
-    """How quickly estimates follow readings: poles of the filters, all real and alike.
+    """Poles of the filters, all real and equal: how quickly estimates follow readings.
 
     Attributes:
-        joints: of a joint's filter [rad/s]. Encoders of 14 bits leave rates rms errors of 0.02
-            rad/s; at 150 rad/s and with torques 2 ms late, joints under `pd` begin to chatter.
-        quick: the same just after a touchdown [rad/s].
-        quick_s: how long that is [s]: soft contacts take 4 ms.
-        pitch: of the stance leg's absolute angle [rad/s]: well above the pendulum's own pole, 4
-            rad/s, so that a wrong model matters little, and low enough for noise of some mrad.
+        joints: pole of a joint's filter [rad/s]. Encoders of 14 bits leave rates rms errors of
+            0.02 rad/s; at 150 rad/s and with torques 2 ms late, joints under `pd` begin to
+            chatter.
+        quick: pole of a joint's filter just after a touchdown [rad/s].
+        quick_s: duration of the quicker filter [s]: soft contacts take 4 ms.
+        pitch: pole for the stance leg's absolute angle [rad/s]: well above the pendulum's own
+            pole, 4 rad/s, so that a wrong model matters little, and low enough for noise of some
+            mrad.
     """
 
     joints: float = 250.0
@@ -49,7 +51,11 @@ class Estimator:
     pitch: float = 20.0
 
     def joint_gains(self, period_s: float) -> Float[np.ndarray, "2 3"]:
-        """Of angle [1], rate [1/s] and acceleration [1/s^2] on its error: usual, and quick."""
+        """Return the gains of a joint's filter: usual, and just after a touchdown.
+
+        Each row has the gains of angle [1], rate [1/s] and acceleration [1/s^2] on the angle's
+        error.
+        """
         keep = np.exp(-self.joints * period_s)
         lost = 1.0 - keep
         rate = 1.5 * lost**2 * (1.0 + keep) / period_s
@@ -57,7 +63,7 @@ class Estimator:
         return np.array([usual, [*_of_line(self.quick, period_s), 0.0]])
 
     def pitch_gains(self, period_s: float) -> Float[np.ndarray, "2"]:
-        """Of the angle [1] and its rate [1/s] on the error of the pitch."""
+        """Return the gains of the angle [1] and its rate [1/s] on the error of the pitch."""
         return np.array(_of_line(self.pitch, period_s))
 
 
@@ -68,18 +74,18 @@ def _of_line(pole: float, period_s: float) -> tuple[float, float]:
 
 
 class Known(NamedTuple):
-    """What an estimator remembers from tick to tick."""
+    """State that an estimator keeps from tick to tick."""
 
     estimate: Measurement
     """After the last reading."""
     accelerations: Float[Array, "2 k"]
-    """Of the joints per leg [rad/s^2]."""
+    """Accelerations of the joints per leg [rad/s^2]."""
     started: Bool[Array, ""]
     """Whether there has been a reading."""
 
 
 def start(robot: PlanarBiped) -> Known:
-    """Before the first reading."""
+    """Return the state before the first reading."""
     zero, joints = jnp.zeros(()), jnp.zeros((2, robot.n // 2))
     nothing = Measurement(zero, zero, zero, joints, joints, jnp.zeros(2), jnp.zeros(2))
     return Known(nothing, joints, jnp.zeros((), bool))
@@ -137,7 +143,7 @@ def estimate(
 def pinned(
     robot: PlanarBiped, q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar
 ) -> tuple[Coordinates, Planar]:
-    """Rates of a robot whose stance foot stands still, from its momentum.
+    """Compute the rates of a robot from its momentum while its stance foot is at rest.
 
     Args:
         robot: the model.

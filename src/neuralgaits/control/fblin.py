@@ -23,7 +23,7 @@ class Fblin(AbstractLaw):
     hold_ticks: int = eqx.field(default=1, static=True)
 
     def told(self, z: ZeroState) -> ZeroState:
-        """All of z. Returns: [2]."""
+        """Return all of z, unchanged. [2]."""
         return z
 
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:

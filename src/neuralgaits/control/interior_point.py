@@ -43,12 +43,12 @@ class _Point(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """What was found."""
+    """Result of the solver: solution, multipliers and convergence."""
 
     x: Float[Array, " n"]
     """[n]"""
     multiplier: Float[Array, " k"]
-    """Of each row, not negative. [k]"""
+    """Multiplier of each row, not negative. [k]"""
     converged: Bool[Array, ""]
     """Whether the gap was closed."""
 

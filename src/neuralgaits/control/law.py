@@ -1,4 +1,4 @@
-"""What a control law is: desired outputs from the policy, and joint torques towards them."""
+"""Interface of a control law: from the policy's desired outputs to joint torques."""
 
 from abc import abstractmethod
 from collections.abc import Callable
@@ -22,15 +22,15 @@ class Reading(NamedTuple):
     z: ZeroState
     """Zero dynamics state (m, kg m^2/s). [2]"""
     dz: ZeroState
-    """Its rate (m/s, N m). [2]"""
+    """Rate of z (m/s, N m). [2]"""
 
 
 Outputs = Callable[[ZeroState], Actuated]
-"""Desired outputs [m] (rad) as a function of z: a policy, told what its law lets it know."""
+"""Desired outputs [m] (rad) as a function of z: a policy, given as much of z as its law allows."""
 
 
 class Desired(NamedTuple):
-    """What the policy asks for, held between two questions to it."""
+    """Desired outputs and their derivatives, held between two evaluations of the policy."""
 
     y: Actuated
     """Desired outputs [rad]. [m]"""
@@ -50,19 +50,20 @@ class Demand(NamedTuple):
     torque: Actuated
     """[N m]. [m]"""
     limit: Actuated
-    """Of every motor [N m]. [m]"""
+    """Torque limit of every motor [N m]. [m]"""
 
 
 class Limited(NamedTuple):
-    """Torques within limits."""
+    """Torques within the limits, and which limits were active."""
 
     torque: Actuated
     """[N m]. [m]"""
     saturated: Bool[Array, ""]
     """Whether any was clipped, or is at its limit."""
     relaxed: Bool[Array, "2"]
-    """Whether outputs come back slower than the law asks, and whether it asks forces of the
-    floor that this does not give; of laws that look at neither, never."""
+    """Whether outputs converge more slowly than the law requires, and whether it requires forces
+    that the floor cannot give; always False for laws that check neither.
+    """
 
 
 class AbstractLaw(eqx.Module):
@@ -82,11 +83,11 @@ class AbstractLaw(eqx.Module):
 
     @abstractmethod
     def told(self, z: ZeroState) -> ZeroState:
-        """What the policy is told of the measured z, once that is bounded. Returns: [2]."""
+        """Return z as the policy gets it, from the measured and bounded z. [2]."""
 
     @abstractmethod
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
-        """Ask the policy. Returns: `Desired`."""
+        """Evaluate the policy at a reading. Returns: `Desired`."""
 
     @abstractmethod
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:

@@ -1,4 +1,4 @@
-"""Control laws by name."""
+"""Table of control laws by name."""
 
 from neuralgaits.control.clf_qp import ClfQp
 from neuralgaits.control.fblin import Fblin
@@ -7,9 +7,9 @@ from neuralgaits.control.pd import PAPER, Pd
 from neuralgaits.errors import InputError
 
 EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
-"""Those that exported controllers have: `paper` is the PD of the paper's deployment."""
+"""Laws of exported controllers: `paper` is the PD of the paper's deployment."""
 LAWS = {**EXPORTED, "clf-qp": ClfQp()}
-"""All that a walk can be asked for."""
+"""Laws that a walk can use."""
 
 
 def law_named(controller: str | AbstractLaw) -> AbstractLaw:

@@ -1,4 +1,4 @@
-"""What the controller measures, and the coordinates of the current stance leg."""
+"""Measurements of the controller, and the coordinates of the current stance leg."""
 
 from typing import NamedTuple
 
@@ -13,8 +13,8 @@ class Measurement(NamedTuple):
     """One reading of a robot's sensors, signs and zeros those of the robot's coordinates.
 
     Legs are in the order of the robot file. The k joints of a leg go from the lowest up to the
-    hip; the one hip joint of a biped without a torso stands in both rows, each as seen when
-    that leg is the stance leg.
+    hip; the one hip joint of a biped without a torso is in both rows, each with its sign for that
+    leg as the stance leg.
     """
 
     time: Scalar
@@ -22,7 +22,7 @@ class Measurement(NamedTuple):
     pitch: Scalar
     """Absolute up-angle of the link that the robot file's root moves (the torso) [rad]."""
     dpitch: Scalar
-    """Its rate [rad/s]."""
+    """Rate of the pitch [rad/s]."""
     angles: Float[Array, "2 k"]
     """Joint angles per leg [rad]."""
     rates: Float[Array, "2 k"]
@@ -82,7 +82,7 @@ def pitch_rate(robot: PlanarBiped, dq: Coordinates, stance: Int[Array, ""]) -> S
 
 
 def _pitch_row(robot: PlanarBiped, stance: Int[Array, ""]) -> Float[Array, " n"]:
-    """Pitch = row . q."""
+    """Return the row with pitch = row . q. [n]."""
     n = robot.n
     # The root is the torso, or the top link of leg 0: then leg 1 in stance counts the same
     # links from the other end.

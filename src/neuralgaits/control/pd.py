@@ -94,4 +94,4 @@ def _each(gains: Sequence[float] | Actuated, robot: PlanarBiped) -> tuple[float,
 
 
 PAPER = Pd(stiffness=(578.0,), damping=(16.2,), feed_forward=False, measure_z2=False)
-"""The paper's deployment: its gains, and a policy that is told z2 = 0."""
+"""The paper's deployment: its gains, and a policy that gets z2 = 0."""

@@ -1,7 +1,7 @@
-"""What stands between a law and the motors of a real robot.
+"""Safeguard between a law and the motors of a real robot.
 
-A fault latches zero torque and its reason. Without one, torques blend from holding the posture
-found at the start to the law, and change no faster than their limit. The exported controller runs
+A fault latches zero torque and its reason. Without one, torques blend from holding the posture of
+the first reading to the law, and change no faster than their limit. The exported controller runs
 this; its C source is compared with this file.
 """
 
@@ -25,7 +25,7 @@ CLOCK_S = 1e-6
 
 
 class Fault(IntEnum):
-    """Why torques are zero."""
+    """Reason why all torques are zero."""
 
     NONE = 0
     NOT_FINITE = 1
@@ -80,18 +80,18 @@ class SafeguardConfig:
 
 
 class SafeguardState(NamedTuple):
-    """What a safeguard remembers from tick to tick."""
+    """State that a safeguard keeps from tick to tick."""
 
     running: Bool[Array, ""]
     """Whether there has been a reading."""
     last_time: Scalar
-    """Of the last reading [s]."""
+    """Time of the last reading [s]."""
     elapsed: Scalar
     """Since the first reading, up to the end of blending [s]."""
     posture: Float[Array, "2 k"]
-    """Joint angles found at the first reading [rad]."""
+    """Joint angles at the first reading [rad]."""
     torque: Float[Array, "2 k"]
-    """Of the last tick [N m]."""
+    """Joint torques of the last tick [N m]."""
     airborne: Scalar
     """Time since a foot felt the ground [s]."""
     fault: Int[Array, ""]
@@ -99,7 +99,7 @@ class SafeguardState(NamedTuple):
 
 
 def start(robot: PlanarBiped) -> SafeguardState:
-    """Before the first reading."""
+    """Return the state before the first reading."""
     zero, joints = jnp.zeros(()), jnp.zeros((2, robot.n // 2))
     no, none = jnp.zeros((), bool), jnp.zeros((), jnp.int32)
     return SafeguardState(no, zero, zero, joints, joints, zero, none)
@@ -126,7 +126,7 @@ def check(
     state: SafeguardState,
     measurement: Measurement,
 ) -> tuple[SafeguardState, Int[Array, ""]]:
-    """Look at a reading before anything is done with it. Returns: state, and a `Fault`."""
+    """Check a reading before it is used. Returns: state, and a `Fault`."""
     robot = controller.robot
     weight = robot.mass * robot.gravity
     low, high = joint_ranges(robot)
@@ -164,7 +164,7 @@ def guard(
     measurement: Measurement,
     command: Command,
 ) -> tuple[SafeguardState, Float[Array, "2 k"]]:
-    """What of a law's torques goes to the motors.
+    """Limit a law's torques to those that may go to the motors.
 
     Returns: state, and joint torques per leg, zero after a fault (N m). [2, k]
     """
@@ -202,7 +202,7 @@ def _finite(measurement: Measurement) -> Bool[Array, ""]:
 def _joint_tests(
     far: Bool[Array, " k"], fast: Bool[Array, " k"]
 ) -> list[tuple[Bool[Array, ""], Fault]]:
-    """In the order in which they are looked at: joint by joint, angle first."""
+    """Return the tests of the joints in their order: joint by joint, angle first."""
     return [
         (test, fault)
         for i in range(far.shape[0])

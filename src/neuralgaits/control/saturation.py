@@ -1,4 +1,4 @@
-"""What keeps commands and policy inputs inside sane bounds. Control, not traced conditions."""
+"""Smooth bounds on commands and policy inputs. This is control, not traced conditions."""
 
 from typing import TYPE_CHECKING
 
@@ -28,7 +28,7 @@ def saturate(torque: Actuated, limit: Actuated) -> tuple[Actuated, Bool[Array, "
 
 
 class ZeroStateBounds(eqx.Module):
-    """The z a policy is asked about: unchanged inside, levelling off smoothly outside.
+    """Bounds on the policy's input z: unchanged inside, levelling off smoothly outside.
 
     A late touchdown carries z1 past the guard and a fall carries z2 anywhere. The bounded z is
     twice differentiable in z, so desired rates and accelerations die out with it.
@@ -50,7 +50,7 @@ class ZeroStateBounds(eqx.Module):
         return inside + self.margin * (jnp.tanh(over / self.margin) - jnp.tanh(under / self.margin))
 
     def over(self, policy: "AbstractPolicy") -> "ZeroStateBounds":
-        """The same for a step of a family, whose interval of z1 is its own."""
+        """Return the bounds for a step of a family, whose interval of z1 is its own."""
         if not policy.step_size:
             return self
         start, guard = policy.z1_range

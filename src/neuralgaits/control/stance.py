@@ -1,4 +1,4 @@
-"""Which leg stands: the stance leg changes when the swing foot loads up."""
+"""Detection of the stance leg, which changes when the swing foot loads up."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,14 +12,14 @@ from neuralgaits.robots.dynamics import swing_foot
 
 @dataclass(frozen=True)
 class StanceConfig:
-    """When a contact of the swing foot is a touchdown.
+    """Thresholds at which a contact of the swing foot is a touchdown.
 
     Attributes:
-        force_share: of the robot's weight that the swing foot must carry.
-        lockout_s: after a touchdown, contacts count for nothing: the old stance foot is still
-            loaded while the new one takes over [s]. A fifth of a step of AMBER-3M.
-        advance_share: how far the swing foot must be ahead of the stance foot, as a share of
-            the leg length: a scuff behind the stance foot ends no step.
+        force_share: share of the robot's weight that the swing foot must carry.
+        lockout_s: time after a touchdown in which contacts are ignored, since the old stance foot
+            is still loaded while the new one takes over [s]. A fifth of a step of AMBER-3M.
+        advance_share: how far the swing foot must be ahead of the stance foot, as a share of the
+            leg length: a scuff behind the stance foot ends no step.
     """
 
     force_share: float = 0.05

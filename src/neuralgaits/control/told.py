@@ -1,7 +1,7 @@
-"""What a controller is told: commands, latched at touchdowns, and what a step computes from them.
+"""Commands of a controller: latched at touchdowns, with the step parameters computed from them.
 
-A command outside its range is clamped, one that is no number leaves the last wish as it was, and
-a change faster than the gait can follow is spread over steps.
+A command outside its range is clamped, one that is not a number leaves the last request unchanged,
+and a change faster than the gait can follow is spread over steps.
 """
 
 from typing import TYPE_CHECKING, NamedTuple
@@ -23,11 +23,11 @@ class Told(NamedTuple):
     """Commands by their order, in their units; all of it empty for a gait that takes none."""
 
     wanted: Float[Array, " p"]
-    """What is wished for: the next touchdown goes there, as far as one step may change."""
+    """Requested commands: the next touchdown goes there, as far as one step may change."""
     pair: Pair
-    """Of the step under way."""
+    """Commands of the step under way."""
     numbers: Float[Array, " s"]
-    """What follows from that pair, see `AbstractPolicy.step_numbers`."""
+    """Parameters of the step, computed from that pair; see `AbstractPolicy.step_numbers`."""
 
 
 def steady(
@@ -57,7 +57,7 @@ def next_pair(commands: Commands, told: Told) -> Pair:
 
 
 def latch(controller: "Controller", told: Told, touchdown: Bool[Array, ""]) -> Told:
-    """What is told after a tick that may be a touchdown."""
+    """Return the commands after a tick that may be a touchdown."""
     policy = controller.policy
     if not policy.commands:
         return told
