@@ -1,7 +1,7 @@
-"""What a gait is trained towards but that no theorem needs: where in its tube it walks, how fast.
+"""Aims of training that no theorem needs: the place of a gait in its tube, and its speed.
 
-An aim reads the steady gait, that of a command that stays, along the middle of its tube. Aims are
-trained for and reported; a certificate does not speak of them.
+An aim reads the steady gait, that of a constant command, along the middle of its tube. Aims are
+trained for and reported; a certificate makes no claim about them.
 """
 
 from abc import abstractmethod
@@ -19,9 +19,9 @@ from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
 
 LEVEL = 0.5
-"""Of the middle of a tube."""
+"""Level of the tube's centre line (0 lower fence, 1 upper)."""
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
-"""Of Gauss, on [-1, 1]: the time of a step to 0.1 %."""
+"""Gauss-Legendre nodes and weights on [-1, 1]: they give the time of a step to 0.1 %."""
 
 
 class Middle(NamedTuple):
@@ -63,13 +63,13 @@ def middle_of(gait: Gait, zd: ZeroDynamics) -> Middle:
 
 @dataclass(frozen=True)
 class AbstractAim(AbstractCondition):
-    """What all aims share: a tolerance, in the unit of what they look at."""
+    """Base of all aims: a tolerance, in the unit of the error."""
 
     tolerance: float
 
     @abstractmethod
     def error(self, middle: Middle) -> Float[Array, "..."]:
-        """What should be zero."""
+        """Return the error, which is zero where the aim is met."""
 
     def of(self, middle: Middle) -> Float[Array, "..."]:
         """Tolerance minus and plus the error."""
@@ -77,7 +77,7 @@ class AbstractAim(AbstractCondition):
         return jnp.concatenate([self.tolerance - error, self.tolerance + error])
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """The same from the gait of a step."""
+        """Return the aim's margins on the gait of a step."""
         del point
         return self.of(middle_of(gait, zd))
 
@@ -87,7 +87,7 @@ class MiddleFollowed(AbstractAim):
     """The flow on the middle of the tube runs along it; in widths a step."""
 
     def error(self, middle: Middle) -> Float[Array, " k"]:
-        """Slopes against the middle's own."""
+        """Return slopes minus the middle's own."""
         return middle.slope_error
 
 
@@ -107,16 +107,16 @@ class MiddleReturns(AbstractAim):
 
 @dataclass(frozen=True)
 class MeanSpeed(AbstractAim):
-    """The mean speed along the middle is the asked one; a relative error.
+    """The mean speed along the middle equals the requested one; a relative error.
 
     Attributes:
-        speed: asked for [m/s]; None for the command `speed`.
+        speed: requested speed [m/s]; None for the command `speed`.
     """
 
     speed: float | None = None
 
     def error(self, middle: Middle) -> Scalar:
-        """Speed over the asked one, minus one."""
+        """Return the speed over the requested one, minus one."""
         asked = self.speed
         if asked is None:
             step = middle.gait.policy.step

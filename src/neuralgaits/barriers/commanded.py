@@ -1,6 +1,6 @@
-"""The default spec for a gait with commands: the walk of `walking`, over all that it is told.
+"""The default spec for a gait with commands: the walk of `walking`, over their whole range.
 
-Conditions are those of the plain gait, asked at every pair of commands that may follow each other.
+Conditions are those of the plain gait, at every pair of commands that may follow each other.
 """
 
 from collections.abc import Mapping
@@ -32,18 +32,18 @@ a tube follow a change of about 0.4 of its width a step."""
 START_WIDTH, SIDES = 0.17, (-1.0, 1.0)
 """Half width of the first tube, in shares of the speed."""
 MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
-"""Rows that aims are looked at for: any will do, they look at the whole middle."""
+"""Rows at which aims are evaluated: any will do, since an aim reads the whole middle."""
 SLOWEST = 0.4
-"""Least rate of z1 anywhere in a tube, as a share of the lowest mean speed asked for."""
+"""Least rate of z1 anywhere in a tube, as a share of the lowest requested mean speed."""
 
 
 class ForCommand(NamedTuple):
-    """What the training for one command asks.
+    """Requirements of one command on the training.
 
     Attributes:
-        weights: of conditions that give way first; of commands that come together, the last one's.
-        effort: of the recipe; of commands that come together, the least.
-        steps: gradient steps; of commands that come together, the most.
+        weights: of conditions that give way first; for several commands, the last one's.
+        effort: of the recipe; for several commands, the least.
+        steps: gradient steps; for several commands, the most.
     """
 
     weights: Mapping[str, float] = MappingProxyType({})
@@ -73,7 +73,7 @@ FENCES = "fence-lower", "fence-upper"
 """Regions with twice the samples: what is missed there is missed next to the start of a step, where
 the network has no say."""
 SHORTEST = 0.9
-"""Least step length, as a share of the shortest asked for: footholds are met exactly."""
+"""Least step length, as a share of the shortest requested: footholds are met exactly."""
 APART = 0.1
 """Scale of how far the fences are from zero and from each other, in the unit of zeta."""
 MORE_SAMPLES, LEARNING_RATE = 2, 3e-3
@@ -103,7 +103,7 @@ def commands_of(**ranges: Interval | None) -> Commands:
 
 
 def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool = True) -> GaitSpec:
-    """The default specification of a gait that is told `commands`.
+    """Return the default specification of a gait that takes `commands`.
 
     Args:
         robot: with knees.
@@ -176,7 +176,7 @@ def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
 
 
 def _middle_aims() -> tuple[AbstractAim, ...]:
-    """That the orbit runs in the middle of its tube: what its speed is then that of."""
+    """Return the aims that keep the orbit, and so its speed, in the middle of its tube."""
     return (
         MiddleFollowed("middle-followed", "middle", 0.12, 0.12),
         MiddleReturns("middle-returns", "middle", 0.03, 0.03),

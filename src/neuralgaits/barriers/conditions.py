@@ -19,7 +19,7 @@ from neuralgaits.gait import Point, ZeroDynamics
 
 @dataclass(frozen=True)
 class AbstractCondition:
-    """What all kinds share.
+    """Base of all kinds of condition.
 
     Attributes:
         name: unique within a spec.
@@ -52,7 +52,7 @@ class Pointwise(AbstractCondition):
     function: Quantity
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """The function itself."""
+        """Return the value of the function itself."""
         del gait, zd
         return self.function(point)
 
@@ -80,7 +80,7 @@ class Barrier(AbstractCondition):
             )
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """dh/dt + alpha(h)."""
+        """Return the margin dh/dt + alpha(h)."""
         del gait, zd
         return self.bent(*point.rate(self.function))
 
@@ -103,7 +103,7 @@ class DiscreteBarrier(AbstractCondition):
     gamma: float
 
     def __post_init__(self):
-        """Refuse gamma outside (0, 1]."""
+        """Refuse gamma outside (0, 1]. Raises: SpecError."""
         if not 0.0 < self.gamma <= 1.0:
             raise SpecError(
                 f"discrete barrier {self.name!r}: expected 0 < gamma <= 1, found {self.gamma}"
@@ -130,14 +130,14 @@ class Equality(AbstractCondition):
     loss: Literal["hinge", "absolute"] = "hinge"
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """Tolerance minus and plus e."""
+        """Return the tolerance minus e and plus e."""
         del gait, zd
         error = jnp.atleast_1d(self.function(point))
         return jnp.stack([self.tolerance - error, self.tolerance + error])
 
     @property
     def absolute_loss(self) -> bool:
-        """Whether the error itself is penalised."""
+        """Whether the absolute error is penalised instead of its margins."""
         return self.loss == "absolute"
 
 
@@ -182,7 +182,7 @@ class TubeWidth(AbstractCondition):
     least: float
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """Relative width minus the least."""
+        """Return the relative width minus the least."""
         del zd
         phase = gait.phase(point.z[0])
         low, high = jnp.sqrt(2.0 * gait.tube.fences(phase))
@@ -191,10 +191,10 @@ class TubeWidth(AbstractCondition):
 
 @dataclass(frozen=True)
 class FencesApart(AbstractCondition):
-    """Both fences' series above zero and apart, by more than what a training keeps them apart by.
+    """Both fences' series are above zero and apart, by more than `LEAST_ZETA`.
 
-    Where they are not, the tube of a training has other fences than the one that is proved: their
-    slopes are not those of the series, and what is asked on them holds of neither.
+    Where they are not, training uses other fences than the ones that are proved: their slopes are
+    not those of the series, and conditions on them hold for neither.
     """
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "2"]:

@@ -39,12 +39,12 @@ def torso_angle(p: Point) -> Scalar:
 
 
 def joint_angles(p: Point) -> Actuated:
-    """Actuated joint angles [rad]. [m]."""
+    """Return the angles of the actuated joints [rad]. [m]."""
     return p.q[1:]
 
 
 def joint_rates(p: Point) -> Actuated:
-    """Actuated joint rates [rad/s]. [m]."""
+    """Return the rates of the actuated joints [rad/s]. [m]."""
     return p.dq[1:]
 
 
@@ -114,7 +114,7 @@ def reset_hip_sum(p: Point) -> Scalar:
 
 
 def reset_hip(p: Point) -> Scalar:
-    """z1 after the reset [m]."""
+    """Return z1 after the reset [m]."""
     return p.z_after[0]
 
 

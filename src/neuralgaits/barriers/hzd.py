@@ -1,8 +1,8 @@
-"""The spec of a gait that is given: what the robot's own limits ask of it, and a tube around it.
+"""The spec of a given gait: the limits of the robot itself, and a tube around the gait.
 
-Nothing here is a margin of comfort. A gait found by trajectory optimisation is as near to its
-limits as it was allowed to be, so each bound is the robot file's or that of the contact itself;
-what the tube leaves of them is what `fit_tube` of the room `hzd` made it for.
+Nothing here is a margin of comfort. A gait from trajectory optimisation is as near to its limits
+as it was allowed to be, so each bound is the robot file's or that of the contact itself; the tube
+uses up no more of them than `fit_tube` of the room `hzd` planned for.
 """
 
 from functools import partial
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 NAME = "hzd"
 FENCE_DEGREE = 16
-"""Of the fences' Chebyshev series: an orbit is met to 1e-6 of its zeta or better."""
+"""Degree of the fences' Chebyshev series: an orbit is met to 1e-6 of its zeta or better."""
 LEAN = 0.35
 """Largest lean of the torso to either side [rad]: 20 degrees, beyond any gait that was published
 for such robots."""
@@ -32,8 +32,9 @@ ALPHA = 10.0
 LIFT_OFF, LANDING = 0.05, 0.95
 """Phases between which the foot must be above the ground: at the ends it is on it."""
 OUTPUT_ERROR, RATE_ERROR = 1e-3, 2e-2
-"""What the real impact may leave of outputs and of their rates [rad], [rad/s of the reference
-robot's time]: levels 1 to 3 set them to zero again. Those of spec `walking-mlp`."""
+"""Errors of outputs [rad] and of their rates [rad/s of the reference robot's time] that the real
+impact may leave: levels 1 to 3 set them to zero again. Those of spec `walking-mlp`.
+"""
 
 
 def hzd(robot: "PlanarBiped", degree: int) -> GaitSpec:

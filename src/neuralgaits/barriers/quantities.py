@@ -15,7 +15,7 @@ from neuralgaits._types import Actuated, Array, Float, Scalar
 from neuralgaits.gait import Point
 
 Quantity = Callable[[Point], Float[Array, "..."]]
-"""What a condition is made of: a function of the point data."""
+"""Function of the point data, from which a condition is built."""
 
 Bound = float | Float[Array, "..."]
 
@@ -47,7 +47,7 @@ class AtMost:
 
 @dataclass(frozen=True, eq=False)
 class AfterReset:
-    """The same quantity read at the point after the reset."""
+    """A quantity, read at the point after the reset."""
 
     function: Quantity
 
@@ -102,7 +102,7 @@ class ImpulseConeBackward:
 
 @dataclass(frozen=True, eq=False)
 class TorqueReserve:
-    """What is left of the torque limits on one side, as a share of what may be used. [m].
+    """Unused share of the allowed torque on one side. [m].
 
     Attributes:
         side: "lower" for the most negative torque, "upper" for the largest.
@@ -113,17 +113,17 @@ class TorqueReserve:
     share: float
 
     def __call__(self, p: Point) -> Actuated:
-        """One plus or minus torque over (share x limit). [m]."""
+        """Return one plus or minus torque over (share x limit). [m]."""
         used = p.torque / (self.share * p.robot.torque_limit)
         return 1.0 + used if self.side == "lower" else 1.0 - used
 
 
 @dataclass(frozen=True, eq=False)
 class KneeBend:
-    """How much further than `least` knees are bent away from straight [rad]. [knees].
+    """Bend of the knees beyond `least`, away from straight [rad]. [knees].
 
     Attributes:
-        joints: which of the actuated joints are knees, counted from 0.
+        joints: indices of the knees among the actuated joints, counted from 0.
         sides: for each, 1.0 if it bends to positive angles, -1.0 if to negative ones.
         least: [rad].
     """
@@ -133,7 +133,7 @@ class KneeBend:
     least: float
 
     def __call__(self, p: Point) -> Float[Array, " k"]:
-        """Bend minus least [rad]. [knees]."""
+        """Return the bend minus the least [rad]. [knees]."""
         knees = np.array(self.joints)
         selected = np.zeros((len(knees), p.robot.n), dtype=p.z.dtype)
         selected[np.arange(len(knees)), knees + 1] = self.sides
@@ -147,7 +147,7 @@ class FootAboveArc:
     clearance: float
 
     def __call__(self, p: Point) -> Scalar:
-        """Foot height minus arc [m]."""
+        """Return the foot's height minus the arc's [m]."""
         start, guard = p.policy.z1_range
         phase = (p.z[0] - start) / (guard - start)
         return p.foot_above_ground - self.clearance * 4.0 * phase * (1.0 - phase)
@@ -164,7 +164,7 @@ class FootOnCircle:
     radius: float
 
     def __call__(self, p: Point) -> Scalar:
-        """Positive outside the circle [m^2]."""
+        """Return a value that is positive outside the circle [m^2]."""
         x, z = p.foot[0] - self.centre[0], p.foot[1] - self.centre[1]
         return x * x + z * z - self.radius**2
 
@@ -194,7 +194,7 @@ class OrbitalEnergy:
     tilt: float = 0.0
 
     def __call__(self, p: Point) -> Scalar:
-        """Orbital energy minus tilt [m^2/s^2]."""
+        """Return the orbital energy minus the tilt [m^2/s^2]."""
         speed = p.z[1] / (p.robot.mass * self.height)
         falling = (p.robot.gravity / self.height) * p.z[0] * p.z[0]
         return speed * speed - falling - self.tilt * p.z[0]
@@ -229,7 +229,7 @@ WORDS = {
     "foot_on_circle": ("swinging foot outside a circle: distance² less radius²", "m²"),
     "parabolic_clearance": ("swinging foot above a parabola: height", "m"),
 }
-"""What each quantity is, by its name in `functions`, and its unit."""
+"""Description and unit of each quantity, by its name in `functions`."""
 
 GISTS = {
     "torso_angle": "an upright torso",
@@ -247,4 +247,4 @@ GISTS = {
     "output_mismatch": "joints that match across a touchdown",
     "squared_mismatch": "joints that match across a touchdown",
 }
-"""What a condition on a quantity is there for, in two or three words."""
+"""Purpose of a condition on each quantity, in two or three words."""

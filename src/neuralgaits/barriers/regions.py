@@ -161,7 +161,7 @@ class CommandedTube(eqx.Module):
 
     @classmethod
     def around(cls, tube: Tube, commands: Commands) -> "CommandedTube":
-        """The same tube for every command."""
+        """Repeat one tube for every command."""
         count = len(factors(len(commands)))
         lower, upper = (
             np.concatenate([np.asarray(s)[None], np.zeros((count - 1, len(s)))])
@@ -212,7 +212,7 @@ def _chebyshev_products(size: int) -> Float[np.ndarray, "k 3 l"]:
 
 
 class Gait(eqx.Module):
-    """What is trained: a policy and the tube of the zero dynamics it is meant for.
+    """Result of training: a policy and the tube of the zero dynamics it is meant for.
 
     Attributes:
         policy: of one step, or of every step where there are no commands.
@@ -226,7 +226,7 @@ class Gait(eqx.Module):
 
     @property
     def commands(self) -> Commands:
-        """What the gait is told at each touchdown: nothing."""
+        """Commands of the gait: none."""
         return ()
 
     def at(
@@ -288,7 +288,7 @@ class CommandedGait(eqx.Module):
 
     @property
     def commands(self) -> Commands:
-        """What the gait is told at each touchdown."""
+        """Commands that the gait receives at each touchdown."""
         return self.policy.commands
 
     def at(

@@ -45,14 +45,14 @@ CONES = FrictionForward, FrictionBackward, ImpulseConeForward, ImpulseConeBackwa
 
 
 def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
-    """The default specification of a gait for every robot of a box.
+    """Return the default specification of a gait for every robot of a box.
 
     Args:
         robot: in the middle of the box; with knees.
         box: half widths by kind of parameter, see `robots.parameter_box`.
-        commands: that the gait is told at each touchdown, on a floor as meant.
+        commands: that the gait receives at each touchdown, on a floor as modelled.
 
-    Raises: SpecError if it is told commands on a floor of unknown height.
+    Raises: SpecError if there are commands and the floor's height is unknown.
     """
     box = checked_box(box)
     if commands:

@@ -1,8 +1,8 @@
-"""The default spec for a gait that bears more: a faster walk that lifts its feet.
+"""The default spec for a gait that tolerates more: a faster walk that lifts its feet.
 
-A push back stops a hip that is then too slow to get over its foot: what helps is speed. A
-foothold that is higher is met early and one that is lower late, by a foot that was made to
-clear the first and that goes on falling to the second. Nothing is told to the robot.
+A push backwards stops a hip that is then too slow to get over its foot: speed helps. A higher
+foothold is met early and a lower one late, by a foot that was made to clear the first and that
+goes on falling to the second. The robot receives no information about floors or pushes.
 """
 
 from dataclasses import replace
@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 NAME = "rugged"
 SPEED = 1.06
-"""Mean speed asked for, of the reference robot [m/s]. Faster, pushes do less and floors more."""
+"""Requested mean speed of the reference robot [m/s]. At a higher speed, pushes do less harm and
+floors more.
+"""
 EFFORT, TORQUES, AT_FENCES = 1.0, 4.0, 4.0
 """Weight of the mean squared torque, five times the plain walk's, and factors of the losses of
 torque limits and of fences and resets: where the floor is uneven, torques run out."""
@@ -38,7 +40,7 @@ STEPS, MORE_GUARD, LARGEST_GRADIENT = 3000, 3, 5.0
 
 
 def rugged(robot: "PlanarBiped") -> GaitSpec:
-    """The default specification of a gait for pushes, slopes and floors that it is not told of.
+    """Return the default specification of a gait for unknown pushes, slopes and floors.
 
     Args:
         robot: with knees.

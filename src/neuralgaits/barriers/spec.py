@@ -24,17 +24,17 @@ _FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a spec is trained. Every number here is a choice, made where the spec is written.
+    """Settings of a spec's training, each of them a choice made where the spec is written.
 
     Attributes:
         steps: gradient steps.
         samples: fresh samples a step in each region.
         learning_rate: of AdamW, for the widths that the spec itself gives a network.
         weight_decay: of AdamW.
-        warmup: share of the steps over which the rate rises from zero: without it some seeds
-            jump into a poor minimum in their first steps.
-        milestones: shares of the steps at which the rate drops to a tenth; None for a
-            cosine schedule.
+        warmup: share of the steps over which the rate rises from zero: without it some seeds jump
+            into a poor minimum in their first steps.
+        milestones: shares of the steps at which the rate drops to a tenth; None for a cosine
+            schedule.
         overshoot: how far samples reach beyond the chart's edges in (phase, level).
         aim: margin below which a condition is penalised, in its scale.
         worst_weight: weight of the worst sample's violation beside the mean.
@@ -44,9 +44,9 @@ class Recipe:
         effort_torque: [N m].
         posture_steps: supervised steps towards the nominal posture before training.
         curriculum: share of the steps over which the range of commands grows from its middle.
-        widened: share of the range of a command that is trained on beyond each of its ends.
-        faster_changes: share by which changes of a command are trained on that are larger than
-            its largest: calibration stretches them.
+        widened: share of the range of a command that training adds beyond each of its ends.
+        faster_changes: share by which training exceeds the largest change of a command, because
+            calibration stretches changes.
         corners: share of the samples of a command's axis that lie on its ends.
         strip: how far, in phases, samples of the guard lie before and behind phase 1.
         largest_gradient: norm that gradients are clipped to; None for any.
@@ -74,14 +74,14 @@ class Recipe:
 
 
 class ChartPoint(NamedTuple):
-    """What a point of the chart says."""
+    """Point of the chart, split into its groups of axes."""
 
     plane: Float[Array, "2"]
     """Phase and level."""
     told: Float[Array, " c"]
     """Point of the commands' axes."""
     errors: Float[Array, " k"]
-    """Of the robot's parameters."""
+    """Errors of the robot's parameters."""
 
 
 @dataclass(frozen=True)
@@ -95,11 +95,11 @@ class GaitSpec:
         new_gait: (key, init, hidden widths or None) to an untrained gait.
         recipe: training settings.
         weights: factor of each condition's loss; 1 where absent.
-        commands: what the gait is told at each touchdown.
-        aims: what the gait is trained towards beside its conditions; no certificate speaks of them.
-        parameters: of the robot, by which it may differ from its file, of `parameters.axes_of`: the
+        commands: that the gait receives at each touchdown.
+        aims: goals of training beside the conditions; no certificate makes a claim about them.
+        parameters: by which the robot may differ from its file, of `parameters.axes_of`: the
             conditions are meant for every robot of that box.
-        ground: what of `parameter_box.GROUND` the conditions are meant for beside.
+        ground: kinds of `parameter_box.GROUND` that the conditions are also meant for.
     """
 
     name: str
@@ -156,7 +156,7 @@ class GaitSpec:
 
     @property
     def trained_for(self) -> tuple[AbstractCondition, ...]:
-        """Conditions, then aims."""
+        """Return the conditions, then the aims."""
         return (*self.conditions, *self.aims)
 
     @property
@@ -170,11 +170,14 @@ class GaitSpec:
         return ChartPoint(u[:2], u[2:end], u[end:])
 
     def with_conditions(self, *more: AbstractCondition) -> "GaitSpec":
-        """The same spec with further conditions."""
+        """Return a copy of the spec with further conditions."""
         return replace(self, conditions=(*self.conditions, *more))
 
     def without(self, *names: str) -> "GaitSpec":
-        """The same spec without the named conditions."""
+        """Return a copy of the spec without the named conditions.
+
+        Raises: SpecError on names that it has not.
+        """
         unknown = sorted(set(names) - {condition.name for condition in self.conditions})
         if unknown:
             known = [condition.name for condition in self.conditions]

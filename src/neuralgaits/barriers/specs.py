@@ -62,11 +62,11 @@ DESCRIPTIONS = {
     "authors": "conditions and schedule of the authors' code (ReLU, not provable)",
 }
 GIVEN = _hzd.NAME
-"""The spec of gaits that are given, which no training is asked for."""
+"""Name of the spec of given gaits, which cannot be trained."""
 
 
 def is_built_in(name: str) -> bool:
-    """Whether a spec comes with the package."""
+    """Return whether a spec comes with the package."""
     return name in DESCRIPTIONS or name == GIVEN
 
 
@@ -78,16 +78,16 @@ def load(
     parameters: Box | None = None,
     degree: int | None = None,
 ) -> GaitSpec:
-    """The spec of that name for a robot.
+    """Return the spec of that name for a robot.
 
     Args:
-        name: one of `DESCRIPTIONS`, or FILE.py:NAME where NAME is a `GaitSpec` or a
-            function robot -> GaitSpec.
+        name: one of `DESCRIPTIONS`, or FILE.py:NAME where NAME is a `GaitSpec` or a function robot
+            -> GaitSpec.
         robot: the robot the spec is for.
-        commands: that the gait is told at each touchdown; of "walking" only.
-        speed: mean speed to aim at (m/s); likewise, and without commands.
-        parameters: box of robots that it is meant for; likewise, without one speed.
-        degree: of the polynomials of a gait that was given; of "hzd" only, and needed there.
+        commands: that the gait receives at each touchdown; for "walking" only.
+        speed: mean speed to aim at (m/s); for "walking" only, without commands.
+        parameters: box of robots that it is meant for; for "walking" only, without one speed.
+        degree: of the polynomials of a given gait; for "hzd" only, and needed there.
     """
     if name == GIVEN:
         if degree is None or parameters or commands or speed is not None:

@@ -1,8 +1,8 @@
-"""Mistakes in a user's own spec file, in one line: its file and line, what is wrong, what there is.
+"""Mistakes in a user's own spec file, in one line: file and line, mistake, known names.
 
-Whatever is raised while a line of such a file runs is the user's to mend: at its import, while it
-builds a spec, or when a condition of it is evaluated, however deep below. The modules that
-`specs` makes of such files have names that no other module has; frames are known by them.
+An exception raised while a line of such a file runs is for the user to mend: at its import, while
+it builds a spec, or when a condition of it is evaluated, however deep below. The modules that
+`specs` makes of such files have names that no other module has, which identify their frames.
 """
 
 import contextlib
@@ -22,14 +22,14 @@ from neuralgaits.gait import Point
 PREFIX = "neuralgaits_user_"
 """Names of the modules that are made of users' files begin so."""
 _TRACER = re.compile(r"'\w*Tracer'")
-"""What stands for an array while JAX traces."""
+"""Text of an array while JAX traces."""
 _LONGEST = 300
 """Characters of a foreign message; JAX writes paragraphs."""
 
 
 @contextlib.contextmanager
 def blamed() -> Iterator[None]:
-    """Turn what a user's file raised into a SpecError; leave every other exception as it is."""
+    """Turn an exception of a user's file into a SpecError; leave all other exceptions unchanged."""
     try:
         yield
     except NeuralGaitsError:
@@ -62,7 +62,7 @@ def misread(error: Exception, file: Path) -> SpecError:
 
 
 def miswritten(name: str, error: BaseException, file: Path | None) -> SpecError:
-    """A condition that was put together wrongly, found when package code evaluated it.
+    """Describe a badly built condition whose fault appears when package code evaluates it.
 
     Args:
         name: of the condition.
@@ -82,7 +82,7 @@ def miswritten(name: str, error: BaseException, file: Path | None) -> SpecError:
 
 
 def reason(error: BaseException) -> str:
-    """What went wrong, in the words of Python, with the names that there are."""
+    """Describe an error in the words of Python, with the names that are available."""
     name, owner = getattr(error, "name", None), getattr(error, "obj", None)
     if isinstance(error, AttributeError) and name and owner is not None:
         return _without(owner, str(name))

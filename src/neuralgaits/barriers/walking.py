@@ -1,8 +1,8 @@
-"""The default spec: what makes a gait physically walk, and provable.
+"""The default spec: conditions that make a gait physically walk, and provable.
 
-Lengths scale with the leg length l, speeds with sqrt(g l), forces with m g, torques in the
-margins with the robot's own limits. The numbers were found by trials on AMBER-3M (leg 0.8731 m)
-and stand here as that robot's values.
+Lengths scale with the leg length l, speeds with sqrt(g l), forces with m g, torques in the margins
+with the robot's own limits. The numbers come from trials on AMBER-3M (leg 0.8731 m) and are that
+robot's values.
 """
 
 from functools import partial
@@ -50,7 +50,7 @@ START_ENERGIES = (0.23, 0.57)
 
 
 class Units(NamedTuple):
-    """What one unit of the reference robot is on this robot."""
+    """Values on this robot of one unit of the reference robot."""
 
     length: float
     speed: float
@@ -269,7 +269,7 @@ def _knees(robot: "PlanarBiped") -> np.ndarray:
 
 
 def _knee_bend(robot: "PlanarBiped") -> Quantity:
-    """How much further than LEAST_BEND each knee is bent away from straight [rad]."""
+    """Build the quantity by which each knee is bent beyond LEAST_BEND [rad]."""
     knees = _knees(robot)
     forward = robot.joint_upper[knees] > -robot.joint_lower[knees]
     sides = np.where(forward, 1.0, -1.0)
@@ -293,7 +293,7 @@ def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]
 
 
 def _clearance(unit: Units, highest: float) -> float:
-    """Of an arc over the line between footholds, so that it is above the edges of stairs [m].
+    """Return the height over the line of footholds of an arc that clears edges of stairs [m].
 
     An edge is half a rise above that line, and half-way between two stairs: met at about three
     quarters of a step, where the arc has three quarters of its height.
@@ -331,7 +331,7 @@ def _guard(robot: "PlanarBiped", shortest: float | None) -> list[AbstractConditi
 
 
 def _match(robot: "PlanarBiped") -> list[AbstractCondition]:
-    """What a free policy must learn: match outputs, rates and position through the impact."""
+    """Return conditions of a free policy: match outputs, rates and position through the impact."""
     unit = units(robot)
     length = unit.length
     guard = walking_posture(robot).z_guard
