@@ -49,9 +49,9 @@ def write_arrays(path: Path, arrays: Mapping[str, np.ndarray], metadata: Mapping
 
 
 def read_arrays(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Arrays and text entries of a file, whatever it holds.
+    """Read arrays and text entries of a file, of any names and shapes.
 
-    Raises: RunError if it is missing, damaged, or not what was written.
+    Raises: RunError if it is missing or damaged.
     """
     if not path.is_file():
         raise RunError(f"expected a weights file at {path}, found none: the run is incomplete")

@@ -24,7 +24,7 @@ _MASK = threading.Lock()
 _MOST_LINKS = 40
 """Links that lead to one file; Linux follows no more."""
 _STREAMS = Path("/proc")
-"""Links below it lead to what a process has open, whatever the name says."""
+"""Links below this folder lead to files that a process has open, whatever their names say."""
 _LONGEST_PREFIX = 40
 """Characters of a file's name in that of its temporary: a name may be as long as the system has."""
 _KINDS = (

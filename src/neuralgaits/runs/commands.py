@@ -13,7 +13,7 @@ from neuralgaits._printable import printable
 
 PROGRAM, LATEST = "neuralgaits", "latest"
 _PLAIN = frozenset(range(0x20, 0x7F)) - frozenset(b"'\\")
-"""Bytes that stand for themselves between $' and '."""
+"""Bytes that need no escape between $' and '."""
 
 
 def command(*words: Any) -> str:

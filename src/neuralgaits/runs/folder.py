@@ -1,7 +1,7 @@
-"""One run on disk: what it was asked, what it learnt, what came out.
+"""One run on disk: its settings, its training and its results.
 
-A folder is made in this order, each file whole: copies of the inputs, `config.json` (from here
-on it is a run), checkpoints, and last `summary.json` (from here on it is finished).
+A folder is made in this order, each file whole: copies of the inputs, `config.json` (from here on
+it is a run), checkpoints, and last `summary.json` (from here on it is finished).
 """
 
 import hashlib
@@ -29,7 +29,7 @@ FORMAT = 1
 """Version of the layout and meaning of a run folder; other versions are refused."""
 
 _LAYOUT = {"copies": table_of(TEXT), "written_by": may(table_of(TEXT)), "created_utc": may(TEXT)}
-"""Of a config: what is written here. The rest is the business of the stages."""
+"""Fields of a config that this file writes; the stages write the rest."""
 _WHAT = "the run"
 LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "mujoco", "numpy")
 
@@ -132,7 +132,7 @@ class RunFolder:
 
     @property
     def created_utc(self) -> str:
-        """When the run began; empty if it does not say."""
+        """Start time of the run; empty if its config has none."""
         return self.config.get("created_utc") or ""
 
     @property
@@ -167,7 +167,7 @@ class RunFolder:
             raise RunError(f"expected text in {path}, found {error}: train again") from None
 
     def copied(self, file: str) -> Path:
-        """Where an input was copied to. Raises: RunError as `copy` does."""
+        """Return the path of the copy of an input. Raises: RunError as `copy` does."""
         expected = self.copies.get(file)
         path = self.path / file
         if expected is None or not path.is_file():
@@ -203,7 +203,7 @@ class RunFolder:
         return read_object(self.path / file)
 
     def write_metrics(self, rows: Sequence[Row]) -> None:
-        """Replace `metrics.csv` by these rows."""
+        """Replace the content of `metrics.csv` by these rows."""
         write_text(self.path / METRICS, to_csv(rows))
 
     def read_metrics(self) -> list[dict[str, float]]:

@@ -88,7 +88,7 @@ def resolve_unfinished(run: str | Path, root: Path = RUNS_ROOT) -> RunFolder:
 
 
 def about_latest(root: Path = RUNS_ROOT) -> str | None:
-    """Which run `latest` is, and whether one that was started later has not finished.
+    """Say which run `latest` is, and whether a run that was started later has not finished.
 
     Returns: a sentence; None if `latest` names no run that can be read.
     """
@@ -113,7 +113,7 @@ def _unfinished(root: Path) -> list[Path]:
 
 
 def _started_ns(path: Path) -> int:
-    """When a run's config was written: that makes it a run."""
+    """Return the time at which a run's config was written, which made it a run [ns]."""
     return (path / CONFIG).stat().st_mtime_ns
 
 

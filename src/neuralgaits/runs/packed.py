@@ -10,22 +10,25 @@ _SUFFIX = ".gz"
 
 
 def packed(path: Path) -> Path:
-    """Where a file lies if it is packed."""
+    """Return the path of a file's packed form."""
     return path if path.suffix == _SUFFIX else path.with_name(path.name + _SUFFIX)
 
 
 def place(path: Path) -> Path:
-    """Where a file lies: under its name, or packed if it is there packed alone."""
+    """Return the path of a file: its own, or the packed one if only that exists."""
     return packed(path) if not path.is_file() and packed(path).is_file() else path
 
 
 def is_there(path: Path) -> bool:
-    """Whether there is such a file, packed or not."""
+    """Return whether a file exists, packed or not."""
     return place(path).is_file()
 
 
 def content(path: Path) -> bytes:
-    """What a file holds, packed or not. Raises: OSError if there is none, or if it is damaged."""
+    """Return the content of a file, packed or not.
+
+    Raises: OSError if there is none, or if it is damaged.
+    """
     lies = place(path)
     if lies.suffix != _SUFFIX:
         return lies.read_bytes()

@@ -64,7 +64,7 @@ def from_json(data: bytes | str) -> Any:
 
 
 def object_from_json(data: bytes | str) -> dict[str, Any]:
-    """Read a JSON object. Raises: ValueError that says what was found instead."""
+    """Read a JSON object. Raises: ValueError that names what the data holds instead."""
     try:
         value = from_json(data)
     except ValueError as error:

@@ -1,14 +1,16 @@
-"""What JSON data must look like to be what its writer put there: names, and kinds of values.
+"""Shapes of JSON data: the names and kinds of values that its writer put there.
 
 A file can be whole and still hold something else: an edit by hand, another version, a disc that
-gave way. Readers compare what they found with a shape first, and need not doubt it later.
+gave way. Readers compare their data with a shape first, and need not doubt it later.
 """
 
 from collections.abc import Callable, Mapping
 from typing import Any
 
 Shape = Callable[[Any], str | None] | Mapping[str, Any]
-"""What complains of a value, in words that follow "found"; or the fields of an object."""
+"""Check of a value that returns a complaint, in words that follow "found", or None; or the fields
+of an object with a shape for each.
+"""
 
 
 def complaint(value: Any, shape: Shape) -> str | None:
@@ -64,11 +66,11 @@ def whole(low: int, high: int) -> Callable[[Any], str | None]:
 
 
 COUNT = whole(0, 2**53)
-"""What a count of anything here can be."""
+"""Shape of any count in this program's files."""
 
 
 def one_of(*words: Any) -> Callable[[Any], str | None]:
-    """One of some values."""
+    """Return the shape of a value that equals one of these."""
 
     def check(value: Any) -> str | None:
         fits = any(type(value) is type(word) and value == word for word in words)

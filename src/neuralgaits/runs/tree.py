@@ -30,8 +30,8 @@ def write_tree(path: Path, tree: Any) -> None:
 def read_tree(path: Path, like: Tree) -> Tree:
     """Read a file of `write_tree` into the structure of `like`.
 
-    Leaves keep the kind they have in `like`: JAX array, NumPy array, random key or number.
-    A `jax.ShapeDtypeStruct` stands for a JAX array.
+    Leaves keep the kind they have in `like`: JAX array, NumPy array, random key or number. A
+    `jax.ShapeDtypeStruct` leaf is read as a JAX array.
 
     Raises: RunError if the file is missing, damaged, or holds other names, shapes or dtypes.
     """
@@ -67,7 +67,7 @@ def _to_numpy(leaf: Any) -> np.ndarray:
 
 
 def _like(path: Path, name: str, found: np.ndarray, leaf: Any) -> Any:
-    """The stored array as the kind of leaf that stands in its place."""
+    """Convert the stored array to the kind of leaf at its place in the tree."""
     if isinstance(leaf, bool | int | float):
         if found.shape == () and found.dtype == np.asarray(leaf).dtype:
             return type(leaf)(found)
