@@ -1,7 +1,7 @@
-"""Whether a log can be what it says: times, ranges, units, and the robot it is from.
+"""Checks that a log is plausible: times, ranges, units, and the robot it is from.
 
-What is wrong throughout is refused in one line; single rows that cannot be true are outliers,
-reported and left to the caller to leave out.
+A fault in the whole log is refused in one line; single rows that cannot be true are outliers,
+which are reported, and which the caller may leave out.
 """
 
 from collections.abc import Iterator
@@ -42,15 +42,15 @@ SLOWEST_RAD_S = 0.2
 """Below this a joint says nothing about units: it is at rest, or noise."""
 Z1_TOLERANCE_M = 1e-3
 Z2_TOLERANCE = 0.02
-"""Of the median |z2|: contact creep leaves 0.4 %, the mass of another torso 3 %."""
+"""Tolerance as a share of the median |z2|: contact creep leaves 0.4 %, another torso's mass 3 %."""
 PITCH_TOLERANCE_RAD = 0.1
 """Pitch and the joint angles tell it apart by no more than offsets and noise."""
 SMALLEST_TORQUE = 1e-3
 """A robot that walks commands more than this share of mass * g * leg length somewhere, or none."""
 LOWEST_FOOT = -0.005
-"""The foot that swings is usually not below the one that stands by more, in leg lengths."""
+"""Usual lower limit of the swing foot's height over the stance foot, in leg lengths."""
 UPRIGHT_Z1 = 0.4
-"""Of the leg length: with the hip further from above the foot the robot falls."""
+"""Distance of the hip from above the foot beyond which the robot falls, in leg lengths."""
 
 
 class _Range(NamedTuple):
@@ -96,7 +96,7 @@ def check_times(
 
     Args:
         t: times (s). [k]
-        rows: where they stand in the file. [k]
+        rows: their rows in the file. [k]
         source: the file.
         column: of the times.
 
@@ -160,7 +160,7 @@ def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
 
 
 def _are_many(bad: Bool[np.ndarray, " k"]) -> bool:
-    """Whether these rows are more than outliers."""
+    """Return whether these rows are too many to be outliers."""
     rows = np.flatnonzero(bad)
     if not rows.size:
         return False
@@ -237,7 +237,7 @@ def _check_torques(log: Log, robot: PlanarBiped, labels: Labels) -> None:
 def _check_stance(
     log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
 ) -> None:
-    """The leg that stands is the one with the lower foot."""
+    """Check that the stance leg is the one with the lower foot."""
     upright = good & (np.abs(log.q @ robot.hip_gradient) < UPRIGHT_Z1 * float(robot.leg_length))
     if not upright.any():
         return

@@ -1,4 +1,4 @@
-"""Which leg stands, from the contact of both feet: the rule of the controller, on a whole log."""
+"""The stance leg from the contacts of both feet: the controller's rule, on a whole log."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ def stance_legs(
     contact: Bool[np.ndarray, "k 2"],
     ahead: Float[np.ndarray, " k"],
 ) -> Int[np.ndarray, " k"]:
-    """The leg that stands in each row.
+    """Find the stance leg in each row.
 
     A touchdown is a contact of the swing foot in two rows one after another, ahead of the stance
     foot, and not while the last touchdown is still settling: a switch that chatters, a row that
@@ -28,7 +28,7 @@ def stance_legs(
         contact: of both feet, legs in the order of the robot file. [k, 2]
         ahead: foot of leg 1 ahead of that of leg 0 (m). [k]
 
-    Returns: [k] 0 or 1; UNKNOWN before the first row in which one foot alone stands.
+    Returns: [k] 0 or 1; UNKNOWN before the first row in which exactly one foot is on the ground.
     """
     config = StanceConfig()
     stays = contact.copy()
@@ -55,5 +55,5 @@ def stance_legs(
 
 
 def loaded(robot: PlanarBiped, force: Float[np.ndarray, " k"]) -> Bool[np.ndarray, " k"]:
-    """Whether a foot with this normal force (N) stands or lands. [k]."""
+    """Return whether a foot with this normal force (N) is in stance or lands. [k]."""
     return force > StanceConfig().force_share * float(robot.mass * robot.gravity)

@@ -1,13 +1,15 @@
-"""What a quantity of a log is called in its file, so that a message can name the column.
+"""Names of a log's quantities in its file, so that a message can name the column.
 
-A quantity has a leg of its own in files that keep the legs apart: `q_stance_knee` is the left
-knee while the left leg stands.
+A quantity has a column for each leg in files that keep the legs apart: `q_stance_knee` is the left
+knee while the left leg is in stance.
 """
 
 from collections.abc import Mapping
 
 Labels = Mapping[str, tuple[str, str]]
-"""By column name of `table.columns`: the file's column while leg 0 stands, and while leg 1 does."""
+"""Map from column names of `table.columns` to the file's columns: while leg 0 is in stance, and
+while leg 1 is.
+"""
 
 
 def same_for_both_legs(names: Mapping[str, str]) -> Labels:

@@ -1,8 +1,8 @@
-"""Single rows that stand out from their neighbours: glitches of an encoder or of the link to it.
+"""Single rows far from their neighbours: glitches of an encoder or of the link to it.
 
-A row is an outlier if an angle or rate is far from the median of the rows around it. Far is both
-a length no robot moves in that time and a multiple of the log's own noise. Source: Hampel (1974),
-the median filter; Pearson et al. (2016), Generalized Hampel filters.
+A row is an outlier if an angle or rate is far from the median of the rows around it. Far means
+both further than a robot moves in that time and a multiple of the log's own noise. Source: Hampel
+(1974), the median filter; Pearson et al. (2016), Generalized Hampel filters.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from neuralgaits.logs.table import Log
 NEIGHBOURS = 3
 """Rows on either side."""
 NOISES = 6.0
-"""In robust standard deviations of the log's own scatter about its running median."""
+"""Threshold in robust standard deviations of the log's own scatter about its running median."""
 ANGLE_RAD = 0.02
 RATE_RAD_S = 1.0
 """Less than this is no outlier: joints jerk so much within three rows at 1 kHz."""
@@ -22,7 +22,7 @@ _NORMAL = 1.4826
 
 
 def outliers(log: Log) -> Bool[np.ndarray, " k"]:
-    """Which rows are outliers. [k]."""
+    """Find the rows of a log that are outliers. [k]."""
     bad = np.zeros(len(log), dtype=bool)
     for rows in np.split(np.arange(len(log)), np.flatnonzero(np.diff(log.stance)) + 1):
         if rows.size <= 2 * NEIGHBOURS:
@@ -35,7 +35,7 @@ def outliers(log: Log) -> Bool[np.ndarray, " k"]:
 
 
 def stand_out(values: Float[np.ndarray, "k n"], floor: float) -> Bool[np.ndarray, "k n"]:
-    """Which values of one stance phase are far from the median of the rows around them. [k, n]."""
+    """Find values of one stance phase that are far from the median of their neighbours. [k, n]."""
     ends = [(NEIGHBOURS, NEIGHBOURS), (0, 0)]
     padded = np.pad(values, ends, mode="edge")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=0)

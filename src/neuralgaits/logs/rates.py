@@ -18,7 +18,7 @@ HALF_WINDOWS_S = (0.01, 0.04)
 as long, one-sided, and its noise about four times as large."""
 DEGREE = 2
 _SPOILT = 1e-6
-"""Weight of a value that stands out; not zero, so that every parabola has three rows."""
+"""Weight of an outlier; not zero, so that every parabola has three rows."""
 _BLOCK = 4096
 """Rows at a time: a log may be long."""
 # Standard deviation of normal noise over the median of its absolute value; that of the third
@@ -38,7 +38,7 @@ def noise(values: Float[np.ndarray, "k c"]) -> float:
 
 
 def half_window(period_s: float, noise_rad: float) -> float:
-    """How far windows reach to either side (s): as far as the noise asks for."""
+    """Return the reach of windows to either side (s), which grows with the noise."""
     shortest, longest = HALF_WINDOWS_S
     # The slope of a parabola over 2h has the noise sigma sqrt(1.5 dt) / h^1.5.
     needed = (noise_rad * math.sqrt(1.5 * period_s) / QUIET_RAD_S) ** (2.0 / 3.0)

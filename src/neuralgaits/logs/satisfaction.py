@@ -1,7 +1,7 @@
-"""Conditions of a spec judged on what was measured: on rows of logs, not on the zero dynamics.
+"""Conditions of a spec judged on measurements: on rows of logs, not on the zero dynamics.
 
 Only quantities that a log knows are judged: posture, rates, torques, the swing foot and z, but
-neither contact forces nor impulses. Of a barrier it is asked that h >= 0 where the robot was.
+neither contact forces nor impulses. A barrier holds in a row if h >= 0 there.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from neuralgaits.logs.table import Log
 from neuralgaits.robots import PlanarBiped
 
 MEASURED = ("q", "dq", "dz", "torque")
-"""What of a point's data a log says."""
+"""Fields of a point's data that a log contains."""
 FOLLOWS = (
     "theta",
     "foot",
@@ -32,7 +32,7 @@ FOLLOWS = (
     "foot_lift_rate",
     "centre_of_mass",
 )
-"""What follows from it without the policy."""
+"""Fields that follow from the measured ones without the policy."""
 BLOCK = 2048
 """Rows judged at once: one compiled shape for logs of any length."""
 
@@ -47,7 +47,7 @@ class Satisfaction(NamedTuple):
     all: float
     """There, with every condition that a log can judge held as well."""
     conditions: dict[str, float]
-    """Of the rows at the phases of a condition's region, those where it held."""
+    """Share of the rows at the phases of a condition's region in which the condition held."""
 
 
 def satisfaction(
@@ -112,7 +112,7 @@ def _judged(
 def _is_logged(
     condition: Pointwise | Barrier, robot: PlanarBiped, gait: Gait, torques: bool
 ) -> bool:
-    """Whether a condition reads nothing but what a log knows: a point keeps what it computes."""
+    """Return whether a condition reads only what a log knows: a point caches what it computes."""
     unknown: set[str] = set()
 
     def read(q: Coordinates, dq: Coordinates, torque: Actuated) -> Array:

@@ -1,4 +1,4 @@
-"""What follows from the sensors of many rows by the run's own model: q, dq, z, what was asked."""
+"""States computed from the sensors of many rows by the run's model: q, dq, z, desired outputs."""
 
 from typing import NamedTuple
 
@@ -34,7 +34,7 @@ class Sensed(NamedTuple):
 
 
 class States(NamedTuple):
-    """k states, coordinates of the leg that stands."""
+    """States of k rows, in coordinates of the stance leg."""
 
     q: Float[np.ndarray, "k n"]
     dq: Float[np.ndarray, "k n"]
@@ -47,7 +47,7 @@ class States(NamedTuple):
 def feet_apart(
     robot: PlanarBiped, pitch: Float[np.ndarray, " k"], angles: Float[np.ndarray, "k 2 j"]
 ) -> Float[np.ndarray, " k"]:
-    """How far the foot of leg 1 is ahead of that of leg 0 (m). [k]."""
+    """Return how far the foot of leg 1 is ahead of that of leg 0 (m). [k]."""
     return in_blocks(_feet_apart, robot, np.column_stack([pitch, _flat(angles)]))
 
 

@@ -23,20 +23,20 @@ LONGEST_STRIDE_S = 2.0
 BOUNCE_S = 0.1
 """An impact within this time after a touchdown belongs to it: the foot bounces."""
 JUMP_NOISES = 6.0
-"""In robust standard deviations of the log's own rates of z2: less is noise, no impact."""
+"""Least jump of an impact, in robust standard deviations of the log's rates of z2."""
 FALLING_RAD = 0.5
-"""Joints further than this from what was asked of them: the robot falls, whatever z says."""
+"""Deviation of a joint from its desired angle beyond which the robot falls, whatever z is."""
 FALLING_Z1 = 0.4
 """Hip further than this from above the foot, in leg lengths: twice as far as in a long step."""
 GAP_PERIODS, GAP_S = 2.5, 5e-3
 """Rows further apart than this many sample periods, and than this time, have a gap between them:
 single rows that are missing hide nothing."""
 SHARES = (0.7, 0.15, 0.15)
-"""Of all strides: to learn from, to choose by, and to report on."""
+"""Shares of all strides for training, validation and test."""
 
 
 class State(NamedTuple):
-    """One measured state."""
+    """One measured state, with its time."""
 
     t: float
     """[s]"""
@@ -53,7 +53,7 @@ class Stride:
     Attributes:
         source: file or episode it is from.
         number: of the stance phase in its log, from 0.
-        leg: that stands, 0 or 1.
+        leg: the stance leg, 0 or 1.
         t: time of the log [s]. [k]
         q: coordinates, stance leg first [rad]. [k, n]
         dq: rates [rad/s]. [k, n]
@@ -81,7 +81,7 @@ class Cut(NamedTuple):
     """The strides of one or more logs, and what was left out of them."""
 
     strides: list[Stride]
-    """In the order of the logs."""
+    """Strides in the order of the logs."""
     left_out: dict[str, int]
     """Rows by reason."""
 
@@ -148,7 +148,7 @@ def split(
 
 
 def _phases(log: Log) -> list[Int[np.ndarray, " k"]]:
-    """Rows of each stance phase."""
+    """Return the rows of each stance phase."""
     changes = np.flatnonzero(np.diff(log.stance)) + 1
     return np.split(np.arange(len(log)), changes)
 

@@ -12,11 +12,11 @@ from neuralgaits._types import Bool, Float, Int
 class Log:
     """One walk, in SI units. k rows, n coordinates, m = n - 1 actuated joints.
 
-    Coordinates, desired outputs and torques are those of the leg that stands, stance leg first.
+    Coordinates, desired outputs and torques are given stance leg first.
 
     Attributes:
         t: time [s], strictly increasing. [k]
-        stance: leg that stands, 0 or 1 in the order of the robot file. [k]
+        stance: the stance leg, 0 or 1 in the order of the robot file. [k]
         q: measured coordinates [rad]. [k, n]
         dq: measured rates [rad/s]. [k, n]
         qd: desired outputs [rad]. [k, m]
@@ -24,14 +24,14 @@ class Log:
         tau: commanded joint torques [N m]. [k, m]
         pitch: absolute angle of the root link [rad]. [k]
         dpitch: its rate [rad/s]. [k]
-        z: zero dynamics state as the controller measured it (m, kg m^2/s); None if the robot
-            wrote none. [k, 2]
+        z: zero dynamics state as the controller measured it (m, kg m^2/s); None if the robot wrote
+            none. [k, 2]
         z2_plant: angular momentum with the plant's own masses, without noise [kg m^2/s]; only a
             simulation knows it. [k]
-        rows: where each row stands in the source, counted from 1. [k]
+        rows: number of each row in the source, counted from 1. [k]
         joint_names: of the n coordinates.
         source: file, or the episode of a simulation: for messages.
-        computed: what was not in the file but follows from what was, in words.
+        computed: description of the quantities that are computed because the file lacks them.
         torques_logged: whether `tau` was measured; it is zero if not.
     """
 
@@ -53,7 +53,7 @@ class Log:
     torques_logged: bool = True
 
     def __len__(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return len(self.t)
 
     @property

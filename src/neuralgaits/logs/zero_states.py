@@ -61,7 +61,7 @@ def _halves(x: FullState) -> tuple[Array, Array]:
 def in_blocks(
     function: Callable[..., Array], model: eqx.Module, x: Float[np.ndarray, "k c"]
 ) -> np.ndarray:
-    """What a compiled function of a model says of many rows, BLOCK at a time. Returns: [k, ...]."""
+    """Evaluate a compiled function of a model on many rows, BLOCK at a time. Returns: [k, ...]."""
     count = len(x)
     # The last state fills the last block up: padding must not leave the model's domain.
     last = x[-1:] if count else np.zeros((1, x.shape[1]))

@@ -32,7 +32,7 @@ _JOINTS = 4
 
 
 def recognised(text: Text) -> bool:
-    """Whether a file is of this format, by its header's first names or by its width.
+    """Return whether a file is of this format, by its header's first names or by its width.
 
     The header of the robot's own program lacks commas, so its width says nothing.
     """

@@ -26,7 +26,7 @@ from neuralgaits.logs.formats.units import ANGLE, FORCE, RATE, SPEED, TIME, TORQ
 from neuralgaits.robots import PlanarBiped
 
 PAGE = "the page 'Your own logs'"
-"""Where both kinds of file are described."""
+"""Page of the documentation that describes both kinds of file."""
 PLAIN = {"time": TIME, "pitch": ANGLE, "pitch_rate": RATE}
 """Quantities that are no table."""
 _SETTINGS = ("column", "unit", "sign", "offset")
@@ -34,14 +34,14 @@ _SETTINGS = ("column", "unit", "sign", "offset")
 
 @dataclass(frozen=True)
 class Source:
-    """Where a quantity comes from: sign * (column - offset), in its unit.
+    """Source of a quantity: sign * (column - offset), in its unit.
 
     Attributes:
         key: of the quantity in the file, as in joints.hip_left.
         column: of the log.
         factor: SI value of the column's unit; None for a contact that is 0 or 1.
         sign: 1 or -1.
-        offset: what the column shows where the quantity is zero, in the column's unit.
+        offset: the column's value where the quantity is zero, in the column's unit.
     """
 
     key: str
@@ -68,12 +68,12 @@ class ColumnFile:
     sources: Mapping[str, Source]
 
     def has(self, table: str) -> bool:
-        """Whether a quantity is there, or a table of them."""
+        """Return whether the file has a quantity, or a table of them."""
         return any(key == table or key.startswith(f"{table}.") for key in self.sources)
 
 
 def joints_of(robot: PlanarBiped) -> tuple[str, ...]:
-    """Joints of the robot file, leg by leg; a hip that both legs share stands there once."""
+    """Return joints of the robot file, leg by leg; a hip that both legs share is listed once."""
     first, second = robot.layout.leg_joints
     return tuple(dict.fromkeys((*reversed(first), *reversed(second))))
 

@@ -1,7 +1,7 @@
-"""A robot's own log files, with a file that says what their columns are: see `column_file`.
+"""A robot's own log files, with a file that describes their columns: see `column_file`.
 
-What a file of the project's own format holds besides is computed: the leg that stands from the
-contacts, rates from angles, z from both, desired outputs from the policy that walked.
+The further quantities of the project's own format are computed: the stance leg from the contacts,
+rates from angles, z from both, desired outputs from the policy that walked.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ from neuralgaits.logs.table import Log
 from neuralgaits.robots import PlanarBiped
 
 AGREEING = 0.5
-"""Share of rows with one foot on the ground in which it is the one that stands."""
+"""Least share of the rows with one foot on the ground in which it is the stance foot."""
 UNSETTLED_S = 0.5 * SETTLING_S
 """After a touchdown rates change fast: those of later rows are not computed from these [s]."""
 
@@ -99,7 +99,7 @@ def read(
 
 
 def _refuse_unknown_wishes(text: Text, columns: ColumnFile, policy: AbstractPolicy | None) -> None:
-    """Desired outputs are in the log, or follow from a policy that is told nothing."""
+    """Refuse a log without desired outputs unless they follow from a policy without commands."""
     if columns.has("desired") or (policy is not None and policy.step is None):
         return
     why = "no policy is given" if policy is None else "its policy is told commands"
@@ -116,7 +116,7 @@ def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:
 def _stance(
     source: str, robot: PlanarBiped, columns: ColumnFile, found: Numbers
 ) -> Int[np.ndarray, " k"]:
-    """The leg that stands, UNKNOWN at first. Raises: InputError if the contacts tell none."""
+    """Find the stance leg, UNKNOWN at first. Raises: InputError if the contacts show none."""
     contact = found.contact
     stance = stance_legs(robot, found.t, contact, feet_apart(robot, found.pitch, found.angles))
     where = f"log {source}, columns {both_contacts(robot, columns)}"
@@ -138,7 +138,7 @@ def _stance(
 
 @dataclass(frozen=True, eq=False)
 class _Turning:
-    """How rates follow from the angles of a log.
+    """Computation of rates from the angles of a log.
 
     Attributes:
         t: times [s]. [k]

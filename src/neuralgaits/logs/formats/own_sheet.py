@@ -17,7 +17,7 @@ _Found = dict[str, Float[np.ndarray, " k"]]
 
 
 class Numbers(NamedTuple):
-    """What a file holds in k rows; NaN where it has none. j joints a leg.
+    """Contents of a file with k rows; NaN where it has no value. j joints a leg.
 
     Legs are in the order of the robot file, joints from the lowest up.
     """
@@ -25,7 +25,7 @@ class Numbers(NamedTuple):
     t: Float[np.ndarray, " k"]
     """[s]"""
     rows: Int[np.ndarray, " k"]
-    """Where each row stands in the file, counted from 1."""
+    """Number of each row in the file, counted from 1."""
     pitch: Float[np.ndarray, " k"]
     """Up-angle of the root link [rad]."""
     dpitch: Float[np.ndarray, " k"]
@@ -41,9 +41,9 @@ class Numbers(NamedTuple):
     desired_rates: Float[np.ndarray, "k 2 j"]
     """[rad/s]"""
     hip_velocity: Float[np.ndarray, "k 2"] | None
-    """Of the hip in the world, (x, z) [m/s]; None if the file has none."""
+    """Velocity of the hip in the world, (x, z) [m/s]; None if the file has none."""
     contact: Bool[np.ndarray, "k 2"]
-    """Of both feet."""
+    """Contact flags of both feet."""
 
 
 def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> Numbers:
@@ -80,7 +80,7 @@ def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> Numbers:
 
 
 def _quantities(text: Text, columns: ColumnFile) -> tuple[_Found, Int[np.ndarray, " k"]]:
-    """Numbers of every quantity in SI units, by key, and where each row stands in the file."""
+    """Read the numbers of every quantity in SI units, by key, and each row's number in the file."""
     width, wanted = len(text.header), columns.sources
     names = tuple(dict.fromkeys(source.column for source in wanted.values()))
     _check_header(text, columns, names)
@@ -135,7 +135,7 @@ def _contact(
     robot: PlanarBiped,
     foot: str,
 ) -> Bool[np.ndarray, " k"]:
-    """Whether a foot is on the ground. [k]."""
+    """Return whether a foot is on the ground. [k]."""
     source = columns.sources[f"contact.{foot}"]
     value = found[source.key]
     if source.factor is not None:

@@ -1,4 +1,4 @@
-"""What a robot's own log is said to hold: names for messages, and what was computed."""
+"""Names of a robot's own log quantities for messages, and notes on the computed ones."""
 
 from neuralgaits.logs.formats.column_file import ColumnFile, Source, joints_of
 from neuralgaits.logs.labels import Labels
@@ -12,7 +12,7 @@ def both_contacts(robot: PlanarBiped, columns: ColumnFile) -> str:
 
 
 def computed(robot: PlanarBiped, columns: ColumnFile) -> tuple[str, ...]:
-    """What the file does not hold, in words."""
+    """Describe the quantities that the file lacks and that are computed."""
     shortest, longest = HALF_WINDOWS_S
     window = f"{2e3 * shortest:g} to {2e3 * longest:g} ms, as long as the noise asks for"
     found = ["stance leg from the contacts"]
@@ -32,7 +32,7 @@ def computed(robot: PlanarBiped, columns: ColumnFile) -> tuple[str, ...]:
 
 
 def labels_of(robot: PlanarBiped, columns: ColumnFile) -> Labels:
-    """What quantities are called in the log."""
+    """Return the log's names of the quantities."""
     first, second = robot.layout.leg_joints
 
     def said(table: str, joint: str) -> str:

@@ -27,10 +27,10 @@ SAME_RAD = 1e-6
 
 
 class Reading(NamedTuple):
-    """A log as far as it is good."""
+    """Good rows of a log, and what was left out."""
 
     log: Log
-    """Its good rows."""
+    """Good rows of the log."""
     left_out: dict[str, int]
     """Rows that are missing in it or were left out, by reason."""
 
@@ -48,8 +48,8 @@ def read(
         path: of a CSV file: the project's own format, or that of the AMBER-3M robot, or with
             `columns` any other.
         robot: the run's own model, whose joints and z the log must have.
-        columns: file that says what the columns of a robot's own log are: see `column_file`.
-        policy: that walked: asked for desired outputs that a robot's own log does not hold.
+        columns: file that describes the columns of a robot's own log: see `column_file`.
+        policy: that walked; it gives the desired outputs that a robot's own log lacks.
 
     Raises: InputError in one line that names file, row, column and remedy.
     """
@@ -131,6 +131,6 @@ def _is_same_walk(one: Log, other: Log) -> bool:
 
 
 def _missing(log: Log) -> int:
-    """Rows that would stand in the gaps."""
+    """Count the rows that are missing in the gaps."""
     steps = np.diff(log.t) / log.period_s
     return int(np.sum(np.round(steps[steps > JITTER]) - 1))

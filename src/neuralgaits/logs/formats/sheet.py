@@ -20,7 +20,7 @@ class Sheet:
         path: of the file.
         header: cells of the first row; empty if that row holds numbers.
         numbers: of all other rows, empty lines left out; none is NaN or infinite. [k, c]
-        rows: where each row of numbers stands in the file, counted from 1. [k]
+        rows: number of each row in the file, counted from 1. [k]
     """
 
     path: Path

@@ -42,12 +42,12 @@ def write(path: Path, log: Log) -> None:
 
 
 def recognised(text: Text) -> bool:
-    """Whether a file's header is of this format."""
+    """Return whether a file's header is of this format."""
     return bool(text.header) and all(_HEADER.match(cell) for cell in text.header)
 
 
 def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
-    """The log of a recognised file. Columns may stand in any order, others are passed over.
+    """Read the log of a recognised file; columns have any order, unknown ones are ignored.
 
     Raises: InputError for a column that is missing, twice there or of another unit, and for a
     broken row.
@@ -93,7 +93,7 @@ def missing(text: Text, robot: PlanarBiped) -> str:
 
 
 def _some(heads: list[str]) -> str:
-    """The first few of many."""
+    """List the first few of many column names."""
     return ", ".join(heads[:SHOWN]) + (
         f" and {len(heads) - SHOWN} more" if len(heads) > SHOWN else ""
     )

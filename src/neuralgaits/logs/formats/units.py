@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Dimension(NamedTuple):
-    """What is measured.
+    """Physical dimension of a quantity, and its units.
 
     Attributes:
         name: for messages.
@@ -18,7 +18,7 @@ class Dimension(NamedTuple):
 
     @property
     def si(self) -> str:
-        """Its SI unit."""
+        """Name of the dimension's SI unit."""
         return next(iter(self.units))
 
 
