@@ -1,1 +1,1 @@
-"""What figures, report and viewer show of a gait: its flow, its orbit, its quantities."""
+"""Data of a gait for figures, report and viewer: its flow, its orbit, its quantities."""

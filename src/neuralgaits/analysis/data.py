@@ -1,4 +1,4 @@
-"""What figures of a gait are drawn from: arrays by name, and what their rows are called.
+"""Data from which figures of a gait are drawn: arrays by name, and names of their rows.
 
 P phases, L levels, A and B grid lines, T nodes, c conditions, b barriers, n coordinates, m joints.
 Margins are in scales of their conditions, NaN where a condition does not apply.
@@ -25,7 +25,7 @@ from neuralgaits._types import Float
 
 
 class Numbers(NamedTuple):
-    """The periodic orbit in numbers."""
+    """Key figures of the periodic orbit."""
 
     z2: float
     """At mid-step, z1 = 0 [kg m^2/s]."""
@@ -59,12 +59,12 @@ class GaitData:
     residual: bool
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """An array."""
+        """Return the array of that name."""
         return self.arrays[name]
 
     @property
     def periodic(self) -> bool:
-        """Whether a periodic orbit was found."""
+        """Whether the gait has a periodic orbit."""
         return len(self.arrays["orbit/t"]) > 0
 
     @property

@@ -1,6 +1,6 @@
-"""What the figure of a family of gaits is drawn from: orbits over ranges of its commands.
+"""Data for the figure of a family of gaits: orbits over ranges of its commands.
 
-N commands that stay, P phases, T nodes of an orbit. Values are in the units of `gait.commands`.
+N constant commands, P phases, T nodes of an orbit. Values are in the units of `gait.commands`.
 """
 
 from typing import NamedTuple
@@ -14,18 +14,18 @@ class Sweep(NamedTuple):
     """The orbits over the range of one command, the others in the middle of theirs."""
 
     name: str
-    """Of the command."""
+    """Name of the command."""
     values: Float[np.ndarray, " N"]
-    """That it keeps, over all of its range."""
+    """Constant values of the command, over all of its range."""
     speed: Float[np.ndarray, " N"]
     """Mean forward speed of the orbit, NaN where there is none [m/s]."""
 
 
 class Member(NamedTuple):
-    """One gait of the family: what it is at a command that stays."""
+    """One gait of the family, at a constant command."""
 
     value: float
-    """Of the command."""
+    """Value of the command."""
     fence_z1: Float[np.ndarray, " P"]
     """[m]"""
     fence_z2: Float[np.ndarray, "2 P"]
@@ -37,16 +37,16 @@ class Member(NamedTuple):
 
 
 class Family(NamedTuple):
-    """A gait that takes commands."""
+    """Orbits of a gait that takes commands."""
 
     sweeps: tuple[Sweep, ...]
-    """One a command, in their order."""
+    """One sweep for each command, in their order."""
     members: tuple[Member, ...]
     """At the lowest, the middle and the highest value of the first command."""
     torso: bool
-    """Whether the robot has one."""
+    """Whether the robot has a torso."""
 
     @property
     def periodic(self) -> bool:
-        """Whether any orbit was found."""
+        """Whether any command has a periodic orbit."""
         return any(np.isfinite(sweep.speed).any() for sweep in self.sweeps)

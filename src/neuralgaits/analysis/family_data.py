@@ -14,7 +14,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit
 
 VALUES = 7
-"""Of a command over its range: odd, so that the middle is one of them."""
+"""Number of values of a command over its range: odd, so that the middle is one of them."""
 PHASES = 41
 """Points along the fences."""
 MIDDLE = 0.5
@@ -32,7 +32,7 @@ class _Found(NamedTuple):
     mesh: Mesh
     orbit: Orbit
     level: float
-    """Of the orbit where the hip is above the foot; `MIDDLE` without one."""
+    """Level of the orbit where the hip is above the foot; `MIDDLE` without an orbit."""
 
 
 def family_data(run: Run) -> Family:

@@ -1,6 +1,6 @@
 """The hybrid zero dynamics of many states at once, in NumPy: without compiling anything.
 
-The hip moves forward in a step, so z1 stands for time: d z2 / d z1 = dz2 / dz1. That makes the
+The hip moves forward in a step, so z1 replaces time: d z2 / d z1 = dz2 / dz1. That makes the
 section a fixed line, and a batch keeps in step. A state whose hip stops has no step: NaN.
 
 The foot is on the ground at the start of a step too, so the guard only counts while the hip is
@@ -17,7 +17,7 @@ from neuralgaits.gait.runge_kutta import DOPRI5
 from neuralgaits.robots import PlanarBiped
 
 Quantity = Callable[[np.ndarray], np.ndarray]
-"""Of states [N, 2] (m, kg m^2/s)."""
+"""Function of states [N, 2] (m, kg m^2/s)."""
 STEPS = 60
 """Fifth-order steps over the usual length of a step: errors near 1e-11 of z2."""
 BEHIND = 0.3
@@ -27,13 +27,13 @@ OF_LEG = 0.012
 SLOWEST_M_S = 1e-3
 """A hip slower than this has stopped [m/s]."""
 SECANT_STEPS = 12
-"""That find where the foot meets the ground within one step, at most: bracketed."""
+"""Largest number of secant steps, bracketed, to find the foot's contact within one step."""
 ON_GROUND_M = 1e-15
 """A foot that is nearer to the ground than this is on it, to rounding [m]."""
 
 
 class Motion(NamedTuple):
-    """What the flow is made of, each by itself: most of its steps need the rate alone."""
+    """Functions that make up the flow, kept apart: most of its steps need the rate alone."""
 
     dz: Quantity
     """Rate of z. [N, 2] (m/s, N m)."""
@@ -44,21 +44,25 @@ class Motion(NamedTuple):
 
 
 class Mesh(NamedTuple):
-    """How finely the flow is followed, and how far."""
+    """Step of the integration of the flow, and its reach."""
 
     step: float
-    """Of z1 [m]."""
+    """Step of z1 [m]."""
     last: float
     """A foot that has not landed at this z1 does not [m]."""
 
     @classmethod
     def of_gait(cls, start: float, guard: float, steps: int = STEPS) -> "Mesh":
-        """For a step that usually goes from a start to a guard (m)."""
+        """Return the mesh of a gait whose steps usually go from a start to a guard (m)."""
         return cls((guard - start) / steps, guard + BEHIND * (guard - start))
 
     @classmethod
     def of_robot(cls, robot: PlanarBiped) -> "Mesh":
-        """For any gait: a hip a leg's length ahead of the foot is on the ground itself."""
+        """Return a mesh for any gait.
+
+        It reaches one leg's length, since a hip that far ahead of the foot is on the ground
+        itself.
+        """
         return cls(OF_LEG * robot.leg_length, robot.leg_length)
 
 
@@ -70,7 +74,7 @@ class Swing(NamedTuple):
     t: Float[np.ndarray, "K N"]
     """Time since the start [s]."""
     landed: Bool[np.ndarray, " N"]
-    """Whether the guard was met; the last node is NaN else."""
+    """Whether the flow reached the guard; if not, the last node is NaN."""
 
 
 class Returns(NamedTuple):
@@ -79,7 +83,7 @@ class Returns(NamedTuple):
     z2: Float[np.ndarray, " N"]
     """At the section one step later [kg m^2/s]."""
     duration: Float[np.ndarray, " N"]
-    """Of the step [s]."""
+    """Duration of the step [s]."""
     before: Float[np.ndarray, "N 2"]
     """State just before the impact."""
     length: Float[np.ndarray, " N"]
@@ -123,7 +127,7 @@ def to_section(motion: Motion, start: np.ndarray, mesh: Mesh) -> np.ndarray:
 
 
 def returns(motion: Motion, z2: np.ndarray, mesh: Mesh) -> Returns:
-    """One application of the Poincare map to many z2. [N]."""
+    """Apply the Poincare map once to many z2. [N]."""
     swung = swing(motion, np.stack([np.zeros(len(z2)), z2], axis=1), mesh)
     before = swung.z[-1]
     after = to_section(motion, motion.z_after(before), mesh)
@@ -144,7 +148,7 @@ def _rate(motion: Motion, y: np.ndarray) -> np.ndarray:
 
 
 def _step(motion: Motion, y: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """One step of a length h [N] of the method of Dormand and Prince. [N, 3]."""
+    """Take one step of length h [N] of the method of Dormand and Prince. [N, 3]."""
     slopes: list[np.ndarray] = []
 
     def ahead(shares: np.ndarray) -> np.ndarray:
@@ -162,7 +166,7 @@ def _foot(motion: Motion, y: np.ndarray) -> np.ndarray:
 
 
 def _landing(motion: Motion, y: np.ndarray, step: float) -> np.ndarray:
-    """Where the foot meets the ground within one step, by the Illinois method. [N, 3]."""
+    """Find the foot's contact within one step by the Illinois method. [N, 3]."""
     low, high = np.zeros(len(y)), np.full(len(y), step)
     at_low = np.maximum(_foot(motion, y), 0.0)
     at_high = _foot(motion, _step(motion, y, high))

@@ -1,4 +1,4 @@
-"""What figures of a gait are drawn from: computed once, kept in the run. See `analysis.data`."""
+"""Data of a gait for figures: computed once, kept in the run. See `analysis.data`."""
 
 import hashlib
 import json
@@ -20,12 +20,12 @@ from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, WEIGHTS
 
 FILE = "figures/data.safetensors"
 VERSION = 1
-"""Of the arrays and their meaning: data of another version are computed again."""
+"""Version of the arrays and their meaning: data of another version are computed again."""
 PHASES, LEVELS = 81, 41
 COLUMNS, ROWS = 61, 41
 WALK_STEPS, WALK_NODES = 4, 30
 AROUND = 0.12
-"""How far the plane's grid reaches beyond the tube, in lengths of a step and heights."""
+"""Reach of the plane's grid beyond the tube, in lengths of a step and heights."""
 
 
 def gait_data(run: Run) -> GaitData:

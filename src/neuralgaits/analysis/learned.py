@@ -1,4 +1,4 @@
-"""What was learned of a robot, as one file: residuals of flow and reset, and how far to trust them.
+"""Corrections of a robot's model as one file: residuals of flow and reset, and an error bound.
 
 Sizes of the networks are read off the arrays' names and shapes, so a file needs no other.
 """
@@ -20,12 +20,12 @@ _LAYER = "flow.network.biases[{}]"
 
 
 class Learned(eqx.Module):
-    """What was learned of a robot beyond its model.
+    """Corrections of a robot's model, learned from logs.
 
     Attributes:
         flow: residual of dz.
         reset: residual of the reset map; None if too few touchdowns were seen.
-        error_bound: what dz may still be off by, from held-out strides (m/s, N m). [2]
+        error_bound: remaining error bound on dz, from held-out strides (m/s, N m). [2]
     """
 
     flow: Residual

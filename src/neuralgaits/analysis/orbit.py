@@ -47,7 +47,7 @@ def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
 
 
 def motion_of(zd: ZeroDynamics) -> Motion:
-    """What the flow of zero dynamics is made of."""
+    """Return the functions that make up the flow of zero dynamics."""
 
     def named(z):
         point = zd.point(z)
@@ -82,7 +82,7 @@ class SampledMap(NamedTuple):
     z2: Float[np.ndarray, " N"]
     """At the section [kg m^2/s]."""
     after: Float[np.ndarray, " N"]
-    """One step later; NaN where a state does not come back [kg m^2/s]."""
+    """State z2 one step later; NaN where a state does not come back [kg m^2/s]."""
     orbit: Orbit
 
 
@@ -112,7 +112,7 @@ def orbit_between(motion: Motion, z2: np.ndarray, mapped: np.ndarray, mesh: Mesh
 
 
 def cycle(motion: Motion, orbit: Orbit, mesh: Mesh) -> Swing:
-    """One step of an orbit from landing to landing, N = 1; no nodes if there is no orbit."""
+    """Follow one step of an orbit from landing to landing, N = 1; no nodes without an orbit."""
     if orbit.result != "found":
         return Swing(np.zeros((0, 1, 2)), np.zeros((0, 1)), np.zeros(1, dtype=bool))
     return swing(motion, motion.z_after(orbit.guard_state[None]), mesh)

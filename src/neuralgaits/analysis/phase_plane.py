@@ -8,7 +8,7 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.quantities import PlaneChart
 
 LEAST = 0.02
-"""Of the lowest fence: no grid reaches below this share of it, where the hip stands still."""
+"""Smallest share of the lowest fence that a grid reaches: the hip stands still at zero."""
 
 
 class Plane(NamedTuple):
@@ -25,11 +25,11 @@ class Plane(NamedTuple):
 
     @property
     def states(self) -> Float[np.ndarray, "BA 2"]:
-        """Of the grid, row by row."""
+        """Return the states of the grid, row by row."""
         return np.stack(np.meshgrid(self.z1, self.z2), axis=-1).reshape(-1, 2)
 
     def laid_out(self, values: np.ndarray) -> np.ndarray:
-        """What belongs to the states, as they lie: [B * A, ...] to [B, A, ...]."""
+        """Reshape values at the states to the grid: [B * A, ...] to [B, A, ...]."""
         return values.reshape(len(self.z2), len(self.z1), *values.shape[1:])
 
 

@@ -24,7 +24,10 @@ LOGS, STATES = 4, 2500
 
 
 def residual_data(run: Run) -> ResidualData | None:
-    """What the run was trained with, else what was learned from its logs; None if neither."""
+    """Return data of the residual used in training, else of the one learned from logs.
+
+    Returns: None if the run has neither.
+    """
     trained = run.learned is not None
     path = run.path / (RESIDUAL if trained else FITTED)
     if not path.is_file():
@@ -50,7 +53,7 @@ def residual_data(run: Run) -> ResidualData | None:
 
 
 def _visited(run: Run, trained: bool) -> np.ndarray:
-    """States of the logs that the residual is from, as far as they are still there. [K, 2]."""
+    """Return the states of the logs behind the residual, where the logs still exist. [K, 2]."""
     parent = run.asked.parent
     places = [run.path.parent / Path(parent).name, Path(parent)] if trained and parent else []
     for place in places or [run.path]:

@@ -38,8 +38,8 @@ class Run:
         folder: on disk.
         robot: the model it was trained on, from the run's own copy.
         spec: the conditions it was trained for.
-        trained: policy and tube, or the family of them that is told commands.
-        command: of a family, the one that is looked at; None for the middle of its ranges.
+        trained: policy and tube, or the family of them that takes commands.
+        command: at which a family is evaluated; None for the middle of its ranges.
     """
 
     folder: RunFolder
@@ -49,7 +49,7 @@ class Run:
     command: Mapping[str, float] | None = None
 
     def __repr__(self) -> str:
-        """One line: where it is, of what, and how its conditions do on samples."""
+        """Return one line with folder, robot, spec and the margins of conditions on samples."""
         told = "" if self.command is None else f" at {dict(self.command)}"
         try:
             asked, held = self.asked, self._on_samples
@@ -60,7 +60,7 @@ class Run:
         return f"<Run {self.path}{told}: {about}, {held}>"
 
     def _repr_html_(self) -> str:
-        """The same for a notebook, with the tightest conditions."""
+        """Return an HTML summary for a notebook, with the tightest conditions."""
         try:
             found = self.summary.conditions
         except RunError as error:
@@ -100,22 +100,22 @@ class Run:
 
     @property
     def path(self) -> Path:
-        """The run folder."""
+        """Path of the run folder."""
         return self.folder.path
 
     @cached_property
     def asked(self) -> Asked:
-        """What the training was asked."""
+        """Settings with which the training was started."""
         return asked_of(self.folder)
 
     @property
     def summary(self) -> Trained:
-        """What `train --json` printed. Raises: RunError if it is damaged."""
+        """Summary that `train --json` printed. Raises: RunError if it is damaged."""
         return trained_of(self.path)
 
     @cached_property
     def learned(self) -> Learned | None:
-        """What the run was told of its robot beyond the model; None if nothing.
+        """Corrections of the robot's model that the training used; None if there were none.
 
         Raises: RunError if the file is not as it was.
         """

@@ -38,5 +38,5 @@ def skeleton(
 
 
 def hip_index(points: int, torso: bool) -> int:
-    """Which of the points is the hip."""
+    """Return the index of the hip among the points."""
     return (points - 3) // 2 if torso else (points - 1) // 2

@@ -14,7 +14,7 @@ FROUDE = 1.0
 """v^2 / (g L) at which a hip on a stiff leg needs no floor: beyond, feet leave it, a robot runs
 (Alexander, Physiological Reviews 69, 1989, section on walking as an inverted pendulum)."""
 LONGEST_STEP = 1.0
-"""In leg lengths: legs 60 degrees apart at touchdown."""
+"""Longest step in leg lengths: legs 60 degrees apart at touchdown."""
 BENT = 0.25
 """Inertia of a leg about its hip with the knee bent as far as it goes, as a share of the straight
 leg's: half as long."""
@@ -44,9 +44,9 @@ def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -
 
     Args:
         robot: of `load_robot`.
-        speed: mean (m/s), a range of them, or None for whatever comes.
+        speed: mean (m/s), a range of them, or None for any.
 
-    Returns: one line with a speed to ask for; None if nothing speaks against it.
+    Returns: one line with a speed to request; None if there is no objection.
     """
     if speed is None:
         return None
