@@ -132,8 +132,9 @@ class OnnxAlgebra:
         return self.sum(self.elementwise("mul", a, b), size)
 
     def elementwise(self, kind: str, *operands: Tensor) -> Tensor:
-        """Add one operator; ONNX has no log1p, which becomes log(1 + a) with the rounding of 1 +
-        a.
+        """Add one operator to the graph.
+
+        ONNX has no log1p: it becomes log(1 + a), exact up to the rounding of 1 + a.
         """
         if kind == "log1p":
             operands = (self.elementwise("add", self.named("one", np.ones(1)), *operands),)

@@ -230,8 +230,7 @@ def member(model: Model, p: Float[Array, " k"]) -> PlanarBiped:
 def _tables(
     centre: np.ndarray, types: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Compute the dependence of C and b on mass, mass times offset and mass times offset squared.
-    """
+    """Compute the dependence of C and b on mass, mass times offset and times its square."""
     n, count = len(types), max(types) + 1
     c, b = np.zeros((n, n, 4, count), complex), np.zeros((n, 4, count), complex)
     for i, kind in enumerate(types):

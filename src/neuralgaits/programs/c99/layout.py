@@ -25,8 +25,7 @@ class Group:
 
     @property
     def loop(self) -> bool:
-        """Whether the group is a loop over elements; it reads each before it stores in its place.
-        """
+        """Whether the group loops over elements; each is read before its place is written."""
         return self.nodes[0].looped
 
     def members(self) -> list[Node]:

@@ -67,8 +67,7 @@ class Node:
             yield operand, i - int(ends[which]) + operand.size
 
     def slice(self) -> tuple["Node", int] | None:
-        """Return operand and first place of a `move` that is a contiguous part of one, else None.
-        """
+        """Return operand and first place of a `move` that is a contiguous part, else None."""
         found = list(self.sources())
         source, start = found[0]
         same = all(operand is source for operand, _ in found)

@@ -259,8 +259,7 @@ class Writer:
         return self._table(node.operands[0], (node.size // node.columns, node.inner))
 
     def _table(self, node: Node, shape: tuple[int, ...]) -> str:
-        """Return the static array of a constant; a matrix is stored transposed, one row a column.
-        """
+        """Return the static array of a constant; a matrix is stored transposed."""
         name = f"{node.name or 'constant'}{'_columns' if len(shape) == 2 else ''}"
         return self._tables.reals(name, np.ascontiguousarray(node.data.reshape(shape).T))
 

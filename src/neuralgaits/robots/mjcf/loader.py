@@ -100,8 +100,7 @@ def _read(
     tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
     derive.LegData,
 ]:
-    """Read a robot file by role: compiled model, tree, skeleton, lines of the links, joints, leg.
-    """
+    """Read a robot file by role: model, tree, skeleton, lines of the links, joints, leg."""
     model = compile_text(text, name)
     refuse_unphysical(model)
     refuse_odd_keyframes(text, model)
