@@ -14,12 +14,12 @@ from neuralgaits.engine.task import Failure, Files, Job, Task
 from neuralgaits.errors import NeuralGaitsError, is_full
 
 _DECIDE = ("jax", "jaxlib", "mujoco", "numpy")
-"""Libraries whose version decides over digits of results."""
+"""Libraries whose version decides the digits of results."""
 _SHOWN = 300
 
 
 def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None, float]:
-    """Carry out `module:function` for a job. Returns: files, why there are none, and seconds."""
+    """Carry out `module:function` for a job. Returns: files, reason of a failure, and seconds."""
     began = time.perf_counter()
     files: Files = {}
     failure = None

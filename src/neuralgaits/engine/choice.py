@@ -7,13 +7,13 @@ from neuralgaits.engine.task import Engine
 from neuralgaits.errors import InputError
 
 MOST_WORKERS = 4096
-"""Processes: more than any one machine has cores."""
+"""Largest number of processes: more than any one machine has cores."""
 LOCAL = "local"
 """Word in place of an address: start Ray on this machine for the duration of the command."""
 
 
 def engine_for(workers: int | None = None, ray: str | None = None) -> Engine:
-    """The engine of `--workers N` or `--ray ADDRESS|local`.
+    """Return the engine of `--workers N` or `--ray ADDRESS|local`.
 
     Args:
         workers: processes, or cores of a local Ray; one a core if None.

@@ -22,7 +22,7 @@ from neuralgaits.errors import InputError
 
 LOCAL, AUTO = "local", "auto"
 _AHEAD = 2
-"""Tasks under way for each core: the next one waits where it will run."""
+"""Tasks under way for each core: the next one waits on the node where it will run."""
 _COUNT_S = 5.0
 """Interval between two counts of the cluster's cores, since nodes come and go [s]."""
 _REACH_S = 5.0
@@ -77,7 +77,7 @@ class OnRay(Engine):
 
     @property
     def workers(self) -> int:
-        """Cores that the cluster has now."""
+        """Number of cores that the cluster has now."""
         now = time.monotonic()
         if now - self._counted >= _COUNT_S:
             found = self._ray.cluster_resources().get("CPU", 0)
@@ -118,7 +118,7 @@ class OnRay(Engine):
                 ray.cancel(one, force=True)
 
     def close(self) -> None:
-        """Leave the cluster; a local one ends."""
+        """Leave the cluster; a local one is shut down."""
         self._ray.shutdown()
 
     def _answer(self, reference: Any) -> tuple[Files, Failure | None, float]:
@@ -151,7 +151,7 @@ class OnRay(Engine):
 def _carry_out_here(
     theirs: dict[str, str], task: str, job: Job, common: Files
 ) -> tuple[Files, Failure | None, float] | str:
-    """On a node: carry out a task, or say how versions differ from those that it was sent with."""
+    """Carry out a task on a node, or report that its versions differ from the sender's."""
     from neuralgaits._environment import one_thread, prepare
 
     prepare()
@@ -161,9 +161,9 @@ def _carry_out_here(
 
 
 def _keep_off_stdout() -> None:
-    """Let Ray not say on stdout that a node is gone: programs read the answer there.
+    """Keep Ray from reporting on stdout that a node is gone: programs read the answer there.
 
-    No setting of it does: `log_to_driver` is about what workers print.
+    No setting of Ray does so: `log_to_driver` is about the output of workers.
     """
     with contextlib.suppress(ImportError):
         from ray._private import worker
@@ -172,7 +172,7 @@ def _keep_off_stdout() -> None:
 
 
 def _reach(address: str) -> None:
-    """Raises: InputError at once if nothing listens there: Ray would wait for minutes."""
+    """Raise InputError at once if nothing listens there: Ray would wait for minutes."""
     if address == AUTO:
         return
     host, _, port = address.rpartition(":")

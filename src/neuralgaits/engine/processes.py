@@ -21,7 +21,7 @@ from neuralgaits.errors import InputError
 
 _READY = "ready"
 _LEAST_BYTES = 2**31
-"""A worker may always have as much memory, however many there are."""
+"""Memory that a worker always gets, however many there are."""
 _GONE = (EOFError, ConnectionError, OSError)
 """Errors that a pipe raises when the process at its other end has died."""
 
@@ -164,7 +164,7 @@ def _share(workers: int) -> int:
 
 
 def _work(pipe: Connection, memory_bytes: int) -> None:
-    """A worker's life: tasks until its pipe ends, which it does with the process at the other."""
+    """Run a worker: tasks until its pipe ends, which happens when the parent process ends."""
     # Ctrl-C reaches all processes of a terminal; the one that shows the progress ends the others.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     prepare()
@@ -181,7 +181,7 @@ def _work(pipe: Connection, memory_bytes: int) -> None:
 
 
 def _end_with_parent() -> None:
-    """End at once if the process that started this one is killed: nobody waits for an answer."""
+    """End at once if the parent process is killed, since nobody waits for an answer."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
@@ -189,7 +189,7 @@ def _end_with_parent() -> None:
 
 
 def _bound_memory(most: int) -> None:
-    """Let requests for more memory than this fail, where the system can."""
+    """Make requests for more memory than this fail, where the system can."""
     if not most:
         return
     with contextlib.suppress(ImportError, AttributeError, ValueError, OSError):

@@ -7,7 +7,7 @@ from neuralgaits.engine.task import Done, Engine, Files, Job, Task, name_of
 
 
 class Serial(Engine):
-    """No workers but this process: what dies takes it along."""
+    """Engine without workers, in this process: a task that crashes ends it."""
 
     name = "serial"
 

@@ -13,7 +13,7 @@ Task = Callable[[Settings, Files], Files]
 """A stateless module-level function, sent to workers by its qualified name."""
 
 TRIES = 3
-"""Workers that may die of a task before it is given up."""
+"""Number of workers that may die of a task before it is given up."""
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,10 @@ class Job:
 
 
 class Failure(NamedTuple):
-    """Why a task gave nothing.
+    """Reason why a task returned nothing.
 
     Attributes:
-        kind: `refused`: the task said no, and would again; `defect`: it met a mistake of the
+        kind: `refused`: the task refused, and would again; `defect`: it met a mistake of the
             program; `lost`: its workers died, or had too little memory.
         reason: one line.
     """
@@ -57,7 +57,7 @@ class Done(NamedTuple):
 
 
 class Engine(ABC):
-    """Workers, and how tasks reach them."""
+    """Interface of an engine: workers, and how tasks reach them."""
 
     name: str
     """Name of the engine in a summary."""
