@@ -1,4 +1,4 @@
-"""Rods along the links of a robot whose file has no shapes, so that there is something to see."""
+"""Rods along the links of a robot whose file has no shapes, so that there is something to show."""
 
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
@@ -29,7 +29,7 @@ class Bone(NamedTuple):
 
 
 def bones(model, layout: MjcfLayout) -> list[Bone]:
-    """Rods of a compiled model: from foot to hip, and along the torso.
+    """Return the rods of a compiled model: from foot to hip, and along the torso.
 
     Returns: none if the file draws more than feet and floor itself.
     """

@@ -178,7 +178,7 @@ class StateMap:
 
 
 def _pick(values: Numbers, leg: Numbers | int) -> Numbers:
-    """The entry of one leg from [..., 2, k]. Returns: [..., k]."""
+    """Select the entry of one leg from [..., 2, k]. Returns: [..., k]."""
     chosen = np.broadcast_to(np.asarray(leg) == 0, values.shape[:-2])
     return np.where(chosen[..., None], values[..., 0, :], values[..., 1, :])
 

@@ -27,8 +27,7 @@ _MOST = {
     "friction": (5.0, "", "it is the least coefficient, as in 0.5"),
 }
 """Largest size, unit and hint for each kind that is no share: no foot here is half a metre off the
-step, and hardly a pair of materials has more friction.
-"""
+step, and hardly a pair of materials has more friction."""
 _NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
 
 
@@ -82,9 +81,10 @@ def _refuse_unknown(name: object) -> None:
 
 
 def checked_box(box: Box) -> dict[str, float]:
-    """A box in the order of `UNITS`, known to hold robots.
+    """Return a box in the order of `UNITS`, after checking that all its robots are possible.
 
-    Raises: InputError on unknown names, sizes that are none, and boxes with negative masses.
+    Raises: InputError on unknown names, on sizes that are not numbers or not positive, and on
+    boxes with negative masses.
     """
     for name, half in box.items():
         _refuse_unknown(name)

@@ -68,13 +68,13 @@ def _plain_names(names: list[str], kind: str) -> list[str]:
 
 
 def axes_of(robot: PlanarBiped, box: Box) -> tuple[Axis, ...]:
-    """The parameters of a box, in the order of the axes of its family."""
+    """Return the parameters of a box, in the order of the axes of its family."""
     box, types = checked_box(box), _types(robot)
     return tuple(Axis(name, box[kind]) for kind, name in _names(types) if kind in box)
 
 
 def _names(types: _Types) -> Iterator[tuple[str, str]]:
-    """(kind, name) of every parameter that a robot has."""
+    """Return (kind, name) of every parameter that a robot has."""
     for link in types.links:
         yield "mass", f"mass of {link} {_RELATIVE}"
     for link in types.links:
@@ -87,7 +87,7 @@ def _names(types: _Types) -> Iterator[tuple[str, str]]:
 
 
 def kinds_of(robot: PlanarBiped, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Kinds whose parameters have these names, all of each, in order.
+    """Return the kinds whose parameters have these names, all of each, in order.
 
     Raises: ValueError if there are none.
     """
@@ -99,10 +99,7 @@ def kinds_of(robot: PlanarBiped, names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def box_of(robot: PlanarBiped, axes: tuple[Axis, ...]) -> dict[str, float]:
-    """The box that these are the axes of.
-
-    Raises: ValueError if there is none.
-    """
+    """Return the box that has these axes. Raises: ValueError if there is none."""
     kinds = kinds_of(robot, tuple(axis.name for axis in axes))
     known = {name: kind for kind, name in _names(_types(robot))}
     halves = {(known[axis.name], axis.half) for axis in axes}
@@ -193,7 +190,7 @@ class RobotFamily(eqx.Module):
         )
 
     def split(self, p: Float[Array, " k"]):
-        """Errors of masses, centres of mass [T, 2], inertias and rotors; None for those without."""
+        """Split errors into masses, centres of mass [T, 2], inertias and rotors; None if absent."""
         count, start = len(self.masses), 0
         found: dict[str, Float[Array, ...]] = {}
         for kind in self.kinds:
@@ -211,7 +208,7 @@ Model = PlanarBiped | RobotFamily
 
 
 def model_of(robot: PlanarBiped, axes: tuple[Axis, ...]) -> Model:
-    """The family that has these parameters; the robot itself without any."""
+    """Return the family that has these parameters; the robot itself without any."""
     if not axes:
         return robot
     return RobotFamily.of(robot, kinds_of(robot, tuple(axis.name for axis in axes)))
@@ -248,7 +245,7 @@ def _tables(
 
 
 def in_its_file(family: RobotFamily, p: Float[np.ndarray, " k"]) -> PlanarBiped:
-    """A member of the family, loaded from a file of its own: what MuJoCo can simulate.
+    """Load a member of the family from a file of its own, which MuJoCo can simulate.
 
     Raises: InputError if there is no such robot.
     """

@@ -12,7 +12,7 @@ _DESCRIPTIONS = {
 
 
 def built_in() -> tuple[str, ...]:
-    """Names that `load_robot` knows without a file."""
+    """Return the names that `load_robot` knows without a file."""
     return tuple(_DESCRIPTIONS)
 
 
@@ -25,5 +25,5 @@ def describe(name: str) -> str:
 
 
 def model_file(name: str) -> Traversable:
-    """The MJCF file of a built-in robot."""
+    """Return the MJCF file of a built-in robot."""
     return resources.files("neuralgaits.robots").joinpath("models", f"{name}.xml")

@@ -39,7 +39,7 @@ class Motor:
 
 
 def read_motor(model: mujoco.MjModel, joint: int) -> Motor:
-    """The motor of a joint.
+    """Return the motor of a joint.
 
     Raises: RobotError if there is none, more than one, or it is not a plain motor with a limit.
     """
@@ -84,7 +84,7 @@ def refuse_other_actuators(model: mujoco.MjModel, joints: list[int]) -> None:
 
 
 def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
-    """A joint's range in the file's coordinate [rad].
+    """Return a joint's range in the file's coordinate [rad].
 
     Raises: RobotError if it has none, or one that radians read as degrees would make.
     """

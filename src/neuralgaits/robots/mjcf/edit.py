@@ -1,4 +1,4 @@
-"""An MJCF file that is being changed: what is there by MuJoCo's numbers, and what was changed."""
+"""An MJCF file under change: its elements by MuJoCo's numbers, and the list of changes."""
 
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
@@ -19,7 +19,7 @@ _NAMED = {
     "tendon": ("tendon", "tendon1", "tendon2"),
     "geom": ("geom", "geom1", "geom2"),
 }
-"""Attributes by which an element names one of a kind, beside objtype with objname."""
+"""Attributes with which an element refers to another by name, beside objtype with objname."""
 _REFERRING = ("sensor", "actuator", "custom")
 
 
@@ -41,7 +41,7 @@ class MjcfEdit:
         self.compile()
 
     def compile(self) -> None:
-        """Number everything again. Raises: RobotError if MuJoCo cannot compile the file."""
+        """Compile the file and number everything again. Raises: RobotError if MuJoCo cannot."""
         text = ElementTree.tostring(self.root, encoding="unicode")
         self.model = compile_text(text, self._name)
         self.found = match_elements(self.root, self.model)
@@ -60,7 +60,7 @@ class MjcfEdit:
         return find_floor(self.model, data)
 
     def actuators_of(self, joint: int) -> list[int]:
-        """Numbers of the actuators on a joint."""
+        """Return the numbers of the actuators on a joint."""
         model = self.model
         kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
         return [
@@ -71,7 +71,7 @@ class MjcfEdit:
         ]
 
     def say(self, change: str) -> None:
-        """Keep one line about a change."""
+        """Record one line about a change."""
         self.changes.append(change)
 
     def text(self) -> str:
@@ -81,7 +81,7 @@ class MjcfEdit:
         return f"{self._prologue}<!-- {lines} -->\n{body}\n"
 
     def free_name(self, tag: str, wish: str) -> str:
-        """A name that no element has where one of this kind is looked for."""
+        """Return a name that no element has where one of this kind is looked up."""
         tags = ("joint", "freejoint") if tag == "joint" else (tag,)
         if tag == "actuator":
             taken = {element.get("name") for element in self.found.actuators}
@@ -91,7 +91,7 @@ class MjcfEdit:
         return next(name for name in names if name not in taken)
 
     def parent_and_place(self, element: Element) -> tuple[Element, int]:
-        """The element around one, and which of its children that one is."""
+        """Return an element's parent, and the element's index among the children."""
         for parent in self.root.iter():
             for place, child in enumerate(parent):
                 if child is element:
@@ -99,7 +99,7 @@ class MjcfEdit:
         raise ValueError(f"<{element.tag}> is not in the file")
 
     def insert(self, parent: Element, place: int, tag: str, given: dict[str, str]) -> None:
-        """Put a new element among the children of another, on a line of its own."""
+        """Insert a new element among the children of another, on a line of its own."""
         new = ElementTree.Element(tag, given)
         new.tail = parent[place - 1].tail if place else parent.text
         if place == len(parent) > 0:
@@ -114,18 +114,18 @@ class MjcfEdit:
         parent.remove(element)
 
     def drop_section(self, tag: str, why: str) -> None:
-        """Take out all sections of a tag."""
+        """Remove all sections of a tag."""
         for section in self.root.findall(tag):
             self.remove(section)
         self.say(f"<{tag}> section removed: {why}")
 
     def drop_keyframes(self) -> None:
-        """Take out poses, which list all coordinates and controls that were there."""
+        """Remove keyframes, which list all coordinates and controls of the original file."""
         if self.root.find("keyframe") is not None:
             self.drop_section("keyframe", "its poses list joints or motors that are gone")
 
     def drop_references(self, kind: str, names: Collection[str]) -> None:
-        """Take out sensors, motors and tuples that refer to what is gone, or will be.
+        """Remove sensors, motors and tuples that refer to elements that are or will be removed.
 
         Args:
             kind: joint, actuator, tendon or geom.
@@ -155,7 +155,7 @@ class MjcfEdit:
             self.drop_references("actuator", {name} - {""})
 
     def drop_actuators(self, numbers: Collection[int], why: str) -> None:
-        """Take motors out, and sensors of them.
+        """Remove motors, and sensors of them.
 
         Args:
             numbers: of actuators.

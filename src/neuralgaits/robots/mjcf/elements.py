@@ -19,7 +19,7 @@ from neuralgaits.errors import RobotError
 Element = ElementTree.Element
 _PROLOGUE = re.compile(r"\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*", re.S)
 _MAKES_BODIES = ("replicate", "composite", "flexcomp", "attach")
-"""Elements that become bodies which no element of the file describes."""
+"""Elements from which MuJoCo makes bodies that have no element of their own."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def match_elements(root: Element, model: mujoco.MjModel) -> Elements:
 
 
 def _within(body: Element) -> Iterator[Element]:
-    """The children of a body, those in its frames included."""
+    """Return the children of a body, those in its frames included."""
     for child in body:
         if child.tag == "frame":
             yield from _within(child)
@@ -100,7 +100,7 @@ def _within(body: Element) -> Iterator[Element]:
 
 
 def _refuse_other_order(found: Elements, model: mujoco.MjModel) -> None:
-    """Raises: RobotError unless every element that has a name has that of its number."""
+    """Raise RobotError unless every element that has a name has that of its number."""
     pairs = (
         (found.bodies[1:], [model.body(i).name for i in range(1, model.nbody)]),
         (found.joints, [model.joint(i).name for i in range(model.njnt)]),

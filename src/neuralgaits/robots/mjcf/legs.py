@@ -1,4 +1,4 @@
-"""The two legs' numbers, in the coordinates of `PlanarBiped`, and the check that they agree."""
+"""Parameters of the two legs, in the coordinates of `PlanarBiped`, checked to be equal."""
 
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
@@ -78,7 +78,7 @@ def link_directions(tree: PlanarTree, skeleton: Skeleton) -> dict[int, tuple[com
 
 
 def _between(tree: PlanarTree, lower: int, upper: int) -> complex:
-    """Anchor of the joint between two neighbouring links, whichever is the parent."""
+    """Return the anchor of the joint between two neighbouring links, whichever is the parent."""
     child = lower if tree.links[lower].parent == upper else upper
     return tree.links[child].joint.anchor
 
@@ -94,7 +94,7 @@ def leg_joints(
     skeleton: Skeleton,
     lines: dict[int, tuple[complex, complex]],
 ) -> tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]]:
-    """The joints of both legs, lowest first, hip last.
+    """Return the joints of both legs, lowest first, hip last.
 
     Raises: RobotError if one is not actuated.
     """
@@ -131,7 +131,7 @@ def leg_data(
     lines: dict[int, tuple[complex, complex]],
     joints: tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
 ) -> LegData:
-    """The numbers of a leg, after checking that both legs have the same.
+    """Return the parameters of a leg, after checking that both legs have the same.
 
     Raises: RobotError naming the first quantity and bodies that differ.
     """

@@ -69,20 +69,19 @@ def robot_from_text(text: str, name: str) -> PlanarBiped:
 
 
 def links_from_text(text: str, name: str) -> tuple[derive.LegData, derive.TorsoData | None]:
-    """The links that the constants of `robot_from_text` are derived from.
+    """Read the links that the constants of `robot_from_text` are derived from.
 
-    Returns: the numbers of a leg, and of the torso or None.
-    Raises: RobotError, as `load_robot`.
+    Returns: the data of a leg, and of the torso or None. Raises: RobotError, as `load_robot`.
     """
     _, tree, skeleton, _, _, leg = _read(text, name)
     return leg, _torso_data(tree, skeleton)
 
 
 def bodies_from_text(text: str, name: str) -> tuple[tuple[str, ...], tuple[str, ...], str | None]:
-    """The file's names of the links: the first body of what is welded together.
+    """Return the file's names of the links: the first body of those welded together.
 
-    Returns: of leg 0 and of leg 1, lowest link first, and of the torso or None.
-    Raises: RobotError, as `load_robot`.
+    Returns: of leg 0 and of leg 1, lowest link first, and of the torso or None. Raises:
+    RobotError, as `load_robot`.
     """
     _, tree, skeleton, _, _, _ = _read(text, name)
     first, second = (tuple(tree.links[i].name for i in leg) for leg in skeleton.legs)
@@ -121,7 +120,7 @@ def _torso_data(tree: PlanarTree, skeleton: Skeleton) -> derive.TorsoData | None
 
 
 def robot_text(name_or_path: str | Path) -> tuple[str, str]:
-    """The MJCF text of a built-in robot or a file, and a name for it.
+    """Return the MJCF text of a built-in robot or a file, and a name for it.
 
     Raises: RobotError if there is no such robot, or the file cannot be read.
     """

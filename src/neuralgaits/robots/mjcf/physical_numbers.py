@@ -95,7 +95,9 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
 
 
 def refuse_frictionless(model: mujoco.MjModel, foot: int, floor: int) -> None:
-    """A plant takes the foot's condim; in the file a floor of higher priority would decide.
+    """Refuse a foot or floor without friction.
+
+    A plant takes the foot's condim; in the file a floor of higher priority would decide.
 
     Raises: RobotError if either is 1, which is contact without friction.
     """
@@ -132,7 +134,7 @@ def refuse_odd_contact(model: mujoco.MjModel, foot: int, floor: int) -> None:
 
 
 def refuse_odd_keyframes(text: str, model: mujoco.MjModel) -> None:
-    """Check that every pose of the file lists all coordinates; MuJoCo fills short ones with zeros.
+    """Check that every keyframe lists all coordinates; MuJoCo fills short ones with zeros.
 
     Args:
         text: MJCF that compiles.

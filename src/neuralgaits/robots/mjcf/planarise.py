@@ -27,7 +27,7 @@ class Planarised:
 
     Attributes:
         text: MJCF.
-        changes: one line each; empty if the file needed none and is as it was.
+        changes: one line each; empty if the file needed none and is unchanged.
     """
 
     text: str
@@ -57,7 +57,7 @@ def planarise(text: str, name: str) -> Planarised:
 
 
 def _name_joints(edit: MjcfEdit) -> None:
-    """Logs and controllers find joints by name."""
+    """Name joints that have no name, since logs and controllers find joints by name."""
     for joint, element in enumerate(edit.found.joints):
         if not element.get("name"):
             body = body_name(edit.model, int(edit.model.jnt_bodyid[joint]))
@@ -88,7 +88,7 @@ def _drop_couplings(edit: MjcfEdit) -> None:
 
 
 def _free_the_root(edit: MjcfEdit) -> None:
-    """A free joint becomes the slides and the hinge that act in the plane."""
+    """Replace a free joint by the slides and the hinge that act in the plane."""
     model = edit.model
     free = [i for i in range(model.njnt) if model.jnt_type[i] == mujoco.mjtJoint.mjJNT_FREE]
     if len(free) != 1:
@@ -178,7 +178,7 @@ def _lay_floor(edit: MjcfEdit) -> None:
 
 
 def _drop_sensors_of_the_floor(edit: MjcfEdit) -> None:
-    """A simulation lays floors of its own, and has the file's no more."""
+    """Remove sensors of the file's floor, since a simulation lays floors of its own."""
     planes = {
         edit.model.geom(geom).name
         for geom in range(edit.model.ngeom)

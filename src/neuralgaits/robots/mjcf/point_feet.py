@@ -20,7 +20,7 @@ _HARD_CONTACT = "0.002 1"
 """Radius and solref of the feet of the robots that come with the package: contact close to a point
 and to a plastic impact, as the model has it."""
 _LONGEST_LEG = 4
-"""Links of a leg that is treated, and a foot."""
+"""Largest number of links of a supported leg, and a foot."""
 
 
 def give_point_feet(edit: MjcfEdit) -> None:
@@ -61,9 +61,9 @@ def give_point_feet(edit: MjcfEdit) -> None:
 
 
 def _weld_ankles(edit: MjcfEdit) -> dict[int, np.ndarray]:
-    """Take the ankle joints of flat feet out.
+    """Remove the ankle joints of flat feet.
 
-    Returns: for the body of each such foot, where its ankle was in that body's frame [m].
+    Returns: for the body of each such foot, the place of its ankle in that body's frame [m].
     """
     model, tree, floor = edit.model, read_tree(edit.model), edit.floor()
     _, legs, _ = find_legs(tree, _LONGEST_LEG)

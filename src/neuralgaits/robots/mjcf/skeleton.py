@@ -78,7 +78,7 @@ def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
 
 
 def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
-    """The chain that starts at a link and goes down, lowest link first."""
+    """Return the chain that starts at a link and goes down, lowest link first."""
     links = [top]
     while below := tree.children(links[-1]):
         if len(below) > 1:
@@ -144,7 +144,7 @@ def _common_hip(tree: PlanarTree, first: int, second: int) -> complex:
 
 
 def find_floor(model: mujoco.MjModel, data: mujoco.MjData) -> int | None:
-    """The geom number of the horizontal plane the robot walks on; None without one."""
+    """Return the geom number of the horizontal plane the robot walks on; None without one."""
     for geom in range(model.ngeom):
         if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:
             continue
@@ -156,7 +156,7 @@ def find_floor(model: mujoco.MjModel, data: mujoco.MjData) -> int | None:
 
 
 def touching(model: mujoco.MjModel, bodies: tuple[int, ...], floor: int) -> list[int]:
-    """Geoms of a link that collide with the floor.
+    """Return the geoms of a link that collide with the floor.
 
     Args:
         model: compiled robot file.
@@ -280,7 +280,7 @@ def _foot(
 
 
 def _contact_friction(model: mujoco.MjModel, foot: int, floor: int) -> float:
-    """MuJoCo's rule: the geom of higher priority decides, else the larger value."""
+    """Return the friction by MuJoCo's rule: higher priority decides, else the larger value."""
     values = model.geom_friction[[foot, floor], 0]
     priorities = model.geom_priority[[foot, floor]]
     if priorities[0] == priorities[1]:

@@ -13,7 +13,7 @@ from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
 
 MOST_NESTED = 100
-"""Elements in one another: bodies of a leg are four, and readers here call themselves."""
+"""Limit on nested elements: bodies of a leg are four deep, and readers here are recursive."""
 _ASSETS = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
 
 
@@ -110,7 +110,7 @@ def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
 
 
 def _in_utf8(kind: str, path: Path) -> str:
-    """Return a path as XML has it. Raises: RobotError if it is no UTF-8: MuJoCo takes no other."""
+    """Return a path as XML has it. Raises: RobotError if it is not UTF-8, which MuJoCo needs."""
     text = printable(path)
     if text.encode() != os.fsencode(path):
         raise RobotError(

@@ -1,7 +1,7 @@
-"""A robot's file with other masses, centres of mass, inertias and rotors: what MuJoCo then walks.
+"""A robot's file with other masses, centres of mass, inertias and rotors, for MuJoCo.
 
-What `parameters.RobotFamily` does to the constants of the closed form is done to the bodies of the
-file here, which is then read as any other.
+`parameters.RobotFamily` changes the constants of the closed form; this file changes the bodies of
+the robot file in the same way, and the result is read like any other.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -25,24 +25,24 @@ class LinkErrors(NamedTuple):
     """Errors of each type of link, of a leg from the lowest up, then the torso, and of joint."""
 
     mass: Float[np.ndarray, " T"]
-    """Relative."""
+    """Relative errors of the masses."""
     com: Float[np.ndarray, "T 2"]
-    """Along the link and across it, counter-clockwise [m]."""
+    """Errors of the centres of mass, along and across the link, counter-clockwise [m]."""
     inertia: Float[np.ndarray, " T"]
-    """Relative, about the link's own centre of mass."""
+    """Relative errors of the inertias about the links' own centres of mass."""
     rotor: Float[np.ndarray, " J"]
-    """Relative; of the joints of a leg from the lowest up."""
+    """Relative errors of the rotors; of the joints of a leg from the lowest up."""
 
 
 def text_with_errors(text: str, errors: LinkErrors) -> str:
-    """The MJCF text of a robot with these errors, the same in both legs.
+    """Return the MJCF text of a robot with these errors, the same in both legs.
 
     Args:
         text: of a robot that can be loaded.
         errors: of it.
 
     Raises: InputError if a link would have no inertia, or the file has bodies that it does not
-        write out.
+    write out.
     """
     root, model = ElementTree.fromstring(text), mujoco.MjModel.from_xml_string(text)
     # Both number bodies depth first.
