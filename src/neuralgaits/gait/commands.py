@@ -20,7 +20,7 @@ from neuralgaits.errors import InputError, SpecError
 UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "rad"}
 """Commands that this package knows the meaning of, and their units."""
 FASTEST = 100.0
-"""No robot on legs walks faster [m/s]: what is more is a slip of the keyboard."""
+"""Largest speed [m/s]: no robot on legs walks faster, so more is a slip of the keyboard."""
 MOST = {"speed": FASTEST, "step_length": 100.0, "step_height": 100.0, "slope": 0.5 * math.pi}
 LEAST_WIDTH = 1e-6
 """Smallest width of the range of a command, in its unit."""
@@ -47,7 +47,7 @@ class Command:
     largest_change: float | None = None
 
     def __post_init__(self):
-        """Refuse names that are none and ranges that hold nothing."""
+        """Refuse invalid names and empty ranges."""
         if why := why_no_name(self.name):
             raise SpecError(f"expected a printable name of a command, found {why}; rename it")
         if not (math.isfinite(self.high - self.low) and self.low < self.high):
@@ -82,9 +82,9 @@ class Command:
     def axes(self) -> tuple[tuple[str, float, float], ...]:
         """Two axes of the chart, (name, low, high), on which all pairs lie.
 
-        Where any value may follow any, (before, after). Else (middle, difference), the middle
-        stretched so that the pairs that may follow each other are a box; in it, one of a pair is up
-        to an eighth of the largest change outside the range.
+        Where any value may follow any, the axes are (before, after). Else they are (middle,
+        difference), the middle stretched so that the pairs that may follow each other are a box;
+        in it, one of a pair is up to an eighth of the largest change outside the range.
         """
         if self.largest_change is None:
             return (
@@ -95,7 +95,7 @@ class Command:
         return ((self.name, self.low, self.high), (f"change of {self.name}", -change, change))
 
     def pair(self, first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
-        """(before, after) at a point of its two axes."""
+        """Return (before, after) at a point of the command's two axes."""
         if self.largest_change is None:
             return first, second
         middle, share = 0.5 * (self.low + self.high), self._share(second)
@@ -103,7 +103,7 @@ class Command:
         return middle - 0.5 * second, middle + 0.5 * second
 
     def coordinates(self, before: Number, after: Number) -> tuple[Number, Number]:
-        """The point of its two axes that has this pair."""
+        """Return the point of the command's two axes that has this pair."""
         if self.largest_change is None:
             return before, after
         middle, change = 0.5 * (self.low + self.high), after - before
@@ -119,7 +119,7 @@ class Command:
         return 1.0 - change * change / (largest * (self.high - self.low))
 
     def pairs(self, count: int) -> Float[np.ndarray, "P 2"]:
-        """Admissible pairs (before, after): `count` values of either, the ends among them."""
+        """Return admissible pairs (before, after): `count` values of each, the ends among them."""
         before = np.linspace(self.low, self.high, count)
         if self.largest_change is None:
             return np.stack(np.meshgrid(before, before, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -128,7 +128,7 @@ class Command:
         return np.stack([np.repeat(before, count), after], axis=1)
 
     def scaled(self, value: Float[Array, "..."]) -> Float[Array, "..."]:
-        """Values in units of half the range, 0 in its middle."""
+        """Scale values to units of half the range, 0 in its middle."""
         return (value - 0.5 * (self.low + self.high)) / (0.5 * (self.high - self.low))
 
 
@@ -136,7 +136,7 @@ Commands = tuple[Command, ...]
 
 
 def all_pairs(commands: Commands, count: int) -> Float[np.ndarray, "N k"]:
-    """`Command.pairs` of every command with those of every other. [N, 2 p]."""
+    """Combine `Command.pairs` of every command with those of every other. [N, 2 p]."""
     each = [command.pairs(count) for command in commands]
     chosen = np.meshgrid(*(np.arange(len(pairs)) for pairs in each), indexing="ij")
     parts = [pairs[number.ravel()] for pairs, number in zip(each, chosen, strict=True)]
@@ -149,7 +149,7 @@ class Limits(NamedTuple):
     low: Float[np.ndarray, " p"]
     high: Float[np.ndarray, " p"]
     change: Float[np.ndarray, " p"]
-    """Largest from one step to the next; the whole range where any value may follow any."""
+    """Largest change from one step to the next; the whole range if any value may follow any."""
 
     @classmethod
     def of(cls, commands: Commands) -> "Limits":
@@ -168,14 +168,14 @@ class Limits(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """The two values of every command that a step knows. [p] each, in their units."""
+    """Values of every command before and after a touchdown. [p] each, in their units."""
 
     before: Float[Array, " p"]
     after: Float[Array, " p"]
 
     @property
     def steady(self) -> "Pair":
-        """The pair of the next step, if the command stays."""
+        """Return the pair of the next step if the command stays the same."""
         return Pair(self.after, self.after)
 
 
@@ -216,7 +216,7 @@ class Step(eqx.Module):
 
 
 def pair_at(commands: Commands, v: Float[Array, " k"]) -> Pair:
-    """The pair at a point of the commands' axes, two a command. [2 p]."""
+    """Return the pair at a point of the commands' axes, two a command. [2 p]."""
     found = [c.pair(v[2 * i], v[2 * i + 1]) for i, c in enumerate(commands)]
     before, after = (jnp.stack([pair[i] for pair in found]) for i in (0, 1))
     return Pair(before, after)
@@ -229,21 +229,21 @@ def place_of(commands: Commands, name: str) -> int | None:
 
 
 def command_named(commands: Commands, name: str) -> Command | None:
-    """The command of a name; None if there is none."""
+    """Return the command of a name; None if there is none."""
     at = place_of(commands, name)
     return None if at is None else commands[at]
 
 
 def coordinates_of(commands: Commands, pair: Pair) -> Float[Array, " k"]:
-    """The point of the commands' axes that has this pair. Returns: [2 p]."""
+    """Return the point of the commands' axes that has this pair. [2 p]."""
     found = [c.coordinates(pair.before[i], pair.after[i]) for i, c in enumerate(commands)]
     return jnp.stack([x for both in found for x in both]) if found else jnp.zeros(0)
 
 
 def values(commands: Commands, given: Mapping[str, float]) -> Float[np.ndarray, " p"]:
-    """Values by name as an array.
+    """Return values by name as an array.
 
-    Raises: InputError on names that are none, missing ones and values outside their range.
+    Raises: InputError on unknown names, missing ones and values outside their range.
     """
     names = [c.name for c in commands]
     if set(given) != set(names):
@@ -275,7 +275,7 @@ def plain_curves(commands: Commands) -> Float[np.ndarray, "p 4"]:
 def scaled(
     commands: Commands, curves: Float[Array, "p 4"], value: Float[Array, " p"]
 ) -> Float[Array, " p"]:
-    """Commands in units of half their ranges, 0 in the middle, put through their curves."""
+    """Scale commands to units of half their ranges, 0 in the middle, put through their curves."""
     found = []
     for i, c in enumerate(commands):
         s, (a0, a1, a2, a3) = c.scaled(value[i]), curves[i]
@@ -284,12 +284,12 @@ def scaled(
 
 
 def factors(count: int) -> list[tuple[int, ...]]:
-    """Monomials up to degree 2, as the commands that are multiplied: (), (0,), ..., (0, 1), ..."""
+    """Return monomials up to degree 2, as the multiplied commands: (), (0,), ..., (0, 1), ..."""
     pairs = [(i, j) for i in range(count) for j in range(i, count)]
     return [(), *((i,) for i in range(count)), *pairs]
 
 
 def powers(x: Float[Array, " p"]) -> Float[Array, " M"]:
-    """Values of the monomials of `factors`. Returns: [M]."""
+    """Return the values of the monomials of `factors`. [M]."""
     one = jnp.ones_like(x[0])
     return jnp.stack([math.prod((x[i] for i in part), start=one) for part in factors(len(x))])

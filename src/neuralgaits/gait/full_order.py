@@ -49,7 +49,7 @@ class FullPoint(Point):
         self.output_rate = jnp.asarray(eta)[m:]
 
     def _lifted(self, actuated: Actuated) -> Coordinates:
-        """Coordinates (or rates) of actuated joints that leave z1 where it is. [n]."""
+        """Lift actuated joints to coordinates (or rates) that leave z1 unchanged. [n]."""
         return lift(self.robot, jnp.zeros_like(self.z[0]), actuated)
 
     @cached_property
@@ -80,7 +80,7 @@ class FullPoint(Point):
         return moving + self._lifted(self.output_rate)
 
     def _curvature(self, along: ZeroState) -> Actuated:
-        """Joint accelerations that ddz does not give: curvature of y_d, and ddy."""
+        """Joint accelerations that do not come from ddz: curvature of y_d, and ddy."""
         return super()._curvature(along) + self.output_acceleration
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Inertias that joint gains are scaled with."""
+"""Inertias by which joint gains are scaled."""
 
 import jax
 import numpy as np

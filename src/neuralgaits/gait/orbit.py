@@ -1,4 +1,4 @@
-"""A periodic orbit of the hybrid zero dynamics, as numbers."""
+"""Data of a periodic orbit of the hybrid zero dynamics."""
 
 from typing import NamedTuple
 
@@ -13,11 +13,11 @@ class Orbit(NamedTuple):
     fixed_point: Float[np.ndarray, "2"]
     """State z on the section z1 = 0 (m, kg m^2/s); NaN if there is no orbit. [2]"""
     multiplier: float
-    """Derivative of the Poincare map there: attracting if below one in magnitude."""
+    """Derivative of the Poincare map there: the orbit is attracting if below one in magnitude."""
     period_s: float
     """Duration of one step [s]."""
     step_length_m: float
-    """Step length [m]."""
+    """Length of one step [m]."""
     guard_state: Float[np.ndarray, "2"]
     """z just before the impact. [2]"""
     result: str

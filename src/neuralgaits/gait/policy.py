@@ -80,7 +80,7 @@ class AbstractPolicy(eqx.Module):
 
     @property
     def step_size(self) -> int:
-        """Numbers that a tick needs of a step; none for one policy of every step."""
+        """Length of the vector of parameters of a step; 0 for one policy of every step."""
         return 0
 
     def step_numbers(
@@ -130,12 +130,12 @@ class NetworkPolicy(AbstractPolicy):
         return self.lower + (self.upper - self.lower) * logistic(logits)
 
     def trainable(self) -> "NetworkPolicy":
-        """The network may move; bounds and scales are fixed."""
+        """Flags of trainable leaves: the network may move; bounds and scales are fixed."""
         return movable(self, lambda policy: policy.network)
 
 
 class FreePolicy(AbstractPolicy):
-    """A policy of which nothing follows from a robot, not even where its steps end.
+    """A policy that depends on no robot, not even for the ends of its steps.
 
     Attributes:
         start_and_guard: nominal z1 at the start of a step and at the guard [m]. [2]
@@ -191,7 +191,7 @@ Curve = Callable[[ZeroState], OutputJet]
 
 
 def output_jet_and_change(policy: AbstractPolicy, z: ZeroState) -> tuple[OutputJet, Curve]:
-    """The jet, and the map from a direction to the jet's derivative along it.
+    """Compute the jet, and the map from a direction to the jet's derivative along it.
 
     The map's `d1 v1 + d2 v2` entries give second derivatives D^2 y_d(z)[v, direction].
 

@@ -76,7 +76,7 @@ class ResetResidual(AbstractResetResidual):
 
     @classmethod
     def like(cls, joints: int) -> "ResetResidual":
-        """The structure for a robot with so many actuated joints, to read a stored one into."""
+        """Return the structure for so many actuated joints, to read a stored residual into."""
         size = 1 + joints
         zeros = np.zeros(size)
         return cls(np.zeros((size, 2)), zeros, np.ones(2), np.zeros(2), zeros)

@@ -46,7 +46,7 @@ DOPRI5 = Tableau(
 
 
 def step(method: Tableau, rate: Callable[[State], State], z: State, span: Scalar) -> State:
-    """The state after a `span` of what the rate is per, as of time (s). Returns: [k]."""
+    """Advance a state by a `span` of the variable that the rate is per, such as time (s). [k]."""
 
     def stage(slopes, given):
         number, taken = given

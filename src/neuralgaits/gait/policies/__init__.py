@@ -1,1 +1,1 @@
-"""The kinds of policy, and the steps that those of exact impacts are made of."""
+"""The kinds of policy, and the parts of steps with exact impacts."""

@@ -50,11 +50,11 @@ class BezierPolicy(FreePolicy):
 
     @property
     def z2_dependence(self) -> bool:
-        """No: outputs are functions of z1 alone."""
+        """Whether outputs depend on z2: no, they are functions of z1 alone."""
         return False
 
     def trainable(self) -> "BezierPolicy":
-        """The control points may move; the z1 interval is fixed."""
+        """Flags of trainable leaves: the control points may move; the z1 interval is fixed."""
         return jax.tree.map(lambda leaf: leaf is self.coefficients, self)
 
 

@@ -138,20 +138,20 @@ class CommandedPolicy(NetworkPolicy):
         return self.told
 
     def __call__(self, z: ZeroState) -> Actuated:
-        """A family has no outputs of its own. Raises: InputError."""
+        """Raise InputError, since a family has no outputs of its own."""
         raise InputError(
             "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
         )
 
     @property
     def z1_range(self) -> tuple[Scalar, Scalar]:
-        """A family has no range of its own. Raises: InputError."""
+        """Raise InputError, since a family has no range of its own."""
         raise InputError(
             "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
         )
 
     def trainable(self) -> "CommandedPolicy":
-        """Network and guards may move, the rest is fixed."""
+        """Flags of trainable leaves: network and guards may move, the rest is fixed."""
         return movable(self, lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.guard_z1))
 
     def scaled(self, command: Float[Array, " p"]) -> Float[Array, " p"]:
@@ -273,7 +273,7 @@ class CommandedPolicy(NetworkPolicy):
 def _start_guard(
     robot: "PlanarBiped", z1: Float[Array, "1"], posture: Posture, commands: Commands
 ) -> Actuated:
-    """Outputs of the nominal posture with the swing foot on the middle foothold. [m]."""
+    """Return outputs of the nominal posture with the swing foot on the middle foothold. [m]."""
     middle = jnp.array([0.5 * (c.low + c.high) for c in commands])
     foothold = _foothold(commands, middle)
     outputs = on_foothold(robot, z1[0], posture.guard_outputs, foothold, START_NEWTON_STEPS)
@@ -297,7 +297,7 @@ def _foothold(commands: Commands, command: Float[Array, " p"]) -> Foothold:
 def _ground(
     robot: "PlanarBiped", commands: Commands, pair: Pair, before: Guard, after: Guard
 ) -> Ground | None:
-    """The line from the old foothold to the next one; None where all is level."""
+    """Return the line from the old foothold to the next one; None where all is level."""
     if not {"step_height", "slope"} & {c.name for c in commands}:
         return None
     old, new = (swing_foot(robot, lift(robot, g.z1, g.outputs)) for g in (before, after))

@@ -182,7 +182,7 @@ class HybridInvariantPolicy(StepPolicy):
         return eqx.tree_at(lambda p: p.ends, found, ends, is_leaf=lambda leaf: leaf is None)
 
     def trainable(self) -> "HybridInvariantPolicy":
-        """Network, guard outputs and guard slopes may move; the rest follows or is fixed."""
+        """Flags of trainable leaves: network, guard outputs and guard slopes."""
         return movable(self, lambda p: (p.network, p.guard_outputs, p.guard_slopes))
 
 

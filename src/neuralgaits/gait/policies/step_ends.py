@@ -29,25 +29,25 @@ FOOT_NEWTON_STEPS = 6
 
 
 class Guard(NamedTuple):
-    """The end of a step, the swing foot on its foothold."""
+    """The end of a step, with the swing foot on its foothold."""
 
     z1: Scalar
     """Value of z1 at the guard [m]."""
     outputs: Actuated
-    """Desired outputs there [rad]. [m]"""
+    """Desired outputs at the guard [rad]. [m]"""
     slopes: Actuated
-    """d y_d / d z1 there [rad/m]. [m]"""
+    """Slopes d y_d / d z1 at the guard [rad/m]. [m]"""
 
 
 class Start(NamedTuple):
-    """The beginning of a step: what the impact at a guard leaves."""
+    """The beginning of a step: the state after the impact at a guard."""
 
     z1: Scalar
     """Value of z1 at the start [m]."""
     outputs: Actuated
-    """Desired outputs there [rad]. [m]"""
+    """Desired outputs at the start [rad]. [m]"""
     slopes: Actuated
-    """d y_d / d z1 there [rad/m]. [m]"""
+    """Slopes d y_d / d z1 at the start [rad/m]. [m]"""
     momentum_ratio: Scalar
     """z2 after the impact / z2 before."""
 
@@ -56,11 +56,11 @@ class Foothold(NamedTuple):
     """Required place of the swing foot at a guard, relative to the stance foot."""
 
     length: Scalar | None = None
-    """Ahead of it [m]; None leaves it to the posture."""
+    """Distance ahead of the stance foot [m]; None leaves it to the posture."""
     height: Scalar | float = 0.0
-    """Above it [m]."""
+    """Height above the stance foot [m]."""
     rise: Scalar | float = 0.0
-    """Metres more of height a metre of length."""
+    """Further height per metre of length [m/m]."""
 
 
 def on_foothold(
@@ -135,24 +135,24 @@ def on_foothold_exactly(
 
 
 def _quarter_turn(vector: Planar) -> Planar:
-    """Turned counter-clockwise by a right angle. [2]."""
+    """Turn a vector counter-clockwise by a right angle. [2]."""
     return jnp.stack([-vector[1], vector[0]])
 
 
 def _turned_back(vector: Planar, tangent: Scalar) -> Planar:
-    """Turned clockwise by the angle whose half has this tangent. [2]."""
+    """Turn a vector clockwise by the angle whose half has this tangent. [2]."""
     square = tangent * tangent
     return vector - (2.0 / (1.0 + square)) * (square * vector + tangent * _quarter_turn(vector))
 
 
 def _half_tangent(miss: Scalar, a: Scalar, b: Scalar) -> Scalar:
-    """tan(s / 2) of the smaller s at which a sin s + b (1 - cos s) + miss is zero."""
+    """Return tan(s / 2) of the smaller s at which a sin s + b (1 - cos s) + miss is zero."""
     miss, bend = miss / a, b / a
     return -miss / (1.0 + jnp.sqrt(1.0 - miss * (miss + 2.0 * bend)))
 
 
 def _twice_arctan(x: Scalar) -> Scalar:
-    """2 arctan x within 1e-9 for |x| <= 0.6: two halvings of the angle, then its series."""
+    """Return 2 arctan x within 1e-9 for |x| <= 0.6: two halvings of the angle, then its series."""
     for _ in range(2):
         x = x / (1.0 + jnp.sqrt(1.0 + x * x))
     square = x * x
@@ -161,7 +161,7 @@ def _twice_arctan(x: Scalar) -> Scalar:
 
 
 def start_after(robot: "PlanarBiped", guard: Guard, reset_residual: Reset) -> Start:
-    """The start of the step that follows a guard, by the real impact, legs relabelled."""
+    """Return the start of the step that follows a guard, by the real impact, legs relabelled."""
     q = lift(robot, jnp.asarray(guard.z1), guard.outputs)
     dq = lift(robot, jnp.ones_like(q[0]), jnp.asarray(guard.slopes))
     after = _after_impact(robot, q, dq, reset_residual)
@@ -171,7 +171,7 @@ def start_after(robot: "PlanarBiped", guard: Guard, reset_residual: Reset) -> St
 
 
 def logit_ends(start: Start, guard: Guard, lower: Actuated, upper: Actuated) -> Float[Array, "4 m"]:
-    """Value and slope by the phase of a path in logit space, at phase 0, then at 1. [4, m]."""
+    """Return value and slope by the phase of a path in logit space, at phases 0 and 1. [4, m]."""
     width, span = upper - lower, guard.z1 - start.z1
     logits, logit_slopes = [], []
     for end in (start, guard):
@@ -182,19 +182,19 @@ def logit_ends(start: Start, guard: Guard, lower: Actuated, upper: Actuated) -> 
 
 
 def cubic_between(ends: Float[Array, "4 m"]) -> Float[Array, "4 m"]:
-    """Coefficients in powers of the phase of the cubic with these ends, of `logit_ends`."""
+    """Return the cubic with these ends, of `logit_ends`: coefficients in powers of the phase."""
     p0, d0, p1, d1 = ends
     return jnp.stack([p0, d0, 3.0 * (p1 - p0) - 2.0 * d0 - d1, 2.0 * (p0 - p1) + d0 + d1])
 
 
 def inside(outputs: Actuated, lower: Actuated, upper: Actuated) -> Actuated:
-    """Outputs clipped to END_POINT_MARGIN inside their bounds."""
+    """Clip outputs to END_POINT_MARGIN inside their bounds."""
     margin = END_POINT_MARGIN * (upper - lower)
     return jnp.clip(outputs, lower + margin, upper - margin)
 
 
 def _solved(columns: list[Float[Array, " k"]], right: Float[Array, " k"]) -> Float[Array, " k"]:
-    """Cramer's rule for one or two unknowns, columns of the matrix given."""
+    """Solve for one or two unknowns by Cramer's rule, columns of the matrix given."""
     if len(columns) == 1:
         return right / columns[0]
     (a, c), (b, d) = columns

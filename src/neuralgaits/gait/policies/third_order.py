@@ -1,4 +1,4 @@
-"""A policy's polynomial of third degree at a state: third derivatives of torques need no more."""
+"""Third-order polynomial of a policy at a state: third derivatives of torques need no more."""
 
 import jax
 from jaxtyping import Array, Float
@@ -46,5 +46,5 @@ class ThirdOrderPolicy(AbstractPolicy):
         return self.range
 
     def trainable(self) -> "ThirdOrderPolicy":
-        """Nothing: it is what another policy is near a state."""
+        """Flags of trainable leaves: none, since this is an expansion of another policy."""
         return jax.tree.map(lambda leaf: False, self)
