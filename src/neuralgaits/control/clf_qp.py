@@ -28,11 +28,12 @@ DECAY = 0.75
 SMALLEST_OUTPUT = 1e-9
 """sqrt V below which outputs count as zero [rad]."""
 AT_LIMIT = 1e-6
-"""Share of a torque limit within which a torque is at it."""
+"""Share of a torque limit within which a torque counts as at it."""
 SLOWER = 1e-3
 """Excess of d sqrt V/dt over its bound from which a tick counts as relaxed [rad/s]."""
 OUT_OF_CONE = 1e-3
-"""Share of the weight by which forces miss what a floor gives from which a tick counts likewise."""
+"""Error of the forces beyond the friction cone, as a share of the weight, from which a tick counts
+as relaxed."""
 
 
 class ClfQp(AbstractLaw):
@@ -75,7 +76,7 @@ class ClfQp(AbstractLaw):
         return self.linearising.desired(robot, outputs, reading)
 
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
-        """Linearising torques. Returns: [m] (N m)."""
+        """Return the linearising torques. [m] (N m)."""
         return self.linearising.torque(robot, reading, desired)
 
     def within(self, robot: PlanarBiped, demand: Demand) -> Limited:
@@ -118,7 +119,7 @@ class ClfQp(AbstractLaw):
     def _decrease(
         self, robot: PlanarBiped, reading: Reading, desired: Desired, free: "Accelerations"
     ) -> tuple[Actuated, Scalar]:
-        """The row of V: slope @ u <= rest says that sqrt V falls fast enough."""
+        """Return the row of V: slope @ u <= rest means that sqrt V falls fast enough."""
         w = self.bandwidth
         y, dy = errors(reading, desired)
         one, two = dy / w, 2.0 * (y + dy / w)

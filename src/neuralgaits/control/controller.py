@@ -109,9 +109,9 @@ class ControllerState(NamedTuple):
     ticks_to_policy: Int[Array, ""]
     """Ticks until the policy is evaluated again."""
     held: Desired
-    """The policy's last answer."""
+    """Latest output of the policy."""
     told: Told
-    """Commands, and what the step under way makes of them."""
+    """Commands, and the parameters of the step under way."""
 
 
 class Command(NamedTuple):
@@ -150,12 +150,12 @@ def start(
     leg: Int[Array, ""] | int = 0,
     command: Float[Array, " p"] | None = None,
 ) -> ControllerState:
-    """The state before the first tick, standing on `leg`.
+    """Return the state before the first tick, standing on `leg`.
 
     Args:
         controller: to be started.
         leg: stance leg.
-        command: that has been the same for long; the middle of the ranges if None.
+        command: constant command before the start; the middle of the ranges if None.
     """
     n, policy = controller.robot.n, controller.policy
     if command is None:
@@ -170,7 +170,7 @@ def start(
 def tell(
     controller: Controller, state: ControllerState, wanted: Float[Array, " p"]
 ) -> ControllerState:
-    """Wish for other commands from the next touchdown on, see `told.tell`."""
+    """Request other commands from the next touchdown on, see `told.tell`."""
     return state._replace(told=told.tell(controller.policy.commands, state.told, wanted))
 
 
@@ -227,7 +227,7 @@ def _ask(controller: Controller, now: Told, reading: Reading) -> Desired:
 
 
 def _outputs(controller: Controller, now: Told) -> Outputs:
-    """The policy of the step under way, as the law lets it know z."""
+    """Return the policy of the step under way, with the z that the law gives it."""
     policy = controller.policy.of_step(now.numbers)
     bounds = controller.bounds.over(policy)
 

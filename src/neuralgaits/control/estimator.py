@@ -68,7 +68,7 @@ class Estimator:
 
 
 def _of_line(pole: float, period_s: float) -> tuple[float, float]:
-    """Gains of a filter of first degree, of a value [1] and its rate [1/s]."""
+    """Return the gains of a filter of first degree, of a value [1] and its rate [1/s]."""
     keep = np.exp(-pole * period_s)
     return 1.0 - keep**2, (1.0 - keep) ** 2 / period_s
 
@@ -77,7 +77,7 @@ class Known(NamedTuple):
     """State that an estimator keeps from tick to tick."""
 
     estimate: Measurement
-    """After the last reading."""
+    """Estimate after the last reading."""
     accelerations: Float[Array, "2 k"]
     """Accelerations of the joints per leg [rad/s^2]."""
     started: Bool[Array, ""]

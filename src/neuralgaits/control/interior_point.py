@@ -14,11 +14,11 @@ from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.robots.linear import solve
 
 ROUNDS = 30
-"""At most."""
+"""Largest number of rounds."""
 GAP = 1e-11
 """Mean product of slack and multiplier at which the rounds end, in units of the problem."""
 CLOSED = 1e-10
-"""Below this a round that does not make it smaller is not taken: rounding has the last word."""
+"""Size below which a round that does not reduce it is not taken, since rounding dominates."""
 SHORT_OF_BOUND = 0.995
 """Share of the way to the nearest bound that a round may go."""
 
@@ -27,7 +27,7 @@ class QuadraticProgram(NamedTuple):
     """Minimise sum_i (weight_i x_i^2 / 2 + cost_i x_i) so that rows x <= bound."""
 
     weight: Float[Array, " n"]
-    """Positive. [n]"""
+    """Positive weights. [n]"""
     cost: Float[Array, " n"]
     """[n]"""
     rows: Float[Array, "k n"]

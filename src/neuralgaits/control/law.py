@@ -43,7 +43,7 @@ class Desired(NamedTuple):
 
 
 class Demand(NamedTuple):
-    """Torques that a law asks for, in the state in which it does."""
+    """Torques that a law requires, and the state in which it does."""
 
     reading: Reading
     desired: Desired
@@ -62,8 +62,7 @@ class Limited(NamedTuple):
     """Whether any was clipped, or is at its limit."""
     relaxed: Bool[Array, "2"]
     """Whether outputs converge more slowly than the law requires, and whether it requires forces
-    that the floor cannot give; always False for laws that check neither.
-    """
+    that the floor cannot give; always False for laws that check neither."""
 
 
 class AbstractLaw(eqx.Module):

@@ -87,7 +87,7 @@ class SafeguardState(NamedTuple):
     last_time: Scalar
     """Time of the last reading [s]."""
     elapsed: Scalar
-    """Since the first reading, up to the end of blending [s]."""
+    """Time since the first reading, up to the end of blending [s]."""
     posture: Float[Array, "2 k"]
     """Joint angles at the first reading [rad]."""
     torque: Float[Array, "2 k"]
@@ -95,7 +95,7 @@ class SafeguardState(NamedTuple):
     airborne: Scalar
     """Time since a foot felt the ground [s]."""
     fault: Int[Array, ""]
-    """A `Fault`."""
+    """Fault that is latched, a `Fault`."""
 
 
 def start(robot: PlanarBiped) -> SafeguardState:
@@ -107,7 +107,7 @@ def start(robot: PlanarBiped) -> SafeguardState:
 
 @eqx.filter_jit
 def joint_ranges(robot: PlanarBiped) -> tuple[Float[Array, "2 k"], Float[Array, "2 k"]]:
-    """Lower and upper joint angles by leg (rad)."""
+    """Return the lower and upper joint angles by leg (rad)."""
     first = jnp.zeros((), jnp.int32)
     low = leg_joints(robot, jnp.asarray(robot.joint_lower), first)
     high = leg_joints(robot, jnp.asarray(robot.joint_upper), first)
@@ -116,7 +116,7 @@ def joint_ranges(robot: PlanarBiped) -> tuple[Float[Array, "2 k"], Float[Array, 
 
 
 def torque_rate(controller: Controller, config: SafeguardConfig) -> Scalar:
-    """Largest change of a torque (N m/s)."""
+    """Return the largest change of a torque (N m/s)."""
     return 2.0 * jnp.max(controller.torque_limit) / config.torque_swing_s
 
 

@@ -1,4 +1,4 @@
-"""Detection of the stance leg, which changes when the swing foot loads up."""
+"""Detection of touchdowns: the stance leg changes when the swing foot loads up."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -28,7 +28,7 @@ class StanceConfig:
 
 
 class StanceState(NamedTuple):
-    """The stance leg, and how long it has been that."""
+    """The stance leg, and the time since it became that."""
 
     leg: Int[Array, ""]
     """0 or 1, legs in the order of the robot file."""
@@ -37,10 +37,10 @@ class StanceState(NamedTuple):
 
 
 def start(leg: Int[Array, ""] | int = 0) -> StanceState:
-    """Standing on `leg`, no touchdown seen yet.
+    """Return the state of standing on `leg` before any touchdown.
 
-    A lockout that ran from the start of an episode would be blind to the touchdown of a robot
-    that starts late in a step, so none does.
+    A lockout that ran from the start of an episode would be blind to the touchdown of a robot that
+    starts late in a step, so none does.
     """
     return StanceState(jnp.asarray(leg, jnp.int32), jnp.asarray(jnp.inf))
 
@@ -53,7 +53,7 @@ def advance(
     normal_force: Float[Array, "2"],
     dt: float,
 ) -> tuple[StanceState, Bool[Array, ""]]:
-    """Let `dt` pass and look for a touchdown.
+    """Advance the state by `dt` and detect a touchdown.
 
     Args:
         config: thresholds.

@@ -36,21 +36,21 @@ def steady(
     command: Float[Array, " p"],
     reset_residual: Reset = None,
 ) -> Told:
-    """A command that has been the same for long."""
+    """Return the state of a command that has been constant for long."""
     one = jnp.asarray(command, dtype=float)
     pair = Pair(one, one)
     return Told(one, pair, policy.step_numbers(robot, pair, reset_residual))
 
 
 def tell(commands: Commands, told: Told, wanted: Float[Array, " p"]) -> Told:
-    """Wish for other values from the next touchdown on: clamped, the last one in place of NaN."""
+    """Request other values from the next touchdown on: clamped, the last one in place of NaN."""
     limits = Limits.of(commands)
     inside = jnp.clip(wanted, limits.low, limits.high)
     return told._replace(wanted=jnp.where(jnp.isnan(wanted), told.wanted, inside))
 
 
 def next_pair(commands: Commands, told: Told) -> Pair:
-    """The pair of the step that begins at a touchdown."""
+    """Return the pair of the step that begins at a touchdown."""
     change = Limits.of(commands).change
     last = told.pair.after
     return Pair(last, jnp.clip(told.wanted, last - change, last + change))
