@@ -25,22 +25,22 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 class Middle(NamedTuple):
-    """The steady gait along the middle of its tube: at Gauss nodes of the phase and the guard."""
+    """The steady gait along the middle of its tube, at Gauss nodes of the phase and the guard."""
 
     gait: Gait
     slope_error: Float[Array, " k"]
-    """Slope of the flow against the middle's own, in tube widths a step. [k]"""
+    """Slope of the flow minus the middle's own, in tube widths a step. [k]"""
     level_after: Scalar
-    """Level after the reset of the middle's end."""
+    """Level after the reset from the middle's end."""
     speed: Scalar
     """Step length over the time of a step [m/s]."""
 
 
 def middle_of(gait: Gait, zd: ZeroDynamics) -> Middle:
-    """The middle of the steady gait that belongs to the gait of a step.
+    """Return the middle of the steady gait that belongs to the gait of a step.
 
     Args:
-        gait: of one step; its command after is the one that stays.
+        gait: of one step; its command after is the constant one.
         zd: zero dynamics under it.
     """
     steady = gait.following
@@ -72,7 +72,7 @@ class AbstractAim(AbstractCondition):
         """Return the error, which is zero where the aim is met."""
 
     def of(self, middle: Middle) -> Float[Array, "..."]:
-        """Tolerance minus and plus the error."""
+        """Return the tolerance minus and plus the error."""
         error = jnp.atleast_1d(self.error(middle))
         return jnp.concatenate([self.tolerance - error, self.tolerance + error])
 
@@ -100,7 +100,7 @@ class MiddleReturns(AbstractAim):
     """
 
     def error(self, middle: Middle) -> Scalar:
-        """Drift over a step, plus the level after the reset from the middle."""
+        """Return the drift over a step plus the level after the reset from the middle."""
         weights = jnp.asarray(0.5 * WEIGHTS, middle.slope_error.dtype)
         return weights @ middle.slope_error[:-1] + middle.level_after - LEVEL
 

@@ -70,8 +70,8 @@ FOR_COMMANDS = {
     "step_length": ForCommand(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
 }
 FENCES = "fence-lower", "fence-upper"
-"""Regions with twice the samples: what is missed there is missed next to the start of a step, where
-the network has no say."""
+"""Regions with twice the samples: a violation missed there is missed next to the start of a step,
+where the network has no effect."""
 SHORTEST = 0.9
 """Least step length, as a share of the shortest requested: footholds are met exactly."""
 APART = 0.1
@@ -82,11 +82,11 @@ MORE_SAMPLES, LEARNING_RATE = 2, 3e-3
 Interval = tuple[float, float]
 """Lower and upper end of a range."""
 _LARGEST_CHANGES = {"speed": SPEED_CHANGE, "slope": SPEED_CHANGE}
-"""Shares of the range; footholds may follow each other as they like."""
+"""Largest changes as shares of the range; footholds may follow each other freely."""
 
 
 def commands_of(**ranges: Interval | None) -> Commands:
-    """Commands of this package with their usual largest changes.
+    """Create commands of this package with their usual largest changes.
 
     Args:
         ranges: by name; those that are None are left out.
@@ -148,13 +148,13 @@ def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool =
 
 
 def _highest(commands: Commands) -> float:
-    """Largest difference in height of two footholds that follow each other (m)."""
+    """Return the largest difference in height of two successive footholds (m)."""
     height = command_named(commands, "step_height")
     return 0.0 if height is None else max(-height.low, height.high)
 
 
 def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
-    """The default specification of a gait that walks at one mean speed.
+    """Return the default specification of a gait that walks at one mean speed.
 
     Args:
         robot: with knees.
@@ -223,7 +223,7 @@ def _new_gait(
 
 
 def _faster(robot: "PlanarBiped", tube: CommandedTube, i: int, command: Command) -> CommandedTube:
-    """Fences of a linear inverted pendulum whose mean speed is about the commanded one."""
+    """Return fences of a linear inverted pendulum whose mean speed is about the commanded one."""
     middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
     terms = factors(len(tube.told))
     series = []

@@ -33,7 +33,7 @@ class AbstractCondition:
 
     @abstractmethod
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """Quantities that must not be negative at this point."""
+        """Return quantities that must not be negative at this point."""
 
     @property
     def absolute_loss(self) -> bool:
@@ -85,7 +85,7 @@ class Barrier(AbstractCondition):
         return self.bent(*point.rate(self.function))
 
     def bent(self, value: Float[Array, "..."], rate: Float[Array, "..."]) -> Float[Array, "..."]:
-        """dh/dt + alpha(h) of a value and a rate of h, one row a slope."""
+        """Return dh/dt + alpha(h) of a value and a rate of h, one row a slope."""
         slopes = self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
         return jnp.stack([rate + slope * value for slope in slopes])
 
@@ -110,7 +110,7 @@ class DiscreteBarrier(AbstractCondition):
             )
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """h(Delta(z)) - (1 - gamma) h(z)."""
+        """Return h(Delta(z)) - (1 - gamma) h(z)."""
         del gait, zd
         return self.function(point.after) - (1.0 - self.gamma) * self.function(point)
 
@@ -151,7 +151,7 @@ class Fence(AbstractCondition):
     side: Side
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """Inward slope relative to the fence, in tube widths per step."""
+        """Return the inward slope relative to the fence, in tube widths per step."""
         del zd
         start, guard = gait.span
         phase = gait.phase(point.z[0])
@@ -169,7 +169,7 @@ class Inlet(AbstractCondition):
     side: Side
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """Level after the reset above 0 or below 1."""
+        """Return the level after the reset above 0 and below 1."""
         del zd
         level = gait.following.level(point.z_after)
         return level if self.side == "lower" else 1.0 - level
@@ -198,7 +198,7 @@ class FencesApart(AbstractCondition):
     """
 
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "2"]:
-        """Lower fence and gap beyond the least, in the unit of zeta."""
+        """Return the lower fence and the gap beyond the least, in the unit of zeta."""
         del zd
         low, high = gait.tube.values(gait.phase(point.z[0]))
         return jnp.stack([low, high - low]) - LEAST_ZETA

@@ -1,7 +1,7 @@
-"""Conditions and their quantities as plain data, read off the very objects that are evaluated.
+"""Conditions and their quantities as plain data, read off the objects that are evaluated.
 
-Those of this package are described in full, by name and numbers, so that a reader can derive
-them on its own. Of a user's own functions and kinds only the names are known.
+Those of this package are described in full, by name and numbers, so that a reader can derive them
+on its own. For a user's own functions and kinds, only the names are known.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ _NAMES = {
 
 
 def describe_condition(condition: AbstractCondition) -> dict[str, Any]:
-    """A condition as data: "kind" (or "user" and its class) and its fields."""
+    """Describe a condition as data: "kind" (or "user" and its class) and its fields."""
     kind = type(condition)
     known = vars(conditions).get(kind.__name__) is kind
     described: dict[str, Any] = {"kind": kind.__name__} if known else {"user": kind.__qualname__}
@@ -32,7 +32,7 @@ def describe_condition(condition: AbstractCondition) -> dict[str, Any]:
 
 
 def describe_quantity(quantity: Callable[..., Any]) -> dict[str, Any]:
-    """A quantity as data: "function", its name in `functions`, and its numbers; or "user"."""
+    """Describe a quantity as data: "function", its name in `functions`, its numbers; or "user"."""
     name = _NAMES.get(id(type(quantity)), _NAMES.get(id(quantity)))
     if name is None:
         return {"user": getattr(quantity, "__qualname__", type(quantity).__qualname__)}

@@ -25,23 +25,22 @@ NAME = "hzd"
 FENCE_DEGREE = 16
 """Degree of the fences' Chebyshev series: an orbit is met to 1e-6 of its zeta or better."""
 LEAN = 0.35
-"""Largest lean of the torso to either side [rad]: 20 degrees, beyond any gait that was published
-for such robots."""
+"""Largest lean of the torso to either side [rad]: 20 degrees, more than in any published gait of
+such robots."""
 ALPHA = 10.0
 """Class-K gain of that barrier, in units of the reference robot's time [1/s]."""
 LIFT_OFF, LANDING = 0.05, 0.95
 """Phases between which the foot must be above the ground: at the ends it is on it."""
 OUTPUT_ERROR, RATE_ERROR = 1e-3, 2e-2
 """Errors of outputs [rad] and of their rates [rad/s of the reference robot's time] that the real
-impact may leave: levels 1 to 3 set them to zero again. Those of spec `walking-mlp`.
-"""
+impact may leave: levels 1 to 3 set them to zero again. Those of spec `walking-mlp`."""
 
 
 def hzd(robot: "PlanarBiped", degree: int) -> GaitSpec:
-    """The specification of a given gait of Bezier outputs.
+    """Return the specification of a given gait of Bezier outputs.
 
     Args:
-        robot: whose limits they are.
+        robot: whose limits the conditions use.
         degree: of the polynomials.
     """
     regions = regions_of_step(LIFT_OFF, LANDING)
@@ -66,7 +65,7 @@ def _new_gait(
     init: Init,
     hidden: tuple[int, ...] | None,
 ) -> Gait:
-    """A gait of the right shape, without values: a given gait has its own."""
+    """Return a gait of the right shape, without values: a given gait has its own."""
     del key, init, hidden
     guard = walking_posture(robot).z_guard
     policy = BezierPolicy(np.zeros((robot.n - 1, degree + 1)), (-guard, guard))
@@ -74,7 +73,7 @@ def _new_gait(
 
 
 def empty_tube(robot: "PlanarBiped", span: tuple[float, float]) -> Tube:
-    """A tube without fences.
+    """Return a tube without fences.
 
     Args:
         robot: sets the unit of zeta.
@@ -86,7 +85,7 @@ def empty_tube(robot: "PlanarBiped", span: tuple[float, float]) -> Tube:
 
 
 def _stance(robot: "PlanarBiped") -> list[Barrier | Pointwise]:
-    """Contact, torques, joint ranges and progress on the whole tube."""
+    """Conditions on the whole tube: contact, torques, joint ranges and progress."""
     unit = units(robot)
     weight, speed, cone = unit.weight_n, unit.speed, float(robot.friction)
     conditions: list[Barrier | Pointwise] = []
@@ -113,7 +112,7 @@ def _stance(robot: "PlanarBiped") -> list[Barrier | Pointwise]:
 
 
 def _swing_foot(robot: "PlanarBiped") -> list[Pointwise]:
-    """Rise, stay above the ground, fall."""
+    """Conditions of the swing foot: rise, stay above the ground, fall."""
     unit = units(robot)
     speed, height = 0.5 * unit.speed, 0.05 * unit.length
     velocity = f.foot_vertical_velocity
@@ -125,7 +124,7 @@ def _swing_foot(robot: "PlanarBiped") -> list[Pointwise]:
 
 
 def _tube() -> list[Fence | Inlet]:
-    """The flow stays between the fences, and so does the reset."""
+    """Conditions of the tube: the flow stays between the fences, and so does the reset."""
     return [
         Fence("flow-above-lower-fence", "fence-lower", 1.0, "lower"),
         Fence("flow-below-upper-fence", "fence-upper", 1.0, "upper"),
@@ -135,7 +134,7 @@ def _tube() -> list[Fence | Inlet]:
 
 
 def _guard(robot: "PlanarBiped") -> list[Pointwise | Equality]:
-    """An impact that a floor can give, after which the old foot leaves, outputs near zero."""
+    """Conditions at the guard: a feasible impact, the old foot leaves, outputs near zero."""
     unit = units(robot)
     push, cone = 5.0 * unit.mass_kg * unit.speed / 21.5562, float(robot.friction)
     step, speed = 0.3 * unit.length, 0.5 * unit.speed

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 HIP_SPAN_M = 0.2
-"""Samples are drawn from z1 in +- this."""
+"""Samples are drawn from z1 in +- this span [m]."""
 ENERGIES = (0.0, 1.0)
-"""Orbital energies sampled [m^2/s^2]."""
+"""Range of the sampled orbital energies [m^2/s^2]."""
 PENDULUM_HEIGHT_M = 0.9
 OUTPUT_LOWER = np.array([0.2, -1.0, -1.0, 0.2])
 OUTPUT_UPPER = np.array([1.5, 1.0, 1.0, 1.5])
@@ -38,7 +38,7 @@ EVERYWHERE = Box((0.0, 0.0), (1.0, 1.0))
 
 
 def _band(low: float, high: float) -> Box:
-    """Chart box of low <= z1 <= high [m], all energies."""
+    """Return the chart box of low <= z1 <= high [m], all energies."""
     width = 2.0 * HIP_SPAN_M
     return Box(((low + HIP_SPAN_M) / width, 0.0), ((high + HIP_SPAN_M) / width, 1.0))
 

@@ -29,7 +29,7 @@ class AtLeast:
     bound: Bound
 
     def __call__(self, p: Point) -> Float[Array, "..."]:
-        """Quantity minus bound, in the quantity's unit."""
+        """Return the quantity minus the bound, in the quantity's unit."""
         return self.function(p) - self.bound
 
 
@@ -41,7 +41,7 @@ class AtMost:
     bound: Bound
 
     def __call__(self, p: Point) -> Float[Array, "..."]:
-        """Bound minus quantity, in the quantity's unit."""
+        """Return the bound minus the quantity, in the quantity's unit."""
         return self.bound - self.function(p)
 
 
@@ -52,7 +52,7 @@ class AfterReset:
     function: Quantity
 
     def __call__(self, p: Point) -> Float[Array, "..."]:
-        """The quantity on the manifold above z_after."""
+        """Return the quantity on the manifold above z_after."""
         return self.function(p.after)
 
 
@@ -63,7 +63,7 @@ class FrictionForward:
     coefficient: float
 
     def __call__(self, p: Point) -> Scalar:
-        """Coefficient times normal minus tangential force [N]."""
+        """Return the coefficient times the normal minus the tangential force [N]."""
         return self.coefficient * p.contact_force[1] - p.contact_force[0]
 
 
@@ -74,7 +74,7 @@ class FrictionBackward:
     coefficient: float
 
     def __call__(self, p: Point) -> Scalar:
-        """Coefficient times normal plus tangential force [N]."""
+        """Return the coefficient times the normal plus the tangential force [N]."""
         return self.coefficient * p.contact_force[1] + p.contact_force[0]
 
 
@@ -85,7 +85,7 @@ class ImpulseConeForward:
     coefficient: float
 
     def __call__(self, p: Point) -> Scalar:
-        """Coefficient times normal minus tangential impulse [N s]."""
+        """Return the coefficient times the normal minus the tangential impulse [N s]."""
         return self.coefficient * p.contact_impulse[1] - p.contact_impulse[0]
 
 
@@ -96,7 +96,7 @@ class ImpulseConeBackward:
     coefficient: float
 
     def __call__(self, p: Point) -> Scalar:
-        """Coefficient times normal plus tangential impulse [N s]."""
+        """Return the coefficient times the normal plus the tangential impulse [N s]."""
         return self.coefficient * p.contact_impulse[1] + p.contact_impulse[0]
 
 
@@ -178,7 +178,7 @@ class ParabolicClearance:
     slack: float = 0.0
 
     def __call__(self, p: Point) -> Scalar:
-        """Foot height minus parabola plus slack [m]."""
+        """Return the foot's height minus the parabola plus the slack [m]."""
         x = p.z[0] / self.half_width
         return p.foot[1] - self.height * (1.0 - x * x) + self.slack
 

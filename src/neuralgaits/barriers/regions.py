@@ -25,9 +25,9 @@ Side = Literal["lower", "upper"]
 Told = Float[Array, " k"]
 """A point of the commands' axes, see `Command.axes`."""
 LEAST_ZETA = 0.01
-"""Between fences that are kept apart, and above zero, in the unit of zeta."""
+"""Least gap between fences that are kept apart, and above zero, in the unit of zeta."""
 Number = float | np.floating | Scalar
-"""Elements of NumPy arrays are no arrays."""
+"""Type of a scalar; elements of NumPy arrays are not arrays."""
 
 
 class Box(NamedTuple):
@@ -232,7 +232,7 @@ class Gait(eqx.Module):
     def at(
         self, robot: PlanarBiped, v: Told, reset_residual: Reset = None, *, exact: bool = False
     ) -> "Gait":
-        """The gait of one step: itself. See `CommandedGait.at`."""
+        """Return the gait itself, the gait of every step. See `CommandedGait.at`."""
         del robot, v, reset_residual, exact
         return self
 
@@ -320,7 +320,7 @@ class CommandedGait(eqx.Module):
         return Gait(policy, tube, then)
 
     def matched(self, robot: PlanarBiped, reset_residual: Reset = None) -> "CommandedGait":
-        """The family itself: each of its gaits is matched when it is asked for."""
+        """Return the family itself: each of its gaits is matched when it is built."""
         del robot, reset_residual
         return self
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 STEPS = 3000
-"""Gradient steps: each sample is of another robot."""
+"""Gradient steps: many, since each sample is of another robot."""
 STRIP, MOST_STRIP = 7.5, 0.09
 """Phases around the guard in which the foot goes through a metre of heights, and the most there can
 be: AMBER-3M's foot falls at 0.5 m/s, and takes 6.5."""
@@ -41,7 +41,7 @@ the strip in which it may meet the floor is short."""
 MORE_GUARD, WEIGHT = 3, 2.0
 """Factor of the samples of that strip, and weight of the conditions that resets from it land in."""
 CONES = FrictionForward, FrictionBackward, ImpulseConeForward, ImpulseConeBackward
-"""Quantities that no foot slips of which are not negative."""
+"""Conditions on quantities that keep a foot from slipping while they are not negative."""
 
 
 def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
@@ -92,7 +92,7 @@ def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
 
 
 def _on_friction(condition: AbstractCondition, least: float | None) -> AbstractCondition:
-    """The condition, with a friction cone that is no wider than that of the least friction."""
+    """Return the condition with a friction cone no wider than that of the least friction."""
     if least is None or not isinstance(condition, Pointwise):
         return condition
     if not isinstance(condition.function, CONES) or condition.function.coefficient <= least:

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 NAME = "rugged"
 SPEED = 1.06
 """Requested mean speed of the reference robot [m/s]. At a higher speed, pushes do less harm and
-floors more.
-"""
+floors more."""
 EFFORT, TORQUES, AT_FENCES = 1.0, 4.0, 4.0
 """Weight of the mean squared torque, five times the plain walk's, and factors of the losses of
 torque limits and of fences and resets: where the floor is uneven, torques run out."""
@@ -68,7 +67,7 @@ def rugged(robot: "PlanarBiped") -> GaitSpec:
 
 
 def _harder(robot: "PlanarBiped", condition: AbstractCondition) -> AbstractCondition:
-    """A condition of the plain walk as this one asks it."""
+    """Return a condition of the plain walk with this spec's numbers."""
     unit = units(robot)
     if condition.name == "foot-clears":
         return replace(condition, function=f.foot_above_arc(CLEARANCE * unit.length))

@@ -19,7 +19,7 @@ from neuralgaits.robots.parameters import Axis
 
 Init = Literal["posture", "random"]
 _FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient", "strip")
-"""Fields of a recipe that a spec without commands, on one floor, does not tell."""
+"""Fields of a recipe that are not described for a spec without commands, on one floor."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class ChartPoint(NamedTuple):
     """Point of the chart, split into its groups of axes."""
 
     plane: Float[Array, "2"]
-    """Phase and level."""
+    """Phase and level of the point."""
     told: Float[Array, " c"]
     """Point of the commands' axes."""
     errors: Float[Array, " k"]
@@ -161,11 +161,11 @@ class GaitSpec:
 
     @property
     def chart_size(self) -> int:
-        """Axes of the chart: phase, level, two a command, and one a parameter of the robot."""
+        """Number of axes: phase, level, two a command, and one a parameter of the robot."""
         return 2 + 2 * len(self.commands) + len(self.parameters)
 
     def parted(self, u: Float[Array, " n"]) -> "ChartPoint":
-        """A chart point's plane, commands and parameters of the robot."""
+        """Split a chart point into plane, commands and parameters of the robot."""
         end = 2 + 2 * len(self.commands)
         return ChartPoint(u[:2], u[2:end], u[end:])
 
@@ -189,10 +189,10 @@ class GaitSpec:
         return replace(self, conditions=kept, weights=weights)
 
     def describe(self) -> dict[str, Any]:
-        """Everything about the spec as plain data: what a run saves.
+        """Describe everything about the spec as plain data, which a run saves.
 
-        Conditions and quantities of this package are described in full, by name and numbers;
-        a user's own functions by their names alone.
+        Conditions and quantities of this package are described in full, by name and numbers; a
+        user's own functions by their names alone.
         """
         recipe = asdict(self.recipe)
         for name in _FOR_COMMANDS:
@@ -218,6 +218,6 @@ class GaitSpec:
     def margins(
         self, gait: Gait, zd: ZeroDynamics, u: Float[Array, " n"]
     ) -> dict[str, Float[Array, "..."]]:
-        """Margins of all conditions at one chart point, each in its own units."""
+        """Return the margins of all conditions at one chart point, each in its own units."""
         point = zd.point(gait.z(u))
         return {c.name: c.margins(gait, zd, point) for c in self.conditions}

@@ -138,7 +138,7 @@ def load(
 
 
 def _defined(path: str) -> list[str]:
-    """Public functions of a file, from its text: it is not run."""
+    """Return the public functions of a file, from its text: it is not run."""
     try:
         body = ast.parse(Path(path).read_bytes()).body
     except (OSError, SyntaxError, ValueError):
@@ -159,7 +159,7 @@ def _applied(name: str, function: Callable, robot: "PlanarBiped"):
 
 
 def source_path(name: str) -> Path:
-    """The Python file that defines a spec, to be copied into a run."""
+    """Return the Python file that defines a spec, to be copied into a run."""
     if name == GIVEN:
         return Path(str(_hzd.__file__))
     if name in _BUILT_IN:

@@ -20,11 +20,11 @@ from neuralgaits.errors import NeuralGaitsError, SpecError
 from neuralgaits.gait import Point
 
 PREFIX = "neuralgaits_user_"
-"""Names of the modules that are made of users' files begin so."""
+"""Prefix of the names of modules that are made of users' files."""
 _TRACER = re.compile(r"'\w*Tracer'")
 """Text of an array while JAX traces."""
 _LONGEST = 300
-"""Characters of a foreign message; JAX writes paragraphs."""
+"""Largest number of characters of a foreign message; JAX writes paragraphs."""
 
 
 @contextlib.contextmanager
@@ -42,7 +42,7 @@ def blamed() -> Iterator[None]:
 
 
 def mistake(error: BaseException) -> SpecError | None:
-    """An exception as a mistake in a user's file; None if no line of one was being run."""
+    """Return an exception as a mistake in a user's file; None if no line of one was running."""
     frames = [
         (frame.f_code.co_filename, line)
         for frame, line in traceback.walk_tb(error.__traceback__)
@@ -55,7 +55,7 @@ def mistake(error: BaseException) -> SpecError | None:
 
 
 def misread(error: Exception, file: Path) -> SpecError:
-    """A file that is not Python, or no text."""
+    """Describe a file that is not Python, or not text."""
     if not isinstance(error, SyntaxError):
         return SpecError(f"{file}: {reason(error)}; mend it")
     return SpecError(f"{file}:{error.lineno or 1}: {type(error).__name__}: {error.msg}; mend it")
@@ -92,7 +92,7 @@ def reason(error: BaseException) -> str:
 
 
 def _without(owner: Any, name: str) -> str:
-    """An attribute that is not there."""
+    """Describe an attribute that does not exist."""
     names = [one for one in dir(owner) if not one.startswith("_")]
     close = difflib.get_close_matches(name, names, 1)
     said = f"{_kind(owner)} has no {name!r}"

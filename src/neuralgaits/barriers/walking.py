@@ -38,11 +38,11 @@ TORQUE_SHARE = 0.927
 """Share of the torque limit the zero dynamics may use: 38 of 41 N m on AMBER-3M."""
 FLOWS = "flow-above-lower-fence", "flow-below-upper-fence"
 RESETS = "reset-above-lower-fence", "reset-below-upper-fence"
-"""Conditions of the fences: along the flow, and across the impact."""
+"""Names of the conditions of the fences: along the flow, and across the impact."""
 CLEARANCE = 0.02
 """Height of the arc that the swing foot stays above, of the reference robot [m]."""
 OVER_EDGES = 0.005
-"""Height above the edge of a stair, likewise [m]."""
+"""Height above the edge of a stair, of the reference robot [m]."""
 LEAST_BEND = 0.05
 """Bend of a knee away from straight that is always kept [rad]."""
 START_ENERGIES = (0.23, 0.57)
@@ -61,7 +61,7 @@ class Units(NamedTuple):
 
 
 def units(robot: "PlanarBiped") -> Units:
-    """Ratios to the reference robot, and weight and mass (N, kg)."""
+    """Return the ratios to the reference robot, and weight and mass (N, kg)."""
     length = robot.leg_length / REFERENCE_LEG_M
     mass, gravity = float(robot.mass), float(robot.gravity)
     pace = (length * gravity / 9.81) ** 0.5
@@ -69,12 +69,12 @@ def units(robot: "PlanarBiped") -> Units:
 
 
 def pendulum_height(robot: "PlanarBiped") -> float:
-    """Height h of the orbital energy: 1.03 straight legs [m]."""
+    """Return the height h of the orbital energy: 1.03 straight legs [m]."""
     return 1.03 * robot.leg_length
 
 
 def regions_of_step(lift_off: float, landing: float) -> dict[str, tuple[Box, ...]]:
-    """Regions of the tube, in phase and level, of which conditions of a step speak.
+    """Return the regions of the tube, in phase and level, that conditions of a step refer to.
 
     Args:
         lift_off: phase up to which the swing foot may be on the ground.
@@ -162,7 +162,7 @@ def _box(phases: tuple[float, float], levels: tuple[float, float]) -> Box:
 
 
 def start_tube(robot: "PlanarBiped", span, start) -> Tube:
-    """The tube that training starts from: `Tube.between_energies` of START_ENERGIES."""
+    """Return the tube that training starts from: `Tube.between_energies` of START_ENERGIES."""
     unit = units(robot)
     return Tube.between_energies(
         robot,
@@ -219,7 +219,7 @@ more than half of what their motors feel; the walkers of reinforcement learning 
 
 
 def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractCondition]:
-    """Torso, contact forces, torques, joint rates and knees on the whole tube."""
+    """Conditions on the whole tube: torso, contact forces, torques, joint rates and knees."""
     unit = units(robot)
     # Without rotors to speak of, joints are faster after an impact, and hips slower in mid-step.
     rotor = float(np.mean(robot.armature[1:])) / (unit.mass_kg * robot.leg_length**2)
@@ -258,12 +258,12 @@ def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractConditi
 
 
 def _inertia(unit: Units, reference: float) -> float:
-    """A value of |J . s| [kg m], from the reference robot's (21.56 kg)."""
+    """Return a value of |J . s| [kg m], scaled from the reference robot's (21.56 kg)."""
     return reference * unit.mass_kg * unit.length / 21.5562
 
 
 def _knees(robot: "PlanarBiped") -> np.ndarray:
-    """Indices of the actuated joints whose range excludes one side: knees."""
+    """Return the indices of the knees: actuated joints whose range excludes one side."""
     one_sided = (robot.joint_lower >= -0.1) | (robot.joint_upper <= 0.1)
     return np.flatnonzero(one_sided)
 
@@ -277,7 +277,7 @@ def _knee_bend(robot: "PlanarBiped") -> Quantity:
 
 
 def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]:
-    """Rise, clear, fall: the swing foot touches the ground only at the guard."""
+    """Conditions of the swing foot: rise, clear, fall; it touches the ground only at the guard."""
     unit = units(robot)
     # Without rotor inertia no gait was found that lifts off faster.
     rise = (0.1 if np.any(robot.armature > 0) else 0.05) * unit.speed
@@ -302,7 +302,7 @@ def _clearance(unit: Units, highest: float) -> float:
 
 
 def _tube() -> list[AbstractCondition]:
-    """The flow stays between the fences, and so does the reset; the tube is wide."""
+    """Conditions of the tube: flow and reset stay between the fences, and the tube is wide."""
     return [
         Fence("flow-above-lower-fence", "fence-lower", 1.0, "lower"),
         Fence("flow-below-upper-fence", "fence-upper", 1.0, "upper"),
@@ -313,7 +313,7 @@ def _tube() -> list[AbstractCondition]:
 
 
 def _guard(robot: "PlanarBiped", shortest: float | None) -> list[AbstractCondition]:
-    """A clean impact: long enough a step, a foot that lands, one that leaves, no slip."""
+    """Conditions of a clean impact: step length, a foot that lands, one that leaves, no slip."""
     unit = units(robot)
     push = unit.mass_kg * unit.speed / 21.5562
     step, speed = 0.3 * unit.length, 0.1 * unit.speed
