@@ -39,27 +39,27 @@ class Algebra(Protocol[V]):
         return outputs
 
     def constant(self, array: np.ndarray) -> V:
-        """Value of exactly these doubles, flat. [size]."""
+        """Return exactly these doubles as a value, flat. [size]."""
         ...
 
     def move(self, operands: Sequence[V], index: np.ndarray) -> V:
-        """Elements of the concatenated operands at `index`."""
+        """Return elements of the concatenated operands at `index`."""
         ...
 
     def affine(self, matrix: V, right: V, offset: V | None, columns: int) -> V:
-        """Constant matrix times right [inner, columns], plus an offset for each row."""
+        """Return a constant matrix times right [inner, columns], plus an offset for each row."""
         ...
 
     def sum(self, a: V, size: int) -> V:
-        """Row sums of a as [size, ...]."""
+        """Return the row sums of a as [size, ...]."""
         ...
 
     def inner(self, a: V, b: V, size: int) -> V:
-        """Row-wise inner products of a and b as [size, ...]."""
+        """Return row-wise inner products of a and b as [size, ...]."""
         ...
 
     def elementwise(self, kind: str, *operands: V) -> V:
-        """Any of the others: one element of each operand for each of the result.
+        """Apply any other operation: one element of each operand for each of the result.
 
         Raises: SpecError if the algebra has no rule for this kind.
         """

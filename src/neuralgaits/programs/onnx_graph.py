@@ -69,7 +69,7 @@ class OnnxAlgebra:
     _known: dict[tuple[bytes, str, tuple[int, ...]], str] = field(default_factory=dict)
 
     def enter(self, program: Program, inputs: Mapping[str, Any]) -> dict[str, Tensor]:
-        """A flat tensor for each input."""
+        """Create a flat tensor for each input."""
         del inputs
         flat = {}
         for item in program.inputs:
@@ -81,7 +81,7 @@ class OnnxAlgebra:
     def leave(
         self, program: Program, outputs: dict[str, Tensor], inputs: Mapping[str, Any]
     ) -> dict[str, Tensor]:
-        """Tensors with the names and shapes of the outputs."""
+        """Give tensors the names and shapes of the outputs."""
         del inputs
         for item in program.outputs:
             shape = self._whole(np.array(item.shape, dtype=np.int64), "shape")
@@ -95,7 +95,7 @@ class OnnxAlgebra:
         return self.named("constant", array)
 
     def named(self, name: str, array: np.ndarray) -> Tensor:
-        """A constant, named after its path in the parameters if it has one."""
+        """Create a constant, named after its path in the parameters if it has one."""
         return Tensor(name, array.size, array.reshape(-1))
 
     def move(self, operands: Sequence[Tensor], index: np.ndarray) -> Tensor:
@@ -108,7 +108,10 @@ class OnnxAlgebra:
         return self._note("Gather", [self._read(joined), places], len(index), axis=0)
 
     def affine(self, matrix: Tensor, right: Tensor, offset: Tensor | None, columns: int) -> Tensor:
-        """Constant matrix times right, plus an offset. A vector goes to the left of the matrix."""
+        """Multiply a constant matrix by right, and add an offset.
+
+        A vector goes to the left of the matrix.
+        """
         inner = right.size // columns
         rows = matrix.size // inner
         if columns == 1:
@@ -156,7 +159,7 @@ class OnnxAlgebra:
     def _read(
         self, value: Tensor, shape: tuple[int, ...] | None = None, *, turned: bool = False
     ) -> str:
-        """Name of a tensor with this shape, flat if None."""
+        """Return the name of a tensor with this shape, flat if None."""
         if value.array is None:
             return value.name if shape is None else self._shaped(value, shape).name
         array = value.array.reshape(shape or -1).astype(self.real)

@@ -72,12 +72,12 @@ KINDS = MappingProxyType({kind.name: kind for kind in _TABLE})
 
 
 def rule(rules: Mapping[str, R], kind: str, values: str) -> R:
-    """The rule of an algebra for an elementwise operation.
+    """Return the rule of an algebra for an elementwise operation.
 
     Args:
         rules: of the algebra, by kind.
         kind: of the operation.
-        values: what the algebra computes with, for the message.
+        values: name of the algebra's values, for the message.
 
     Raises: SpecError if it has none.
     """

@@ -22,7 +22,7 @@ from neuralgaits.programs.ops import complaint
 FORMAT = "neuralgaits-program"
 VERSION = 1
 MOST_AXES = 16
-"""Elements of an input that boxes may be given for: a model has a coefficient for each pair."""
+"""Largest number of elements of an input with boxes: a model has a coefficient for each pair."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class Program:
         return hashlib.sha256(self.to_json().encode("ascii")).hexdigest()
 
     def to_json(self) -> str:
-        """Canonical serialisation: equal Programs give equal text.
+        """Return the canonical serialisation: equal Programs give equal text.
 
         Constants are little-endian float64 in base64, so no bit is lost.
         """
@@ -187,7 +187,7 @@ class Program:
 
 
 def box_and_ball(program: Program, given: Collection[str]) -> tuple[Input, Input | None]:
-    """The input that boxes are given for; and the other, anywhere in the unit ball, if any.
+    """Return the input over which boxes are given, and the other, in the unit ball, if any.
 
     Raises: InputError if there are other inputs, or the first is no vector of a few elements.
     """
@@ -261,7 +261,7 @@ def _decode(text: str, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _problem(program: Program) -> str | None:
-    """The first thing that makes the Program unusable, or None."""
+    """Return the first fault that makes the Program unusable, or None."""
     for constant in program.constants:
         if constant.array.dtype != np.float64 or not np.all(np.isfinite(constant.array)):
             return f"NaN, infinity or no float64 in the constant {constant.name or 'of a formula'}"

@@ -32,7 +32,7 @@ def prune(program: Program, outputs: Collection[str]) -> Program:
 
 
 def reading(program: Program, given: str) -> set[str]:
-    """Names of the outputs that depend on an input."""
+    """Return the names of the outputs that depend on an input."""
     flags = [item.name == given for item in program.inputs] + [False] * len(program.constants)
     for operation in program.operations:
         flags.append(any(flags[operand] for operand in operation.operands))
@@ -40,7 +40,7 @@ def reading(program: Program, given: str) -> set[str]:
 
 
 def _needed(program: Program, outputs: Collection[Output]) -> list[int]:
-    """Numbers of the values that the outputs depend on, and of all inputs, in order."""
+    """Return the numbers of the values that the outputs depend on, and of all inputs, in order."""
     needed = set(range(len(program.inputs))) | {output.value for output in outputs}
     for number in range(len(program.sizes) - 1, program.first_operation - 1, -1):
         if number in needed:

@@ -26,7 +26,7 @@ from neuralgaits.programs.program import Program, box_and_ball
 class BallAlgebra(Algebra[BallModel]):
     """Rules for `evaluate`. Boxes of u are given by their corners: (low [B, n], high [B, n]).
 
-    Elements of u move with a symbol each. A second input, of any shape, is in the unit ball.
+    Each element of u has a symbol of its own. A second input, of any shape, is in the unit ball.
 
     Attributes:
         degree: 1, or 2 for conditions with second derivatives.
@@ -37,7 +37,7 @@ class BallAlgebra(Algebra[BallModel]):
     def enter(
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
     ) -> dict[str, BallModel]:
-        """Boxes to models. Raises: InputError on names or shapes."""
+        """Convert boxes to models. Raises: InputError on names or shapes."""
         box, ball = box_and_ball(program, inputs)
         low, high = (_balls(np.asarray(corner, dtype=np.float64).T) for corner in inputs[box.name])
         half = (high - low) / 2
@@ -53,7 +53,7 @@ class BallAlgebra(Algebra[BallModel]):
         return models
 
     def constant(self, array: np.ndarray) -> BallModel:
-        """Exactly these doubles on every box."""
+        """Return exactly these doubles, on every box."""
         return BallModel({(): _balls(array[:, None])})
 
     def move(self, operands: Sequence[BallModel], index: np.ndarray) -> BallModel:
@@ -104,7 +104,7 @@ class BallAlgebra(Algebra[BallModel]):
         return self.sum(self.mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: BallModel) -> BallModel:
-        """Arithmetic, or a function by its derivatives."""
+        """Apply arithmetic, or a function by its derivatives."""
         if kind in functions.FUNCTIONS:
             return self.unary(operands[0], functions.FUNCTIONS[kind])
         return rule(_ARITHMETIC, kind, "models in balls")(self, *operands)
@@ -121,7 +121,7 @@ class BallAlgebra(Algebra[BallModel]):
         return self.add(a, self.neg(b))
 
     def mul(self, a: BallModel, b: BallModel) -> BallModel:
-        """Product; what exceeds the degree goes into the constant term."""
+        """Multiply two vectors of models; terms beyond the degree go into the constant term."""
         terms = {key: a.constant * term for key, term in b.terms.items()}
         for key, term in a.terms.items():
             if key:
@@ -173,7 +173,7 @@ class BallAlgebra(Algebra[BallModel]):
         return BallModel.of(terms)
 
     def _quadratic(self, a: BallModel, b: BallModel) -> dict[Key, Balls]:
-        """Products of linear terms, as far as the degree keeps them."""
+        """Multiply linear terms, as far as the degree keeps the products."""
         terms: dict[Key, Balls] = {}
         if self.degree == 2:
             for (i,), p in a.symbols.items():
@@ -201,7 +201,7 @@ def _balls(array: np.ndarray) -> Balls:
 
 
 def _without_zeros(terms: Mapping[Key, Balls]) -> BallModel:
-    """A model of these terms but those that are zero everywhere."""
+    """Return a model without the terms that are zero everywhere."""
     return BallModel(
         {
             key: term
@@ -212,5 +212,5 @@ def _without_zeros(terms: Mapping[Key, Balls]) -> BallModel:
 
 
 def _collect(terms: dict[Key, Balls], key: Key, term: Balls) -> None:
-    """Add to a term of a sum."""
+    """Add a coefficient to a term of a sum."""
     terms[key] = terms[key] + term if key in terms else term

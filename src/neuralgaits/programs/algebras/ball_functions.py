@@ -15,7 +15,7 @@ Derivatives = Callable[[np.ndarray], Jet]
 
 
 def each(function: Callable[[Any], arb]) -> Callable[[np.ndarray], np.ndarray]:
-    """The function on each element of an array."""
+    """Apply a function to each element of an array."""
     return np.frompyfunc(function, 1, 1)  # pyright: ignore[reportReturnType]
 
 

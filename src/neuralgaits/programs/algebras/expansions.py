@@ -45,7 +45,7 @@ def reciprocal(c: Values, r: Values, degree: int) -> Expanded:
 
 
 def sqrt(c: Values, r: Values, degree: int) -> Expanded:
-    """Square root of what is positive."""
+    """Expand the square root of a positive argument."""
     nearest = _within(c - r - SLACK * (np.abs(c) + r), np.abs(c) + r)
     root, ratio = np.sqrt(c), r / nearest
     share = {1: 0.125, 2: 0.0625}[degree]
@@ -54,7 +54,7 @@ def sqrt(c: Values, r: Values, degree: int) -> Expanded:
 
 
 def log1p(c: Values, r: Values, degree: int) -> Expanded:
-    """Logarithm of 1 + x, for x > -1."""
+    """Expand the logarithm of 1 + x, for x > -1."""
     size = 1.0 + np.abs(c) + r
     nearest = _within(1.0 + c - r - SLACK * size, size)
     slope, ratio = 1.0 / (1.0 + c), r / nearest
@@ -98,7 +98,7 @@ def tanh(c: Values, r: Values, degree: int) -> Expanded:
 
 
 def logistic(c: Values, r: Values, degree: int) -> Expanded:
-    """1/2 + tanh(x/2)/2: halving is exact."""
+    """Expand 1/2 + tanh(x/2)/2, the logistic function: halving is exact."""
     (t, first, second), error, remainder = tanh(0.5 * c, 0.5 * r, degree)
     return Expanded((0.5 + 0.5 * t, 0.25 * first, 0.125 * second), 0.5 + error, 0.5 * remainder)
 
@@ -116,13 +116,13 @@ EXPANSIONS = {
 
 
 def _within(nearest: Values, farthest: Values) -> Values:
-    """The argument nearest to the singularity; NaN where it or the farthest is out of range."""
+    """Return the argument nearest to the singularity; NaN where either is out of range."""
     inside = (nearest >= LEAST) & (farthest <= MOST)
     return np.where(inside, nearest, np.nan)
 
 
 def _power(r: Values, degree: int) -> Values:
-    """r^2 / 2 or r^3 / 6."""
+    """Return r^2 / 2 at degree one, r^3 / 6 at degree two."""
     return 0.5 * r * r if degree == 1 else r * r * r / 6.0
 
 
@@ -132,6 +132,6 @@ def _up_to(limit: float, derivative: Values, slope: float, r: Values) -> Values:
 
 
 def _relative(derivatives: tuple[Values, Values, Values], r: Values, remainder: Values) -> Expanded:
-    """Derivatives that are right to a few last places of themselves."""
+    """Return an expansion whose derivatives have relative errors of a few last places."""
     value, first, second = (np.abs(d) for d in derivatives)
     return Expanded(derivatives, value + first * r + second * r * r, remainder)

@@ -101,7 +101,7 @@ class PointAlgebra:
 
 
 def _logistic(a: np.ndarray) -> np.ndarray:
-    """1 / (1 + exp(-a)), without overflow for large negative arguments."""
+    """Return 1 / (1 + exp(-a)), without overflow for large negative arguments."""
     small = np.exp(-np.abs(a))
     return np.where(a >= 0.0, 1.0, small) / (1.0 + small)
 
@@ -126,7 +126,7 @@ POINT = PointAlgebra()
 
 
 def _batch(program: Program, inputs: Mapping[str, np.ndarray]) -> int | None:
-    """Length of the batch axis, None without one. Raises: InputError on shapes."""
+    """Return the length of the batch axis, None without one. Raises: InputError on shapes."""
     lengths = set()
     for item in program.inputs:
         shape = np.shape(inputs[item.name])

@@ -44,7 +44,7 @@ class SymbolAlgebra:
         return self.casadi.vertcat(*operands)[index.tolist()]
 
     def affine(self, matrix: Any, right: Any, offset: Any | None, columns: int) -> Any:
-        """The product of matrices, row by row."""
+        """Multiply two matrices, row by row, and add the offset."""
         inner = right.shape[0] // columns
         product = self._rows(matrix, inner) @ self._rows(right, columns)
         if offset is not None:
@@ -64,7 +64,7 @@ class SymbolAlgebra:
         return rule(_RULES, kind, "symbols")(self.casadi, *operands)
 
     def _rows(self, a: Any, columns: int) -> Any:
-        """A flat column as a matrix: CasADi counts along columns, a Program along rows."""
+        """Reshape a flat column to a matrix: CasADi counts along columns, a Program along rows."""
         return self.casadi.reshape(a, columns, a.shape[0] // columns).T
 
 

@@ -30,7 +30,7 @@ from neuralgaits.programs.program import Program, box_and_ball
 class TaylorAlgebra(Algebra[Taylor]):
     """Rules for `evaluate`. Boxes of u are given: (centre [B, n], half width [B, n]).
 
-    Elements of u move with a symbol each. A second input, of any shape, is in the unit ball.
+    Each element of u has a symbol of its own. A second input, of any shape, is in the unit ball.
 
     Attributes:
         degree: 1, or 2 for conditions with second derivatives.
@@ -41,7 +41,7 @@ class TaylorAlgebra(Algebra[Taylor]):
     def enter(
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
     ) -> dict[str, Taylor]:
-        """Boxes to models. Raises: InputError on names or shapes."""
+        """Convert boxes to models. Raises: InputError on names or shapes."""
         box, ball = box_and_ball(program, inputs)
         centre, half = (np.asarray(part, dtype=np.float64).T for part in inputs[box.name])
         axes, batch = centre.shape
@@ -57,7 +57,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         return models
 
     def constant(self, array: np.ndarray) -> Taylor:
-        """Exactly these doubles on every box."""
+        """Return exactly these doubles, on every box."""
         return Taylor(array[None, :, None], np.zeros((array.size, 1)), Layout(self.degree, 0))
 
     def move(self, operands: Sequence[Taylor], index: np.ndarray) -> Taylor:
@@ -78,7 +78,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         return Taylor(poly.take(index, axis=1), radius.take(index, axis=0), layout)
 
     def affine(self, matrix: Taylor, right: Taylor, offset: Taylor | None, columns: int) -> Taylor:
-        """Matrix of (nearly exact) constants times models."""
+        """Multiply a matrix of (nearly exact) constants by models."""
         count, size, batch = right.poly.shape
         inner = size // columns
         weights = matrix.centre.reshape(-1, inner)
@@ -109,7 +109,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         return self.sum(self.mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: Taylor) -> Taylor:
-        """Arithmetic, or a function by its expansion."""
+        """Apply arithmetic, or a function by its expansion."""
         if kind in expansions.EXPANSIONS:
             return self.unary(operands[0], expansions.EXPANSIONS[kind])
         return rule(_ARITHMETIC, kind, "Taylor models")(self, *operands)
@@ -125,7 +125,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         return rounded(together(np.subtract, a.poly, b.poly), a.radius + b.radius, layout)
 
     def mul(self, a: Taylor, b: Taylor) -> Taylor:
-        """Product; what exceeds the degree goes into the remainder."""
+        """Multiply two vectors of models; terms beyond the degree go into the remainder."""
         a, b = sorted((a, b), key=lambda model: len(model.poly))
         layout, p, q = b.layout, a.poly, b.poly
         radius = a.radius * (b.bound + b.radius) + b.radius * a.bound
@@ -170,7 +170,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         return rounded(poly, radius, a.layout, error)
 
     def _dropped(self, a: Taylor, b: Taylor) -> np.ndarray:
-        """Bound on what a product of models without constants and remainders does not keep."""
+        """Bound the terms that a product of models without constants and remainders drops."""
         if self.degree == 1:
             return a.spread * b.spread
         return a.rest * b.spread + a.linear * b.rest

@@ -22,7 +22,7 @@ Bounds = Float[np.ndarray, "n B"]
 
 
 def terms(degree: int, axes: int) -> int:
-    """Number of coefficients of a polynomial of degree 1 or 2 in so many symbols."""
+    """Return the number of coefficients of a polynomial of degree 1 or 2 in so many symbols."""
     return 1 + axes if degree == 1 else (axes + 1) * (axes + 2) // 2
 
 
@@ -143,7 +143,7 @@ def rounded(
 def together(
     combine: Callable[..., np.ndarray], a: Float[np.ndarray, "k n B"], b: Float[np.ndarray, "j n B"]
 ) -> Float[np.ndarray, "max n B"]:
-    """Coefficients of a sum or difference; those that one of them lacks are zero."""
+    """Combine coefficients in a sum or difference; those that one of them lacks are zero."""
     shared = min(len(a), len(b))
     head = combine(a[:shared], b[:shared])
     if len(a) == len(b):
@@ -155,7 +155,7 @@ def together(
 
 
 def products(p: Float[np.ndarray, "axes n B"], q: Float[np.ndarray, "axes n B"]) -> np.ndarray:
-    """Coefficients of the quadratic part of a product, from both linear parts. [pairs, n, B]."""
+    """Multiply linear parts: coefficients of the product's quadratic part. [pairs, n, B]."""
     axes, start = len(p), 0
     shape = np.broadcast_shapes(p.shape[1:], q.shape[1:])
     pairs = np.empty((axes * (axes + 1) // 2, *shape))

@@ -24,7 +24,7 @@ from neuralgaits.programs.program import Program
 
 @dataclass
 class C99Algebra(Algebra[Node]):
-    """Values are nodes; each rule records one."""
+    """Rules for `evaluate` whose values are nodes; each rule records one."""
 
     nodes: list[Node] = field(default_factory=list)
 
@@ -41,7 +41,7 @@ class C99Algebra(Algebra[Node]):
         return self.named(None, array)
 
     def named(self, name: str | None, array: np.ndarray) -> Node:
-        """A constant, named after its path in the parameters if it has one."""
+        """Record a constant, named after its path in the parameters if it has one."""
         label = None if name is None else identifier(name)
         return self._note("constant", (), array.size, name=label, array=array.reshape(-1))
 
@@ -50,7 +50,7 @@ class C99Algebra(Algebra[Node]):
         return self._note("move", tuple(operands), index.size, index=tuple(int(i) for i in index))
 
     def affine(self, matrix: Node, right: Node, offset: Node | None, columns: int) -> Node:
-        """Constant matrix times right, plus an offset."""
+        """Record a constant matrix times right, plus an offset."""
         size = matrix.size // (right.size // columns) * columns
         operands = (matrix, right) if offset is None else (matrix, right, offset)
         return self._note("affine", operands, size, columns=columns)

@@ -84,7 +84,7 @@ def _scalar(node: Node) -> bool:
 
 
 def _slot(slots: list[int], free: list[int], size: int) -> int:
-    """A free array that is large enough, the smallest first; else a new one."""
+    """Return a free array that is large enough, the smallest first; else a new one."""
     fitting = [slot for slot in free if slots[slot] >= size]
     if fitting:
         chosen = min(fitting, key=lambda slot: slots[slot])
@@ -186,7 +186,7 @@ def _serves(loop: Group, products: Group) -> bool:
 
 
 def _read(node: Node):
-    """Values read by an operation, and whether at the element it writes."""
+    """Return the values read by an operation, and whether at the element it writes."""
     for operand in node.operands:
         for base, same in operand.bases():
             yield base, same and operand.size == node.size and node.kind in LOOPED
@@ -207,7 +207,7 @@ def _last_reads(groups: list[Group], outputs: list[Node]) -> dict[int, tuple[int
 
 
 def _read_outside(groups: list[Group], outputs: list[Node]) -> set[int]:
-    """Values that are read outside the loop that computes them."""
+    """Return the values that are read outside the loop that computes them."""
     place = {node.number: i for i, group in enumerate(groups) for node in group.members()}
     found = {n.number for group in groups for n in group.nodes if not _scalar(n) or n.size > 1}
     found -= {n.number for group in groups for n in group.nodes if n.looped}

@@ -14,14 +14,14 @@ class Tables:
     """
 
     def __init__(self, prefix: str):
-        """No tables yet; names begin with `prefix`."""
+        """Start without tables; names begin with `prefix`."""
         self.texts: dict[str, str] = {}
         self.numbers = 0
         self._prefix = prefix
         self._names: dict[tuple[bytes, tuple[int, ...]], str] = {}
 
     def reals(self, wish: str, data: np.ndarray) -> str:
-        """Name of the table with these numbers. `wish` is used if it is free."""
+        """Return the name of the table with these numbers. `wish` is used if it is free."""
         key = (data.tobytes(), data.shape)
         if key not in self._names:
             name = self._free(wish)
@@ -32,7 +32,7 @@ class Tables:
         return self._names[key]
 
     def places(self, index: tuple[int, ...]) -> str:
-        """Name of the table with these places in an array."""
+        """Return the name of the table with these places in an array."""
         key = (repr(index).encode(), (-1,))
         if key not in self._names:
             name = self._free("places")
@@ -51,19 +51,19 @@ class Tables:
 
 
 def literal(value: float) -> str:
-    """A number of the type in use; 17 digits keep every bit of a double."""
+    """Write a number of the type in use; 17 digits keep every bit of a double."""
     return f"NG({float(value)!r})" if value >= 0.0 else f"(-NG({-float(value)!r}))"
 
 
 def braces(data: np.ndarray) -> str:
-    """An initialiser, one row of a matrix a line."""
+    """Write an initialiser, one row of a matrix a line."""
     if data.ndim == 1:
         return wrapped("{" + ", ".join(f"NG({float(value)!r})" for value in data) + "}")
     return "{\n" + ",\n".join("    " + braces(row).replace("\n", "\n    ") for row in data) + "\n}"
 
 
 def identifier(name: str) -> str:
-    """A C identifier for a path such as `network.weights[1]`."""
+    """Return a C identifier for a path such as `network.weights[1]`."""
     return re.sub(r"\W+", "_", name).strip("_")
 
 

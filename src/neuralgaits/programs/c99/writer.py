@@ -34,7 +34,7 @@ class Emitted:
 
 
 class Writer:
-    """Text of a laid out Program."""
+    """Writer of the text of a laid out Program."""
 
     def __init__(
         self,
@@ -96,7 +96,7 @@ class Writer:
         return [line for node in nodes for line in write(node)]
 
     def _loop(self, group: list[Node]) -> list[str]:
-        """Elementwise operations of one size; stores come last, so that memory can be shared."""
+        """Write elementwise operations of one size; stores come last, to let them share memory."""
         kept = [node for node in group if node.number in self._layout.stored]
         return [
             f"for (int i = 0; i < {group[0].size}; ++i) {{",
@@ -132,7 +132,7 @@ class Writer:
         return " + ".join([*offset, *terms])
 
     def _affine(self, group: Group) -> list[str]:
-        """Products with one matrix, its columns taken a few at a time."""
+        """Write products with one matrix, its columns taken a few at a time."""
         nodes, rows, inner = group.nodes, group.nodes[0].size, group.nodes[0].inner
         lines = [f"for (int i = 0; i < {rows}; ++i) {{"]
         for node in nodes:
@@ -208,7 +208,7 @@ class Writer:
         ]
 
     def _gather(self, node: Node) -> list[str]:
-        """Elements of several values, one by one."""
+        """Write elements of several values, one by one."""
         return [
             f"{self._at(node, str(i))} = {self._at(source, str(at))};"
             for i, (source, at) in enumerate(node.sources())
@@ -224,7 +224,7 @@ class Writer:
         ]
 
     def _at(self, node: Node, i: str) -> str:
-        """Element i of a value, as an expression; every element of a scalar is the same."""
+        """Write element i of a value; every element of a scalar is the same."""
         if node.kind == "constant":
             if node.size == 1:
                 return literal(node.data[0])
@@ -255,7 +255,7 @@ class Writer:
         return f"b{node.number}"
 
     def _matrix(self, node: Node) -> str:
-        """The table of an affine operation's matrix."""
+        """Return the table of an affine operation's matrix."""
         return self._table(node.operands[0], (node.size // node.columns, node.inner))
 
     def _table(self, node: Node, shape: tuple[int, ...]) -> str:
@@ -271,7 +271,7 @@ def _sum(i: str, k: int) -> str:
 
 
 def _paired(terms: list[str]) -> str:
-    """Terms added in pairs: short chains of additions."""
+    """Add terms in pairs, which gives short chains of additions."""
     while len(terms) > 1:
         terms = [
             f"({a} + {b})" if len(terms) > 2 else f"{a} + {b}"

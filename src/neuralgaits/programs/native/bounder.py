@@ -52,7 +52,7 @@ class Bounder:
         return None if rules is None else cls(_encode(program, names, folded), axes, rules)
 
     def __del__(self):
-        """Let the compiled code forget it."""
+        """Free the Program in the compiled code."""
         self._rules.ng_forget(self._handle)
 
     def bounds(
@@ -131,7 +131,7 @@ def _encode(program: Program, names: Sequence[str], folded: Mapping[int, Taylor]
 
 
 def _sources(operation: Operation, places: Mapping[int, int], sizes: Sequence[int]) -> list[int]:
-    """Places of the elements that a move gathers."""
+    """Return the places of the elements that a move gathers."""
     joined = [
         place - k if place < 0 else place + k
         for operand in operation.operands
@@ -142,7 +142,7 @@ def _sources(operation: Operation, places: Mapping[int, int], sizes: Sequence[in
 
 
 def _last_uses(program: Program, wanted: Sequence[int]) -> dict[int, int]:
-    """Number of the last operation that reads each value that the outputs need."""
+    """Return the number of the last operation that reads each value that the outputs need."""
     last = dict.fromkeys(wanted, len(program.sizes))
     for k in reversed(range(len(program.operations))):
         number = program.first_operation + k
@@ -160,7 +160,7 @@ class _Room:
         self._gaps: list[tuple[int, int]] = []
 
     def take(self, size: int) -> int:
-        """A place for so many elements."""
+        """Reserve a place for so many elements."""
         for k, (start, width) in enumerate(self._gaps):
             if width >= size:
                 self._gaps[k] = (start + size, width - size)
@@ -182,5 +182,5 @@ class _Room:
 
 
 def _cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return min(cores(), MOST_THREADS)

@@ -30,7 +30,7 @@ ENGINE = "NEURALGAITS_ENGINE"
 
 @cache
 def library(axes: int) -> ctypes.CDLL | None:
-    """The rules in so many axes; None where they cannot be compiled or are not wanted."""
+    """Return the rules in so many axes; None where they cannot be compiled or are not wanted."""
     compiler = next(filter(None, map(shutil.which, COMPILERS)), None)
     if compiler is None or os.environ.get(ENGINE) == "numpy":
         return None
@@ -48,7 +48,7 @@ def library(axes: int) -> ctypes.CDLL | None:
 
 
 def _compile(compiler: str, source: str, axes: int, file: Path) -> None:
-    """Raises: OSError or SubprocessError if it does not work."""
+    """Compile the rules. Raises: OSError or SubprocessError if it does not work."""
     with tempfile.TemporaryDirectory(dir=file.parent) as folder:
         text, made = Path(folder) / SOURCE, Path(folder) / file.name
         text.write_text(source, encoding="utf-8")

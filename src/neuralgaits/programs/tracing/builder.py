@@ -48,7 +48,7 @@ class _Node:
 
 @lru_cache(maxsize=4096)
 def _counted(size: int) -> np.ndarray:
-    """0, 1, ..., size - 1."""
+    """Return the array 0, 1, ..., size - 1."""
     return np.arange(size)
 
 
@@ -75,14 +75,14 @@ class Builder:
         return self._whole(self._add(_INPUT, (), size, shape=shape, name=name)).reshape(shape)
 
     def parameter(self, name: str, array: np.ndarray) -> Elements:
-        """A constant with a name. Its values never change the structure of the Program."""
+        """Add a constant with a name. Its values never change the structure of the Program."""
         node = self._add(
             _CONSTANT, (), array.size, shape=array.shape, name=name, array=array.copy()
         )
         return self._whole(node).reshape(array.shape)
 
     def constant(self, array: np.ndarray) -> Elements:
-        """Constants without a name, known by their values. Returns: elements, same shape."""
+        """Add constants without a name, known by their values. Returns: elements, same shape."""
         data = np.array(array, dtype=np.float64)
         # By bits, not by value: 0.0 and -0.0 are two constants.
         bits, inverse = np.unique(data.reshape(-1).view(np.int64), return_inverse=True)
@@ -95,7 +95,7 @@ class Builder:
         return table[inverse].reshape(data.shape)
 
     def values(self, elements: Elements) -> np.ndarray:
-        """Values of constants without a name, NaN for every other element."""
+        """Return the values of constants without a name, NaN for every other element."""
         if self._value_table.size != len(self._values):
             self._value_table = np.array(self._values)
         result = np.full(elements.shape, np.nan)
@@ -157,11 +157,11 @@ class Builder:
         return elements.size == size and np.array_equal(elements, _counted(size) + start)
 
     def _owner(self, element: int) -> int:
-        """The node one element belongs to."""
+        """Return the node one element belongs to."""
         return bisect_right(self._starts, element) - 1
 
     def _owners(self, elements: Elements) -> list[int]:
-        """The nodes these elements belong to, in order of first appearance."""
+        """Return the nodes these elements belong to, in order of first appearance."""
         known = self._start_table.size
         if known < len(self._starts):
             # Grown as it is asked for: turning the whole list into an array is what takes long.
@@ -171,7 +171,7 @@ class Builder:
         return list(dict.fromkeys(owners.tolist()))
 
     def _add(self, kind: str, operands: tuple[int, ...], size: int, **extra) -> int:
-        """Number of the node with this content, made if it does not exist."""
+        """Return the number of the node with this content, made if it does not exist."""
         digest = hashlib.sha256(f"{kind} {size} {extra.get('columns', 1)}".encode())
         for operand in operands:
             digest.update(self._nodes[operand].digest)
@@ -189,7 +189,7 @@ class Builder:
         return self._known[key]
 
     def _gather(self, elements: Elements, scalar: bool) -> int:
-        """The node that holds exactly these elements; one element if `scalar` and all equal."""
+        """Return the node of exactly these elements; of one if `scalar` and all are equal."""
         if scalar and elements.size > 1 and np.all(elements == elements[0]):
             elements = elements[:1]
         if np.all(elements < 0):

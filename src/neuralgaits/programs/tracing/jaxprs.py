@@ -25,7 +25,7 @@ CALLS = frozenset(
 
 
 def called(equation: Any, operands: Sequence[Any]) -> tuple[Any, Sequence[Any], list] | None:
-    """The function an equation calls. Returns: its jaxpr, constants and arguments, or None."""
+    """Return the function an equation calls: its jaxpr, constants and arguments, or None."""
     name, params = equation.primitive.name, equation.params
     if name == "cond" and isinstance(operands[0], np.ndarray):
         # The branch is known: a switch between platforms, of which the default is taken.
@@ -44,7 +44,7 @@ def default_platform(platforms: Sequence[Any]) -> int:
 
 
 def function_file(equation: Any) -> str:
-    """File of the function that an equation calls; empty if it calls none, or unknown."""
+    """Return the file of the function that an equation calls; empty if none, or unknown."""
     jaxpr = equation.params.get("jaxpr")
     jaxpr = getattr(jaxpr, "jaxpr", jaxpr)
     place = getattr(getattr(jaxpr, "debug_info", None), "func_src_info", None) or ""

@@ -102,7 +102,7 @@ def linalg(function: str) -> str:
 
 
 def _library_folders() -> tuple[str, ...]:
-    """Folders whose code is not the user's: where a traceback is not worth pointing."""
+    """Return the folders whose code is not the user's: a traceback need not show it."""
     folders = [str(Path(__file__).parent), sysconfig.get_paths()["stdlib"] + os.sep]
     for name in ("jax", "jaxlib", "equinox", "jaxtyping"):
         module = sys.modules.get(name)
@@ -112,7 +112,7 @@ def _library_folders() -> tuple[str, ...]:
 
 
 def source_line(frames: Any) -> str | None:
-    """The innermost frame in the user's code as `file:line`, None if there is none.
+    """Return the innermost frame in the user's code as `file:line`, None if there is none.
 
     Args:
         frames: (file name, line) pairs, innermost first.

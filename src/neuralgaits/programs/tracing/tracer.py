@@ -34,11 +34,11 @@ EXACT = frozenset(
     "abs max min sign clamp floor ceil round reduce_max reduce_min sort".split()
     + "gt ge lt le eq ne is_finite argmax argmin and or not".split()
 )
-"""Primitives that round nothing: of constants without a name they are computed right away."""
+"""Primitives that round nothing: on constants without a name they are computed right away."""
 
 
 NARROW = frozenset(np.dtype(name) for name in ("float32", "float16", jax.numpy.bfloat16))
-"""Types of number that no proof is made of."""
+"""Types of number that no proof can use."""
 
 
 def trace(
@@ -104,7 +104,7 @@ def _jaxpr(function: Callable[..., Mapping[str, Any]], shapes: Mapping[str, tupl
 
 
 def _names(parameters: Any) -> dict[tuple, str]:
-    """Paths of the array leaves of a pytree, by content."""
+    """Return the paths of the array leaves of a pytree, by content."""
     names: dict[tuple, str] = {}
     for path, leaf in jax.tree_util.tree_leaves_with_path(parameters):
         if isinstance(leaf, np.ndarray | jax.Array) and leaf.ndim and leaf.dtype == np.float64:
@@ -114,7 +114,7 @@ def _names(parameters: Any) -> dict[tuple, str]:
 
 
 def _path(keys: Sequence[Any]) -> str:
-    """A leaf's path as one writes it in Python."""
+    """Return a leaf's path as one writes it in Python."""
     text = ""
     for key in keys:
         if hasattr(key, "name"):
@@ -229,7 +229,7 @@ class _Tracer:
         return operand.astype(dtype)
 
     def _move(self, equation: Any, operands: list[_Value], calls: tuple) -> list[_Value]:
-        """Data movement, of elements or of known numbers alike."""
+        """Move elements or known numbers alike."""
         name = equation.primitive.name
         places = {"select_n": operands[:1]}.get(name, operands[1:] if name in INDEXED else [])
         if any(isinstance(place, _Real) for place in places):
@@ -252,7 +252,7 @@ class _Tracer:
         return result
 
     def _number(self, equation: Any, operands: list[_Value], calls: tuple) -> list[_Value]:
-        """Everything else: masks and indices that are known now; or a refusal."""
+        """Compute everything else, masks and indices that are known now; or refuse."""
         name = equation.primitive.name
         if name.startswith(("random", "threefry")):
             raise self._refusal(calls, refusals.advice(name), name)
@@ -268,7 +268,7 @@ class _Tracer:
         return [self._known(result) for result in results]
 
     def _refusal(self, calls: Sequence[Any], text: str, what: str) -> SpecError:
-        """The error for the innermost of the calls, at the user's own line."""
+        """Return the error for the innermost of the calls, at the user's own line."""
         # JAX caches its own functions: the lines inside one may be those of an earlier caller.
         outer = next((call for call in calls if jaxprs.calls_library(call)), calls[-1])
         places = (refusals.source_line(jaxprs.frames(call)) for call in (outer, *reversed(calls)))
