@@ -1,7 +1,7 @@
 """Run folders: configuration, weights, metrics and results of a run on disk.
 
-Dicts and arrays go in and come out; what they mean is the business of the stages. JAX is imported
-when a tree of arrays is read or written, and not before: a check of a proof does without.
+Dicts and arrays go in and come out; the stages give them their meaning. JAX is imported only when
+a tree of arrays is read or written: a check of a proof does without.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -36,7 +36,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import what needs JAX. Raises: AttributeError for any other name."""
+    """Import names that need JAX. Raises: AttributeError for any other name."""
     if name not in ("read_tree", "write_tree"):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from neuralgaits.runs import tree

@@ -1,7 +1,7 @@
 """Named arrays as safetensors: a format that holds bytes, shapes and dtypes and can run no code.
 
-What is written carries the sha256 of its content, so that a flipped bit is not taken for a number.
-Needs no JAX; trees of arrays are in `tree`.
+A written file carries the sha256 of its content, so that a flipped bit is not taken for a number.
+This file needs no JAX; trees of arrays are in `tree`.
 """
 
 import hashlib
@@ -17,13 +17,13 @@ from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes
 
 SHA256 = "sha256"
-"""Text entry of a file: of all its arrays and other entries."""
+"""Name of a file's text entry with the hash of all its arrays and other entries."""
 _LENGTH = 8
-"""Bytes that hold the length of a file's header, and what the header is padded to."""
+"""Bytes of a header's length, and the multiple to which the header is padded."""
 
 
 def packed(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
-    """The content of a file. The same arrays and entries give the same bytes."""
+    """Return the content of a file. The same arrays and entries give the same bytes."""
     # safetensors writes the buffer as it lies in memory.
     kept = {name: np.array(array, order="C") for name, array in arrays.items()}
     data = save(kept, metadata=dict(metadata) | {SHA256: _digest(kept, metadata)})

@@ -20,13 +20,14 @@ from neuralgaits._printable import PRINTABLE
 from neuralgaits.errors import InputError, reason
 
 _MASK = threading.Lock()
-"""Two threads that set and restore the mask could leave what one of them set."""
+"""Lock, since two threads that set and restore the mask could leave the value of one of them."""
 _MOST_LINKS = 40
-"""Links that lead to one file; Linux follows no more."""
+"""Largest number of links that lead to one file; Linux follows no more."""
 _STREAMS = Path("/proc")
 """Links below this folder lead to files that a process has open, whatever their names say."""
 _LONGEST_PREFIX = 40
-"""Characters of a file's name in that of its temporary: a name may be as long as the system has."""
+"""Characters of a file's name in that of its temporary: a name may be as long as the system
+allows."""
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a FIFO"),
@@ -129,7 +130,7 @@ def write_together(files: Mapping[Path, bytes | None], *, clear: bool = False) -
 
 @contextlib.contextmanager
 def _on_disk(path: Path, place: Path, data: bytes) -> Iterator[Path]:
-    """Hold a temporary file with the data beside its destination; gone afterwards if left there."""
+    """Hold a temporary file with the data beside its destination, and remove it afterwards."""
     with _blamed_on(path):
         place.parent.mkdir(parents=True, exist_ok=True)
         prefix = f".{place.name[:_LONGEST_PREFIX]}."
@@ -149,7 +150,7 @@ def _on_disk(path: Path, place: Path, data: bytes) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _blamed_on(path: Path) -> Iterator[None]:
-    """Name the file that was to be written in what the system says of its temporary."""
+    """Name the destination file in an error of the system about its temporary."""
     try:
         yield
     except OSError as error:
@@ -157,7 +158,7 @@ def _blamed_on(path: Path) -> Iterator[None]:
 
 
 def _take_permissions(temporary: Path, place: Path) -> None:
-    """Give a new file the permissions of the one that it replaces, or those of any new file."""
+    """Give a new file the permissions of the file it replaces, or those of any new file."""
     try:
         old = place.stat()
     except FileNotFoundError:
@@ -172,9 +173,9 @@ def _take_permissions(temporary: Path, place: Path) -> None:
 
 
 def write_new(path: Path, text: str) -> None:
-    """Write a text file that is not there yet, for a user to go on with.
+    """Write a new text file that a user will edit.
 
-    Raises: InputError if it is there: it may be the only copy of somebody's work.
+    Raises: InputError if it exists: it may be the only copy of somebody's work.
     """
     if path.exists() or path.is_symlink():
         raise InputError(f"expected a file to make, found that {path} is there: give another name")
@@ -199,7 +200,7 @@ def refuse_unwritable(*paths: Path) -> None:
 
 
 def _umask() -> int:
-    """The process's file mode mask, which can only be read by setting it."""
+    """Return the process's file mode mask, which can only be read by setting it."""
     with _MASK:
         mask = os.umask(0o077)
         os.umask(mask)
@@ -207,7 +208,7 @@ def _umask() -> int:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Put the rename itself on disk."""
+    """Write the rename itself to disk."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)

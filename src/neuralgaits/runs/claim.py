@@ -12,7 +12,8 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs.atomic import folder_destination, refuse_unwritable
 
 STARTING = ".starting"
-"""File of a folder that is being filled: without a config beside it, all in it may be replaced."""
+"""File of a folder that is being filled: without a config beside it, everything in it may be
+replaced."""
 
 
 def claim(out: Path | None, root: Path, name: str, seed: int, *, what: str, config: str) -> Path:
@@ -62,7 +63,7 @@ def claimed(
 
 
 def filled(path: Path) -> None:
-    """Say that everything is in a folder, its config too."""
+    """Mark a folder as complete, its config included."""
     (path / STARTING).unlink(missing_ok=True)
 
 

@@ -127,7 +127,7 @@ class RunFolder:
 
     @property
     def copies(self) -> Mapping[str, str]:
-        """The sha256 of every input that was copied into the run, by file."""
+        """Hashes (sha256) of every input that was copied into the run, by file."""
         return self.config["copies"]
 
     @property
@@ -137,17 +137,17 @@ class RunFolder:
 
     @property
     def written_by(self) -> Mapping[str, str]:
-        """Versions of the libraries that wrote the run, as far as it says."""
+        """Versions of the libraries that wrote the run, as far as its config lists them."""
         return self.config.get("written_by") or {}
 
     @property
     def finished(self) -> bool:
-        """True once the run's training has ended and its summary is on disk."""
+        """Whether the run's training has ended and its summary is on disk."""
         return (self.path / SUMMARY).is_file()
 
     @property
     def ended_in_nan(self) -> bool:
-        """True if the training stopped since its loss or weights turned to NaN."""
+        """Whether the training stopped because its loss or weights turned to NaN."""
         return not self.finished and (self.path / NAN_STATE).is_file()
 
     @property
@@ -156,7 +156,7 @@ class RunFolder:
         return self.read_json(SUMMARY)
 
     def copy(self, file: str) -> str:
-        """Text of an input copied into the run, exactly as it was.
+        """Return the text of an input copied into the run, exactly as it was.
 
         Raises: RunError if the copy is missing or no longer has its sha256.
         """
@@ -207,13 +207,13 @@ class RunFolder:
         write_text(self.path / METRICS, to_csv(rows))
 
     def read_metrics(self) -> list[dict[str, float]]:
-        """Rows of `metrics.csv`; none if the run has not written any."""
+        """Read the rows of `metrics.csv`; none if the run has not written any."""
         path = self.path / METRICS
         return from_csv(path.read_bytes(), str(path)) if path.is_file() else []
 
 
 def file_hashes(path: Path, files: Iterable[str]) -> dict[str, str | None]:
-    """The sha256 of files of a folder, by name; None where there is none that can be read."""
+    """Return the sha256 of files of a folder, by name; None where a file cannot be read."""
     return {file: _hash_of(path / file) for file in files}
 
 

@@ -1,8 +1,8 @@
 """`runs/latest`: a text file that names the run whose training finished last.
 
-Of many seeds that one command trained it is the one with the highest number. A run is named only
-when its summary is on disk, so `latest` can always be simulated. Runs under the root are named
-relative to it, so that the folder can be moved.
+If one command trained many seeds, it is the one with the highest number. A run is named only when
+its summary is on disk, so `latest` can always be simulated. Runs under the root are named relative
+to it, so that the folder can be moved.
 """
 
 import os
@@ -17,7 +17,7 @@ from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
 
 RUNS_ROOT = Path("runs")
 SEEDS = "seeds"
-"""Folder below it for the runs of many seeds: ROBOT/<UTC time>-<first seed>/<seed>."""
+"""Folder below the root for the runs of many seeds: ROBOT/<UTC time>-<first seed>/<seed>."""
 
 
 def finish(folder: RunFolder, summary: Mapping[str, Any], root: Path = RUNS_ROOT) -> None:
@@ -51,7 +51,7 @@ def resolve(run: str | Path, root: Path = RUNS_ROOT, *, finished: bool = True) -
 
 
 def through_latest(file: Path) -> Path:
-    """A file that is named by way of the pointer, as in `runs/latest/certificate/proof.json`.
+    """Return the file of a path through the pointer: `runs/latest/certificate/proof.json`.
 
     Raises: RunError if the pointer names no run.
     """
@@ -62,7 +62,7 @@ def through_latest(file: Path) -> Path:
 
 
 def unfinished(folder: RunFolder) -> str:
-    """Why a run has no summary, as a clause about its training that says what to do."""
+    """Explain why a run has no summary, as a clause that says what to do."""
     if folder.ended_in_nan:
         return (
             f"ended in NaN, {folder.path}: mend the condition whose formula is not finite, if "
@@ -72,7 +72,7 @@ def unfinished(folder: RunFolder) -> str:
 
 
 def resolve_unfinished(run: str | Path, root: Path = RUNS_ROOT) -> RunFolder:
-    """Open the run folder to go on with: a path, or `latest`.
+    """Open the run folder to resume: a path, or `latest`.
 
     Here `latest` means the run below the root that was started last and has not finished: the
     pointer of that name only knows finished ones.

@@ -17,7 +17,10 @@ Row = Mapping[str, float]
 
 
 def to_csv(rows: Sequence[Row]) -> str:
-    """Header and rows; the first row names the columns. Raises: ValueError if rows differ."""
+    """Write header and rows as text; the first row names the columns.
+
+    Raises: ValueError if rows differ.
+    """
     if not rows:
         return ""
     buffer = io.StringIO()
@@ -32,7 +35,7 @@ def to_csv(rows: Sequence[Row]) -> str:
 
 
 def from_csv(data: bytes, source: str) -> list[dict[str, float]]:
-    """Rows of a table written by `to_csv`.
+    """Read the rows of a table written by `to_csv`.
 
     Raises: RunError naming `source` if a cell is not a number or a row is short.
     """

@@ -1,11 +1,12 @@
-"""Files that may lie packed: NAME.gz in place of NAME, with the same content."""
+"""Files that may be packed: NAME.gz in place of NAME, with the same content."""
 
 import gzip
 import zlib
 from pathlib import Path
 
 LARGEST_BYTES = 2**26
-"""A small packed file may hold any amount; the largest proof so far is a tenth of this."""
+"""Largest size that is unpacked, since a small packed file may hold any amount; the largest proof
+so far is a tenth of this."""
 _SUFFIX = ".gz"
 
 
@@ -45,7 +46,7 @@ def content(path: Path) -> bytes:
 
 
 def why_unreadable(path: Path) -> str | None:
-    """Return why a file that is there cannot be read, packed or not; None if it can or is none."""
+    """Return why an existing file cannot be read, packed or not; None if there is no reason."""
     try:
         if is_there(path):
             content(path)
@@ -55,6 +56,6 @@ def why_unreadable(path: Path) -> str | None:
 
 
 def remove(path: Path) -> None:
-    """Remove a file, packed or not, if it is there."""
+    """Remove a file, packed or not, if it exists."""
     for one in (path, packed(path)):
         one.unlink(missing_ok=True)

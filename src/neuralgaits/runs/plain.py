@@ -1,4 +1,4 @@
-"""Results as plain JSON values, out and in."""
+"""Conversion of results to plain JSON values, and back."""
 
 import dataclasses
 import json
@@ -39,7 +39,7 @@ def plain(value: Any) -> Any:
 
 
 def to_json(value: Any, *, ascii_only: bool = False) -> str:
-    """Indented JSON with a final newline, in the order of the input.
+    """Return indented JSON with a final newline, in the order of the input.
 
     Args:
         value: that `plain` takes.
@@ -49,10 +49,10 @@ def to_json(value: Any, *, ascii_only: bool = False) -> str:
 
 
 def from_json(data: bytes | str) -> Any:
-    """Read JSON that was written by `to_json`, by other programs or by an accident.
+    """Read JSON that was written by `to_json`, by another program, or damaged.
 
     Raises: ValueError for anything that `to_json` could not write again: NaN and numbers beyond
-        float64, halves of characters, values nested too deeply to be read.
+    float64, halves of characters, values nested too deeply to be read.
     """
     try:
         value = json.loads(data, parse_constant=_number, parse_float=_number, parse_int=_number)
@@ -75,7 +75,7 @@ def object_from_json(data: bytes | str) -> dict[str, Any]:
 
 
 def _number(text: str) -> int | float:
-    """A number that float64 can hold; a whole one stays an integer."""
+    """Read a number that float64 can hold; a whole one stays an integer."""
     number = float(text)
     if not math.isfinite(number):
         raise ValueError(f"the number {text[:40]}")

@@ -22,7 +22,7 @@ def read_object(path: Path) -> dict[str, Any]:
 
 
 def refuse_misshapen(value: Mapping[str, Any], shape: Shape, path: Path) -> None:
-    """Raises: RunError if a JSON file that can be read does not have what its writer puts there."""
+    """Raise RunError if a JSON file can be read but has not the shape that its writer gives it."""
     wrong = complaint(value, shape)
     if wrong is not None:
         raise RunError(

@@ -9,12 +9,11 @@ from typing import Any
 
 Shape = Callable[[Any], str | None] | Mapping[str, Any]
 """Check of a value that returns a complaint, in words that follow "found", or None; or the fields
-of an object with a shape for each.
-"""
+of an object with a shape for each."""
 
 
 def complaint(value: Any, shape: Shape) -> str | None:
-    """The first thing that is wrong with a value, and where; None if nothing is."""
+    """Return the first fault of a value, and its place; None if there is none."""
     if callable(shape):
         return shape(value)
     if not isinstance(value, dict):
@@ -41,7 +40,7 @@ def _found(expected: str, value: Any) -> str:
 
 
 def kind(expected: str, *types: type) -> Callable[[Any], str | None]:
-    """A value of one of these types; True is no number."""
+    """Return the shape of a value of one of these types; True is no number."""
 
     def check(value: Any) -> str | None:
         fits = isinstance(value, types) and (bool in types or not isinstance(value, bool))
@@ -56,7 +55,7 @@ FLAG = kind("true or false", bool)
 
 
 def whole(low: int, high: int) -> Callable[[Any], str | None]:
-    """A whole number in a range."""
+    """Return the shape of a whole number in a range."""
 
     def check(value: Any) -> str | None:
         fits = isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
@@ -80,12 +79,12 @@ def one_of(*words: Any) -> Callable[[Any], str | None]:
 
 
 def may(shape: Shape) -> Callable[[Any], str | None]:
-    """Null, or a value of a shape."""
+    """Return a shape that also allows null."""
     return lambda value: None if value is None else complaint(value, shape)
 
 
 def list_of(shape: Shape, *lengths: int) -> Callable[[Any], str | None]:
-    """A list of values of a shape, of one of these lengths if any are given."""
+    """Return the shape of a list of values of a shape, of one of these lengths if any are given."""
 
     def check(value: Any) -> str | None:
         if not isinstance(value, list) or (lengths and len(value) not in lengths):
@@ -100,7 +99,7 @@ def list_of(shape: Shape, *lengths: int) -> Callable[[Any], str | None]:
 
 
 def same_length(shape: Shape, *names: str) -> Callable[[Any], str | None]:
-    """An object of a shape some of whose lists are about the same things."""
+    """Return the shape of an object in which some lists must have the same length."""
 
     def check(value: Any) -> str | None:
         if wrong := complaint(value, shape):
@@ -113,7 +112,7 @@ def same_length(shape: Shape, *names: str) -> Callable[[Any], str | None]:
 
 
 def table_of(shape: Shape) -> Callable[[Any], str | None]:
-    """An object whose values all have a shape, under any names."""
+    """Return the shape of an object whose values all have a shape, under any names."""
 
     def check(value: Any) -> str | None:
         if not isinstance(value, dict):
