@@ -17,36 +17,37 @@ from neuralgaits.logs.zero_states import foot_heights, zero_states
 from neuralgaits.robots import PlanarBiped
 
 PERIODS_S = (1e-4, 1.05e-2)
-"""Sample periods of a walking robot's log: what is learned from has a sample every 10 ms [s]."""
+"""Limits on the sample period of a walking robot's log: learning uses a sample every 10 ms [s]."""
 LONGEST_PAUSE_S = 60.0
-"""Rows further apart are two recordings, or a clock that was set [s]."""
+"""Longest pause in a recording [s]: rows further apart are two recordings, or a clock that was
+set."""
 JOINT_SLACK_RAD = 0.1
-"""Joints reach this far past their range: stops give way, and encoders have offsets."""
+"""Reach of joints past their range [rad]: stops give way, and encoders have offsets."""
 FASTEST_RAD_S = 40.0
-"""No joint of a walking robot turns faster, a fall included: eight times AMBER-3M's motors."""
+"""Fastest joint rate of a walking robot, a fall included: eight times AMBER-3M's motors."""
 FASTEST_DESIRED_RAD_S = 100.0
-"""Desired rates beyond this stop the authors' own controller."""
+"""Largest desired rate: the authors' own controller stops beyond it."""
 LARGEST_TORQUE = 10.0
 """Commanded torques before saturation stay below this many torque limits."""
 FASTEST_FALL = 3.0
 """|z2| stays below this many mass * leg length * sqrt(g leg length)."""
 OUTLIER_SHARE = 0.01
-"""More rows than this out of range, and the column is wrong, not the row."""
+"""Largest share of rows out of range: with more, the column is wrong, not the row."""
 OUTLIER_RUN = 5
-"""So many bad rows one after another, and it is no outlier any more."""
+"""Number of bad rows one after another from which they are no outliers."""
 BASELINE_S = 0.02
-"""Angles are compared with rates over this time: over one row encoder noise would hide them."""
+"""Time over which angles are compared with rates: over one row encoder noise would hide them."""
 RATE_RATIO = (0.4, 2.5)
 """Change of an angle over the rate beside it: 1 but for noise."""
 SLOWEST_RAD_S = 0.2
-"""Below this a joint says nothing about units: it is at rest, or noise."""
+"""Least rate at which a joint says anything about units: below, it is at rest, or noise."""
 Z1_TOLERANCE_M = 1e-3
 Z2_TOLERANCE = 0.02
 """Tolerance as a share of the median |z2|: contact creep leaves 0.4 %, another torso's mass 3 %."""
 PITCH_TOLERANCE_RAD = 0.1
-"""Pitch and the joint angles tell it apart by no more than offsets and noise."""
+"""Largest difference of pitch and joint angles, from offsets and noise."""
 SMALLEST_TORQUE = 1e-3
-"""A robot that walks commands more than this share of mass * g * leg length somewhere, or none."""
+"""Least torque that a walking robot commands somewhere, as a share of mass * g * leg length."""
 LOWEST_FOOT = -0.005
 """Usual lower limit of the swing foot's height over the stance foot, in leg lengths."""
 UPRIGHT_Z1 = 0.4
@@ -177,13 +178,13 @@ def _refuse(log: Log, labels: Labels, part: _Range, rows: Int[np.ndarray, " b"])
 
 
 def _longest_run(rows: Int[np.ndarray, " b"]) -> int:
-    """Length of the longest run of consecutive numbers."""
+    """Return the length of the longest run of consecutive numbers."""
     ends = np.flatnonzero(np.diff(rows, append=rows[-1] + 2) != 1)
     return int(np.max(np.diff(ends, prepend=-1)))
 
 
 def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None:
-    """Angles must change at the rates beside them: else times, angles or rates are off."""
+    """Check that angles change at the rates beside them: else times, angles or rates are off."""
     ahead = max(1, round(BASELINE_S / log.period_s))
     span = log.t[ahead:] - log.t[:-ahead]
     stays = good[ahead:] & good[:-ahead] & (log.stance[ahead:] == log.stance[:-ahead])
@@ -214,7 +215,7 @@ def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None
 
 
 def _turning(log: Log) -> tuple[list[str], Float[np.ndarray, "k c"], Float[np.ndarray, "k c"]]:
-    """Columns of rates, with the angles that change so (rad) and the rates (rad/s)."""
+    """Select columns of rates, with the angles that change so (rad) and the rates (rad/s)."""
     measured, desired = log.joint_names, log.joint_names[1:]
     names = [*(f"dq_{name}" for name in measured), *(f"dqd_{name}" for name in desired), "dpitch"]
     angles = np.column_stack([log.q, log.qd, log.pitch])
@@ -222,7 +223,7 @@ def _turning(log: Log) -> tuple[list[str], Float[np.ndarray, "k c"], Float[np.nd
 
 
 def _check_torques(log: Log, robot: PlanarBiped, labels: Labels) -> None:
-    """Torques of kN m are in range, but too small to walk with."""
+    """Check torques for a wrong unit: in kN m they are in range, but too small to walk with."""
     largest = float(np.abs(log.tau).max())
     weight = float(robot.mass * robot.gravity) * float(robot.leg_length)
     if 0.0 < largest < SMALLEST_TORQUE * weight:
@@ -253,7 +254,7 @@ def _check_stance(
 def _check_pitch(
     log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
 ) -> None:
-    """Pitch and coordinates both tell how the torso leans."""
+    """Check that pitch and coordinates agree on the lean of the torso."""
     if robot.torso is None or not good.any():
         return
     error = np.abs(log.q @ robot.link_angles[robot.torso] - log.pitch)[good]
@@ -266,7 +267,7 @@ def _check_pitch(
 
 
 def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> None:
-    """The z columns are those of the run's own model, so they tell its robot from another."""
+    """Check that z follows from the run's own model, which tells its robot from others."""
     if log.z is None or not good.any():
         return
     z = zero_states(robot, log.q[good], log.dq[good])

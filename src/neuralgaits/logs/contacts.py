@@ -7,7 +7,7 @@ from neuralgaits.control.stance import StanceConfig
 from neuralgaits.robots import PlanarBiped
 
 UNKNOWN = -1
-"""Leg of the rows before one foot alone was on the ground."""
+"""Leg number of the rows before exactly one foot was on the ground."""
 
 
 def stance_legs(

@@ -8,10 +8,9 @@ from collections.abc import Mapping
 
 Labels = Mapping[str, tuple[str, str]]
 """Map from column names of `table.columns` to the file's columns: while leg 0 is in stance, and
-while leg 1 is.
-"""
+while leg 1 is."""
 
 
 def same_for_both_legs(names: Mapping[str, str]) -> Labels:
-    """Labels of a file whose columns are those of the stance leg."""
+    """Return the labels of a file whose columns are those of the stance leg."""
     return {name: (label, label) for name, label in names.items()}

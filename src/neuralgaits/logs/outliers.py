@@ -11,12 +11,12 @@ from neuralgaits._types import Bool, Float
 from neuralgaits.logs.table import Log
 
 NEIGHBOURS = 3
-"""Rows on either side."""
+"""Number of neighbouring rows on either side."""
 NOISES = 6.0
 """Threshold in robust standard deviations of the log's own scatter about its running median."""
 ANGLE_RAD = 0.02
 RATE_RAD_S = 1.0
-"""Less than this is no outlier: joints jerk so much within three rows at 1 kHz."""
+"""Least deviation of an outlier's rate: joints jerk as much within three rows at 1 kHz."""
 # Standard deviation of normal noise over the median of its absolute value.
 _NORMAL = 1.4826
 

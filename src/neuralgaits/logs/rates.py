@@ -12,7 +12,7 @@ import numpy as np
 from neuralgaits._types import Bool, Float, Int
 
 QUIET_RAD_S = 0.0015
-"""Noise that windows leave in rates, if that takes no longer ones than the longest [rad/s]."""
+"""Noise that windows leave in rates, unless that needs windows longer than the longest [rad/s]."""
 HALF_WINDOWS_S = (0.01, 0.04)
 """Shortest and longest reach of a window to either side [s]. Near the ends of a piece a window is
 as long, one-sided, and its noise about four times as large."""
@@ -20,16 +20,17 @@ DEGREE = 2
 _SPOILT = 1e-6
 """Weight of an outlier; not zero, so that every parabola has three rows."""
 _BLOCK = 4096
-"""Rows at a time: a log may be long."""
+"""Number of rows at a time, since a log may be long."""
 # Standard deviation of normal noise over the median of its absolute value; that of the third
 # difference of white noise over its own.
 _NORMAL, _THIRD = 1.4826, math.sqrt(20.0)
 
 
 def noise(values: Float[np.ndarray, "k c"]) -> float:
-    """Standard deviation of the noise of angles, of the noisiest column (rad).
+    """Estimate the standard deviation of the noise of angles, of the noisiest column (rad).
 
-    Of third differences: those of a motion are far smaller than those of an encoder's noise.
+    It is that of third differences: those of a motion are far smaller than those of an encoder's
+    noise.
     """
     if len(values) < 4:
         return 0.0
@@ -53,14 +54,14 @@ def rates(
     spoilt: Bool[np.ndarray, "k c"],
     reach_s: float,
 ) -> Float[np.ndarray, "k c"]:
-    """Rates at which columns change.
+    """Compute the rates at which columns change.
 
     Args:
         t: times, increasing (s). [k]
         values: of the columns. [k, c]
         piece: number that changes where no window may reach across. [k]
         settled: rows whose windows hold settled rows only; the last ones of a piece. [k]
-        spoilt: values that count for nothing. [k, c]
+        spoilt: values that are ignored. [k, c]
         reach_s: of a window to either side (s).
 
     Returns: [k, c] per second; NaN in pieces of fewer than three rows.
@@ -93,7 +94,7 @@ def _slopes(
     window: Int[np.ndarray, "r w"],
     scale_s: float,
 ) -> Float[np.ndarray, "r c"]:
-    """Slopes at some rows of the parabolas through their windows."""
+    """Return slopes at some rows of the parabolas through their windows."""
     powers = ((t[window] - t[rows, None]) / scale_s)[..., None] ** np.arange(DEGREE + 1)
     slopes = np.empty((len(rows), values.shape[1]))
     for column in range(values.shape[1]):

@@ -34,18 +34,18 @@ FOLLOWS = (
 )
 """Fields that follow from the measured ones without the policy."""
 BLOCK = 2048
-"""Rows judged at once: one compiled shape for logs of any length."""
+"""Number of rows judged at once: one compiled shape for logs of any length."""
 
 
 class Satisfaction(NamedTuple):
     """Shares of the judged rows, all logs together."""
 
     rows: int
-    """Judged: from SETTLING_S after each touchdown."""
+    """Number of judged rows: from SETTLING_S after each touchdown."""
     tube: float
-    """Between the fences and between start of the step and guard."""
+    """Share of rows between the fences, and between start of the step and guard."""
     all: float
-    """There, with every condition that a log can judge held as well."""
+    """Share of rows in the tube in which every condition that a log can judge held as well."""
     conditions: dict[str, float]
     """Share of the rows at the phases of a condition's region in which the condition held."""
 
@@ -57,7 +57,7 @@ def satisfaction(
 
     Args:
         logs: walks of the robot's joints.
-        robot: the run's own model, which says what z is.
+        robot: the run's own model, which defines z.
         gait: that walked.
         spec: its conditions; those on the guard and on the fences are left out.
     """
@@ -84,13 +84,13 @@ def satisfaction(
 
 
 def _settled(log: Log) -> Bool[np.ndarray, " k"]:
-    """Rows from SETTLING_S after the last change of the stance leg."""
+    """Select rows from SETTLING_S after the last change of the stance leg."""
     begins = np.concatenate([[True], log.stance[1:] != log.stance[:-1]])
     return log.t - np.maximum.accumulate(np.where(begins, log.t, -np.inf)) >= SETTLING_S
 
 
 def _due(spec: GaitSpec, condition: AbstractCondition, phase: Float[np.ndarray, " k"]):
-    """Rows at the phases of a condition's region."""
+    """Select rows at the phases of a condition's region."""
     boxes = spec.regions[condition.region]
     return np.any([(phase >= box.low[0]) & (phase <= box.high[0]) for box in boxes], axis=0)
 
@@ -98,7 +98,7 @@ def _due(spec: GaitSpec, condition: AbstractCondition, phase: Float[np.ndarray, 
 def _judged(
     robot: PlanarBiped, gait: Gait, spec: GaitSpec, torques: bool
 ) -> list[Pointwise | Barrier]:
-    """Conditions on a region with area whose quantity a log knows."""
+    """Return the conditions on a region with area whose quantity a log knows."""
     chosen = []
     for condition in spec.conditions:
         boxes = spec.regions[condition.region]
@@ -132,7 +132,7 @@ def _is_logged(
 def _measured(
     robot: PlanarBiped, gait: Gait, q: Coordinates, dq: Coordinates, torque: Actuated
 ) -> Point:
-    """The point data of a row: measured where a point of the zero dynamics computes."""
+    """Return the point data of a row: measured where a point of the zero dynamics computes."""
     point = Point(robot, gait.policy, None, zero_coordinates(robot, q, dq))
     fall = robot.mass * robot.gravity * robot.centre_of_mass(q)[0]
     dz = jnp.stack([robot.hip_gradient @ dq, fall])

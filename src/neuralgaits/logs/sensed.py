@@ -57,7 +57,7 @@ def states(
     sensed: Sensed,
     hip_velocity: Float[np.ndarray, "k 2"] | None,
 ) -> States:
-    """States of rows; the stance foot is at rest unless the velocity of the hip (m/s) is known."""
+    """Compute the states of rows; without the hip's velocity (m/s) the stance foot is at rest."""
     pinned = np.full(len(stance), hip_velocity is None)
     velocity = np.zeros((len(stance), 2)) if hip_velocity is None else hip_velocity
     parts = (stance, pinned, sensed.pitch, sensed.dpitch, _flat(sensed.angles))
@@ -69,7 +69,7 @@ def states(
 def stance_first(
     robot: PlanarBiped, stance: Int[np.ndarray, " k"], by_leg: Float[np.ndarray, "k 2 j"]
 ) -> Float[np.ndarray, "k m"]:
-    """Values of joints by leg, in the order of the actuated coordinates. [k, m]."""
+    """Reorder values of joints by leg to the order of the actuated coordinates. [k, m]."""
     return in_blocks(_stance_first, robot, np.column_stack([stance, _flat(by_leg)]))
 
 
@@ -93,7 +93,7 @@ def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:
 
 
 def _reading(robot: PlanarBiped, row: Array) -> Measurement:
-    """A measurement of pitch, its rate, angles and rates by leg, and the hip's velocity."""
+    """Return a measurement from pitch, its rate, angles and rates by leg, and hip velocity."""
     angles, rates = jnp.split(row[2:-2].reshape(2, 2, robot.n // 2), 2)
     return Measurement(
         time=jnp.zeros(()),

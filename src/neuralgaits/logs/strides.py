@@ -27,7 +27,8 @@ JUMP_NOISES = 6.0
 FALLING_RAD = 0.5
 """Deviation of a joint from its desired angle beyond which the robot falls, whatever z is."""
 FALLING_Z1 = 0.4
-"""Hip further than this from above the foot, in leg lengths: twice as far as in a long step."""
+"""Distance of the hip from above the foot beyond which the robot falls, in leg lengths: twice as
+far as in a long step."""
 GAP_PERIODS, GAP_S = 2.5, 5e-3
 """Rows further apart than this many sample periods, and than this time, have a gap between them:
 single rows that are missing hide nothing."""
@@ -83,11 +84,11 @@ class Cut(NamedTuple):
     strides: list[Stride]
     """Strides in the order of the logs."""
     left_out: dict[str, int]
-    """Rows by reason."""
+    """Number of rows left out, by reason."""
 
 
 class Split(NamedTuple):
-    """Strides in three parts that share none."""
+    """Strides in three parts that have none in common."""
 
     train: list[Stride]
     validation: list[Stride]
@@ -172,7 +173,7 @@ def _settled(
 
 
 def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: PlanarBiped) -> Bool[np.ndarray, " k"]:
-    """Rows at which z2 has changed faster than weight can change it: an impact."""
+    """Find rows at which z2 has changed faster than weight can change it: an impact."""
     rate = np.diff(z[:, 1], prepend=z[0, 1]) / np.diff(log.t, prepend=log.t[0] - log.period_s)
     noise = 1.4826 * float(np.median(np.abs(rate - np.median(rate))))
     weight = float(robot.mass * robot.gravity) * robot.leg_length
@@ -182,7 +183,7 @@ def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: PlanarBiped) -> Bool[np
 def _walking(
     log: Log, z: Float[np.ndarray, "k 2"], rows: Int[np.ndarray, " s"], robot: PlanarBiped
 ) -> Int[np.ndarray, " w"]:
-    """Rows before the first one in which the robot falls."""
+    """Return the rows before the first one in which the robot falls."""
     error = np.abs(log.q[rows, 1:] - log.qd[rows]).max(axis=1, initial=0.0)
     far = np.abs(z[rows, 0]) > FALLING_Z1 * robot.leg_length
     fallen = np.flatnonzero((error > FALLING_RAD) | far)

@@ -62,7 +62,7 @@ class Log:
         return float(np.median(np.diff(self.t)))
 
     def only(self, which: Bool[np.ndarray, " k"]) -> "Log":
-        """The rows where `which` is true."""
+        """Return the rows where `which` is true."""
         arrays = {
             field.name: value[which]
             for field in fields(self)
@@ -72,11 +72,11 @@ class Log:
 
 
 Column = tuple[str, str]
-"""Name and unit."""
+"""Name and unit of a column."""
 
 
 def columns(joint_names: Sequence[str], *, plant: bool) -> tuple[Column, ...]:
-    """Columns of a log file in their order; `plant` adds what only a simulation knows."""
+    """Return the columns of a log file in order; `plant` adds those that need a simulation."""
     every, actuated = joint_names, joint_names[1:]
     return (
         ("t", "s"),

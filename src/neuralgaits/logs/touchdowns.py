@@ -1,4 +1,4 @@
-"""Touchdowns in logged walks: what the reset map is compared with."""
+"""Touchdowns in logged walks, with which the reset map is compared."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -17,13 +17,13 @@ class Touchdowns(NamedTuple):
     q_before: Float[np.ndarray, "N n"]
     """Coordinates in the last row before the touchdown, old stance leg first [rad]."""
     dq_before: Float[np.ndarray, "N n"]
-    """Rates likewise [rad/s]."""
+    """Rates in that row [rad/s]."""
     z_before: Float[np.ndarray, "N 2"]
     """Zero dynamics states (m, kg m^2/s)."""
     z_after: Float[np.ndarray, "N 2"]
-    """SETTLING_S after the touchdown, in the new stance."""
+    """Zero dynamics states SETTLING_S after the touchdown, in the new stance."""
     eta_after: Float[np.ndarray, "N two_m"]
-    """Outputs and their rates then (rad, rad/s)."""
+    """Outputs and their rates at that time (rad, rad/s)."""
     after_s: Float[np.ndarray, " N"]
     """Time from the state before to the state after [s]: z has flowed on for as long."""
     stride: Int[np.ndarray, " N"]
@@ -31,11 +31,11 @@ class Touchdowns(NamedTuple):
 
 
 def touchdowns(strides: Sequence[Stride], zd: ZeroDynamics) -> Touchdowns:
-    """Touchdowns that end the strides, seen before and after.
+    """Collect the touchdowns that end the strides, seen before and after.
 
     Args:
-        strides: those without a landing are passed over.
-        zd: robot and policy that walked, which say what z and eta are.
+        strides: those without a landing are skipped.
+        zd: robot and policy that walked, which define z and eta.
     """
     n = zd.robot.n
     seen = [
@@ -57,6 +57,6 @@ def touchdowns(strides: Sequence[Stride], zd: ZeroDynamics) -> Touchdowns:
 
 
 def _stacked(states: Sequence[State], n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times [N], coordinates [N, n] and rates [N, n]."""
+    """Stack times [N], coordinates [N, n] and rates [N, n]."""
     t, q, dq = zip(*states, strict=True) if states else ((), (), ())
     return np.array(t), np.array(q).reshape(-1, n), np.array(dq).reshape(-1, n)

@@ -1,4 +1,4 @@
-"""Windows of evenly spaced samples out of strides: what a residual is fitted to."""
+"""Windows of evenly spaced samples out of strides, to which a residual is fitted."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -28,7 +28,7 @@ class Windows(NamedTuple):
 def windows(
     strides: Sequence[Stride], *, samples: int = 3, step: float = 0.01, every: float | None = None
 ) -> Windows:
-    """Windows of evenly spaced samples.
+    """Cut windows of evenly spaced samples.
 
     Each sample is the row nearest to its due time; its true time is kept.
 
@@ -60,7 +60,7 @@ def windows(
 
 
 def _picked(stride: Stride, samples: int, step: float, every: float) -> Int[np.ndarray, "w K"]:
-    """Rows of each window of one stride."""
+    """Return the rows of each window of one stride."""
     starts = np.arange(stride.t[0], stride.t[-1], every)
     due = starts[:, None] + step * np.arange(samples)
     right = np.clip(np.searchsorted(stride.t, due), 1, len(stride.t) - 1)

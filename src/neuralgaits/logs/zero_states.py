@@ -16,25 +16,25 @@ from neuralgaits.gait.coordinates import zero_coordinates
 from neuralgaits.robots import PlanarBiped
 
 BLOCK = 2048
-"""States evaluated at once."""
+"""Number of states evaluated at once."""
 
 
 def zero_states(
     robot: PlanarBiped, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
 ) -> Float[np.ndarray, "k 2"]:
-    """Zero states, the stance foot taken to be at rest. Returns: [k, 2] (m, kg m^2/s)."""
+    """Compute zero states for a stance foot at rest. Returns: [k, 2] (m, kg m^2/s)."""
     return in_blocks(_zero_states, robot, np.concatenate([q, dq], axis=1))
 
 
 def foot_heights(robot: PlanarBiped, q: Float[np.ndarray, "k n"]) -> Float[np.ndarray, " k"]:
-    """Heights of the swing foot above the stance foot (m). Returns: [k]."""
+    """Compute heights of the swing foot above the stance foot (m). Returns: [k]."""
     return in_blocks(_foot_heights, robot, q)
 
 
 def output_states(
     zd: ZeroDynamics, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
 ) -> Float[np.ndarray, "k two_m"]:
-    """Outputs eta = (y, dy) under a policy. Returns: [k, 2m] (rad, rad/s)."""
+    """Compute outputs eta = (y, dy) under a policy. Returns: [k, 2m] (rad, rad/s)."""
     return in_blocks(_output_states, zd, np.concatenate([q, dq], axis=1))
 
 

@@ -1,1 +1,1 @@
-"""Log files of every format: what their columns are, read and written."""
+"""Log files of every format, read and written."""

@@ -24,7 +24,7 @@ COLUMNS = (
     *(f"d_torque_{i}" for i in range(1, 5)),
     *(f"position_{i}" for i in range(1, 7)),
 )
-"""Names for messages; what a file calls its columns differs."""
+"""Column names for messages; the names in a file differ."""
 MILLISECOND_S = 1e-3
 _STANCE, _PITCH, _ANGLES, _DPITCH, _RATES = 5, 6, 7, 11, 12
 _DESIRED, _DESIRED_RATES, _TORQUES = 16, 20, 24
@@ -40,7 +40,7 @@ def recognised(text: Text) -> bool:
 
 
 def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
-    """The log of a recognised file.
+    """Read the log of a recognised file.
 
     Raises: InputError for a robot of other joints, and for a broken row.
     """
@@ -87,13 +87,13 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
 
 
 def _written(table: Float[np.ndarray, "k c"]) -> slice:
-    """Rows up to the last one with a time: the robot's program fills a file up with zeros."""
+    """Return rows up to the last one with a time: the robot's program pads a file with zeros."""
     timed = np.flatnonzero(table[:, 0] != 0.0)
     return slice(0, timed[-1] + 1 if timed.size else len(table))
 
 
 def _stance_first(joints: Float[np.ndarray, "k 4"], leg: np.ndarray) -> Float[np.ndarray, "k 4"]:
-    """Left knee to right knee, read from the stance leg's end."""
+    """Reorder left knee to right knee to start from the stance leg's end."""
     return np.where(leg[:, None] == 0, joints, joints[:, ::-1])
 
 

@@ -28,7 +28,7 @@ from neuralgaits.robots import PlanarBiped
 PAGE = "the page 'Your own logs'"
 """Page of the documentation that describes both kinds of file."""
 PLAIN = {"time": TIME, "pitch": ANGLE, "pitch_rate": RATE}
-"""Quantities that are no table."""
+"""Quantities without a table of their own."""
 _SETTINGS = ("column", "unit", "sign", "offset")
 
 
@@ -51,17 +51,17 @@ class Source:
     offset: float = 0.0
 
     def si(self, values: Float[np.ndarray, " k"]) -> Float[np.ndarray, " k"]:
-        """The quantity in SI units, of the numbers of its column. [k]."""
+        """Convert the numbers of the quantity's column to SI units. [k]."""
         return self.sign * (values - self.offset) * (1.0 if self.factor is None else self.factor)
 
 
 @dataclass(frozen=True)
 class ColumnFile:
-    """A file that was read and checked against a robot.
+    """A file of columns that was read and checked against a robot.
 
     Attributes:
         path: of the file.
-        sources: by key; see `read_columns` for those that are always there.
+        sources: by key; `read_columns` lists the keys that are always present.
     """
 
     path: Path
@@ -79,9 +79,9 @@ def joints_of(robot: PlanarBiped) -> tuple[str, ...]:
 
 
 def read_columns(path: str | Path, robot: PlanarBiped) -> ColumnFile:
-    """Read what a robot's own columns are called.
+    """Read the file that describes the columns of a robot's own log.
 
-    Time, pitch, every joint and the contact of both feet are always there; pitch_rate and rates
+    Time, pitch, every joint and the contact of both feet are always present; pitch_rate and rates
     one by one, torques, desired, desired_rates and hip_velocity whole or not at all.
 
     Raises: InputError in one line that names file, key and remedy.
@@ -130,7 +130,7 @@ def _content(path: Path) -> dict[str, Any]:
 
 
 def _tables(robot: PlanarBiped) -> dict[str, tuple[tuple[str, ...], Dimension]]:
-    """Names that each table may hold."""
+    """Return the names that each table may hold."""
     joints = joints_of(robot)
     return {
         "joints": (joints, ANGLE),
@@ -144,7 +144,7 @@ def _tables(robot: PlanarBiped) -> dict[str, tuple[tuple[str, ...], Dimension]]:
 
 
 def _perhaps(word: str, known: Iterable[str]) -> str:
-    """A remedy for a word that is not known."""
+    """Return a remedy for an unknown word."""
     near = get_close_matches(word, list(known), n=1)
     return f"write {near[0]}" if near else f"leave it out, or see {PAGE}"
 

@@ -28,22 +28,23 @@ from neuralgaits.robots import PlanarBiped
 AGREEING = 0.5
 """Least share of the rows with one foot on the ground in which it is the stance foot."""
 UNSETTLED_S = 0.5 * SETTLING_S
-"""After a touchdown rates change fast: those of later rows are not computed from these [s]."""
+"""Time after a touchdown in which rates change fast: those of later rows are not computed from it
+[s]."""
 
 
 def read(
     text: Text, robot: PlanarBiped, columns: ColumnFile, policy: AbstractPolicy | None
 ) -> tuple[Log, Labels]:
-    """The log of a file with a robot's own columns.
+    """Read the log of a file with a robot's own columns.
 
     Args:
         text: of the file.
         robot: the run's own model.
-        columns: what its columns are.
-        policy: that walked, for desired outputs that the file does not hold.
+        columns: description of its columns.
+        policy: that walked, for desired outputs that the file lacks.
 
-    Raises: InputError for a column that is not there, for a broken row, for contacts that name no
-        leg, and where desired outputs are needed that nobody knows.
+    Raises: InputError for a missing column, for a broken row, for contacts that name no leg, and
+    where desired outputs are needed and cannot be computed.
     """
     _refuse_unknown_wishes(text, columns, policy)
     found = numbers(text, robot, columns)
@@ -162,7 +163,7 @@ class _Turning:
     def filled(
         self, given: Float[np.ndarray, "k c"], angles: Float[np.ndarray, "k c"]
     ) -> Float[np.ndarray, "k c"]:
-        """Rates of a file, and from the angles for columns that it has none of."""
+        """Return a file's rates, computed from the angles for columns that it lacks."""
         absent = np.isnan(given).all(axis=0)
         if not absent.any():
             return given

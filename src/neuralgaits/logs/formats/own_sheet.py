@@ -47,9 +47,9 @@ class Numbers(NamedTuple):
 
 
 def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> Numbers:
-    """The numbers of a file.
+    """Read the numbers of a file.
 
-    Raises: InputError for a column that is not there, a broken row, and a contact that is none.
+    Raises: InputError for a missing column, a broken row, and a contact that is neither 0 nor 1.
     """
     found, rows = _quantities(text, columns)
     layout = robot.layout
@@ -122,7 +122,7 @@ def _check_header(text: Text, columns: ColumnFile, names: tuple[str, ...]) -> No
 
 
 def _like(name: str, header: tuple[str, ...]) -> list[str]:
-    """A column that may have been meant, if there is one."""
+    """Return the name of a similar column, if there is one."""
     same = [cell for cell in header if cell.casefold() == name.casefold()]
     return same[:1] or get_close_matches(name, header, n=1)
 

@@ -7,7 +7,7 @@ from neuralgaits.robots import PlanarBiped
 
 
 def both_contacts(robot: PlanarBiped, columns: ColumnFile) -> str:
-    """Names of the columns that tell which foot is on the ground."""
+    """Return the names of the contact columns of both feet."""
     return " and ".join(columns.sources[f"contact.{foot}"].column for foot in robot.layout.feet)
 
 

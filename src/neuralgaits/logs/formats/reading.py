@@ -1,4 +1,4 @@
-"""Read a log file of any format, checked, without what is not good in it."""
+"""Read a log file of any format, checked, without its bad rows."""
 
 from collections.abc import Sequence
 from itertools import combinations
@@ -21,7 +21,7 @@ from neuralgaits.logs.table import Log
 from neuralgaits.robots import PlanarBiped
 
 JITTER = 1.5
-"""Rows up to this many sample periods apart have none between them: clocks jitter."""
+"""Largest distance of neighbouring rows in sample periods: clocks jitter."""
 SAME_RAD = 1e-6
 """Angles of two walks that agree to this are one walk: a simulation repeats itself to rounding."""
 

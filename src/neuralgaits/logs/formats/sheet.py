@@ -45,7 +45,7 @@ class Text:
 
     @property
     def width(self) -> int:
-        """Cells in the first row below the header, 0 if there is none."""
+        """Number of cells in the first row below the header, 0 if there is none."""
         return len(self.cells[0][1]) if self.cells else 0
 
 
@@ -69,10 +69,10 @@ def text_of(path: Path) -> Text:
 
 
 def sheet_of(text: Text, names: tuple[str, ...]) -> Sheet:
-    """Numbers of a file whose columns have these names.
+    """Return the numbers of a file whose columns have these names.
 
-    Raises: InputError naming file, row and column for a row of another width or a cell that is
-    no finite number.
+    Raises: InputError naming file, row and column for a row of another width or a cell that is no
+    finite number.
     """
     width = len(names)
     for row, cells in text.cells:
@@ -97,7 +97,7 @@ def sheet_of(text: Text, names: tuple[str, ...]) -> Sheet:
 
 
 def _trimmed(row: list[str]) -> list[str]:
-    """Cells without the blanks around them; a comma at the end of a line ends no cell."""
+    """Strip blanks around cells, and an empty cell after a comma at the end of a line."""
     cells = [cell.strip() for cell in row]
     return cells[:-1] if cells and not cells[-1] else cells
 

@@ -19,14 +19,14 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import write_text
 
 SHOWN = 6
-"""Missing columns that a message names."""
+"""Number of missing columns that a message names."""
 _HEADER = re.compile(r"^(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]$")
 
 
 def write(path: Path, log: Log) -> None:
     """Write a log, whole or not at all.
 
-    Raises: InputError for a log without z, which the format asks for.
+    Raises: InputError for a log without z, which the format requires.
     """
     if log.z is None:
         raise InputError(f"log {log.source}: expected z beside q and dq, found none to write")
@@ -87,7 +87,7 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
 
 
 def missing(text: Text, robot: PlanarBiped) -> str:
-    """Columns of the format that a file does not have, in words."""
+    """List in words the columns of the format that a file lacks."""
     heads = [_head(head) for head in columns(robot.joint_names, plant=False)]
     return _some([head for head in heads if head not in text.header])
 

@@ -1,4 +1,4 @@
-"""Units that a column of a robot's own log may have, and what each is in SI."""
+"""Units that a column of a robot's own log may have, and their SI values."""
 
 import math
 from collections.abc import Mapping
