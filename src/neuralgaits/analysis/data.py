@@ -28,7 +28,7 @@ class Numbers(NamedTuple):
     """Key figures of the periodic orbit."""
 
     z2: float
-    """At mid-step, z1 = 0 [kg m^2/s]."""
+    """Momentum z2 at mid-step, z1 = 0 [kg m^2/s]."""
     multiplier: float
     """Slope of the Poincare map [1]."""
     period_s: float
@@ -69,7 +69,7 @@ class GaitData:
 
     @property
     def numbers(self) -> Numbers:
-        """The orbit in numbers; NaN if there is none."""
+        """Key figures of the orbit; NaN if there is none."""
         return Numbers(*(float(value) for value in self.arrays["orbit/numbers"]))
 
     def bounds(self, function: str, of: str | None = None) -> list[Mapping[str, Any]]:
@@ -88,7 +88,7 @@ class MeasuredWalk:
     """A logged walk. k rows, m joints.
 
     Attributes:
-        source: what walked.
+        source: name of the program or log that it is from.
         t: time [s]. [k]
         z: state as the controller measured it. [k, 2]
         q, desired: actuated joint angles, measured and desired [rad]. [k, m]
@@ -108,7 +108,7 @@ class MeasuredWalk:
 
     @property
     def last_step(self) -> np.ndarray:
-        """Rows of the last step that was finished."""
+        """Return the rows of the last finished step."""
         return np.flatnonzero(self.step == max(int(self.step[-1]) - 1, 0))
 
 

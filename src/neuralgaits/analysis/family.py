@@ -11,7 +11,7 @@ from neuralgaits._types import Float
 
 
 class Sweep(NamedTuple):
-    """The orbits over the range of one command, the others in the middle of theirs."""
+    """Orbits over the range of one command, the other commands in the middle of theirs."""
 
     name: str
     """Name of the command."""
@@ -42,7 +42,7 @@ class Family(NamedTuple):
     sweeps: tuple[Sweep, ...]
     """One sweep for each command, in their order."""
     members: tuple[Member, ...]
-    """At the lowest, the middle and the highest value of the first command."""
+    """Gaits at the lowest, the middle and the highest value of the first command."""
     torso: bool
     """Whether the robot has a torso."""
 

@@ -1,4 +1,4 @@
-"""The orbits of a gait that takes commands, at commands that stay: see `analysis.family`."""
+"""Orbits of a gait that takes commands, at constant commands: see `analysis.family`."""
 
 from typing import NamedTuple
 
@@ -16,9 +16,9 @@ from neuralgaits.gait import Orbit
 VALUES = 7
 """Number of values of a command over its range: odd, so that the middle is one of them."""
 PHASES = 41
-"""Points along the fences."""
+"""Number of points along the fences."""
 MIDDLE = 0.5
-"""Level of the tube from which the first orbit is looked for."""
+"""Level of the tube from which the search for the first orbit starts."""
 NODES = 30
 """Steps of the flow over a step of the robot: errors near 1e-9 of z2, at half the time."""
 
@@ -61,7 +61,7 @@ def family_data(run: Run) -> Family:
 
 
 def _at(run: Run, command: dict[str, float], level: float) -> _Found:
-    """Look for the orbit at a command, from a level of the tube there on."""
+    """Search for the orbit at a command, from a level of the tube there on."""
     steady = run.at(**command)
     chart, motion = PlaneChart(steady.gait, run.spec), motion_of(steady.zero_dynamics)
     mesh = Mesh.of_gait(chart.start, chart.guard, NODES)

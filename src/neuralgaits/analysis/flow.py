@@ -21,15 +21,16 @@ Quantity = Callable[[np.ndarray], np.ndarray]
 STEPS = 60
 """Fifth-order steps over the usual length of a step: errors near 1e-11 of z2."""
 BEHIND = 0.3
-"""A foot that has not landed this far behind the usual guard does not, in lengths of a step."""
+"""Distance behind the usual guard, in lengths of a step, beyond which a foot does not land any
+more."""
 OF_LEG = 0.012
-"""Steps where no usual length is known, in lengths of a leg."""
+"""Step of the flow where no usual length is known, in leg lengths."""
 SLOWEST_M_S = 1e-3
 """A hip slower than this has stopped [m/s]."""
 SECANT_STEPS = 12
 """Largest number of secant steps, bracketed, to find the foot's contact within one step."""
 ON_GROUND_M = 1e-15
-"""A foot that is nearer to the ground than this is on it, to rounding [m]."""
+"""Distance to the ground below which a foot is on it, to rounding [m]."""
 
 
 class Motion(NamedTuple):
@@ -38,7 +39,7 @@ class Motion(NamedTuple):
     dz: Quantity
     """Rate of z. [N, 2] (m/s, N m)."""
     foot: Quantity
-    """The swing foot ahead of the stance foot and above the ground. [N, 2] (m)."""
+    """Position of the swing foot ahead of the stance foot and above the ground. [N, 2] (m)."""
     z_after: Quantity
     """State after an impact here. [N, 2] (m, kg m^2/s)."""
 
@@ -49,7 +50,7 @@ class Mesh(NamedTuple):
     step: float
     """Step of z1 [m]."""
     last: float
-    """A foot that has not landed at this z1 does not [m]."""
+    """Value of z1 beyond which a foot does not land any more [m]."""
 
     @classmethod
     def of_gait(cls, start: float, guard: float, steps: int = STEPS) -> "Mesh":
@@ -81,20 +82,20 @@ class Returns(NamedTuple):
     """The Poincare map of the section z1 = 0. NaN where a state does not come back."""
 
     z2: Float[np.ndarray, " N"]
-    """At the section one step later [kg m^2/s]."""
+    """Momentum z2 at the section one step later [kg m^2/s]."""
     duration: Float[np.ndarray, " N"]
     """Duration of the step [s]."""
     before: Float[np.ndarray, "N 2"]
     """State just before the impact."""
     length: Float[np.ndarray, " N"]
-    """Between the feet at impact [m]."""
+    """Distance between the feet at impact [m]."""
 
 
 def swing(motion: Motion, start: np.ndarray, mesh: Mesh) -> Swing:
-    """Flow states to the guard: the swing foot falls through the ground with z1 > 0.
+    """Follow states to the guard: the swing foot falls through the ground with z1 > 0.
 
     Args:
-        motion: what is known of a state.
+        motion: functions that make up the flow.
         start: all with the same z1. [N, 2]
         mesh: of z1.
     """
@@ -136,12 +137,12 @@ def returns(motion: Motion, z2: np.ndarray, mesh: Mesh) -> Returns:
 
 
 def _timed(z: np.ndarray) -> np.ndarray:
-    """States with the time that has passed: what is integrated. [N, 3]."""
+    """Return states with the elapsed time, which are integrated together. [N, 3]."""
     return np.column_stack([z, np.zeros(len(z))])
 
 
 def _rate(motion: Motion, y: np.ndarray) -> np.ndarray:
-    """Slopes of (z1, z2, t) in z1. [N, 3]."""
+    """Return slopes of (z1, z2, t) in z1. [N, 3]."""
     dz = motion.dz(y[:, :2])
     pace = np.where(dz[:, 0] > SLOWEST_M_S, dz[:, 0], np.nan)
     return np.stack([np.ones(len(y)), dz[:, 1] / pace, 1.0 / pace], axis=1)
@@ -161,7 +162,7 @@ def _step(motion: Motion, y: np.ndarray, h: np.ndarray) -> np.ndarray:
 
 
 def _foot(motion: Motion, y: np.ndarray) -> np.ndarray:
-    """Height of the swing foot [m]. [N]."""
+    """Return the height of the swing foot [m]. [N]."""
     return motion.foot(y[:, :2])[:, 1]
 
 

@@ -29,7 +29,7 @@ AROUND = 0.12
 
 
 def gait_data(run: Run) -> GaitData:
-    """Read what was computed for this very gait, or compute and save it."""
+    """Read the data computed for this very gait, or compute and save them."""
     of, path = fingerprint(run), run.path / FILE
     if path.is_file():
         try:
@@ -44,7 +44,7 @@ def gait_data(run: Run) -> GaitData:
 
 
 def fingerprint(run: Run) -> str:
-    """Hash of everything the data depend on."""
+    """Return a hash of everything the data depend on."""
     parts = [f"{VERSION}"]
     for file in (ROBOT, SPEC, WEIGHTS, RESIDUAL):
         path = run.path / file
@@ -67,7 +67,7 @@ def _with_names(run: Run, arrays: dict[str, np.ndarray]) -> GaitData:
 
 
 def compute(run: Run) -> dict[str, np.ndarray]:
-    """All arrays of `analysis.data`. Raises: SpecError if the gait cannot be evaluated."""
+    """Compute all arrays of `analysis.data`. Raises: SpecError if the gait cannot be evaluated."""
     look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
     motion = Motion(*look.each(*Motion._fields))
     tube = PlaneChart(run.gait, run.spec)
@@ -117,7 +117,7 @@ def _plane(look: Look, tube: PlaneChart) -> dict[str, np.ndarray]:
 
 
 def _orbit(run: Run, look: Look, motion: Motion, tube: PlaneChart) -> dict[str, np.ndarray]:
-    """The sampled map, and one step from landing to landing; without an orbit, of no nodes."""
+    """Return the sampled map, and one step from landing to landing; no nodes without an orbit."""
     mapped, robot = sampled_map(motion, tube), run.robot
     orbit = mapped.orbit
     path = cycle(motion, orbit, Mesh.of_gait(tube.start, tube.guard))
@@ -142,7 +142,7 @@ def _orbit(run: Run, look: Look, motion: Motion, tube: PlaneChart) -> dict[str, 
 
 
 def _walks(motion: Motion, tube: PlaneChart) -> dict[str, np.ndarray]:
-    """Walks that start after an impact near either fence."""
+    """Return walks that start after an impact near either fence."""
     phase, mesh = np.zeros(2), Mesh.of_gait(tube.start, tube.guard, WALK_NODES)
     state, pieces = tube.z(phase, np.array([0.05, 0.95])), []
     for _ in range(WALK_STEPS):

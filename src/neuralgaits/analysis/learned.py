@@ -34,11 +34,11 @@ class Learned(eqx.Module):
 
     @property
     def residuals(self) -> Residuals:
-        """Both, as zero dynamics take them."""
+        """Both residuals, in the form that zero dynamics take."""
         return Residuals(self.flow, self.reset)
 
     def write(self, path: Path) -> None:
-        """Save, whole or not at all."""
+        """Save the corrections, whole or not at all."""
         write_tree(path, self)
 
     @classmethod

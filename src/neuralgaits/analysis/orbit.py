@@ -19,9 +19,9 @@ NEWTON_STEPS = 25
 FIXED_POINT_TOLERANCE = 1e-10
 """Relative change of z2 over one step that counts as periodic."""
 DIFFERENCE = 1e-4
-"""Relative change of z2 for the map's slope: its error goes with the square."""
+"""Relative change of z2 for the map's slope, whose error is quadratic in it."""
 MAP_POINTS = 25
-"""Samples of the map between the fences."""
+"""Number of samples of the map between the fences."""
 LEAST_GAP = 0.05
 """Distance of the map's slope from one below which Newton's step explodes."""
 
@@ -58,7 +58,7 @@ def motion_of(zd: ZeroDynamics) -> Motion:
 
 
 def orbit_near(motion: Motion, z2: float, mesh: Mesh) -> Orbit:
-    """The periodic orbit near a z2 at the section, by Newton's method."""
+    """Find the periodic orbit near a z2 at the section, by Newton's method."""
     for _ in range(NEWTON_STEPS):
         change = DIFFERENCE * z2
         step = returns(motion, z2 + np.array([-change, 0.0, change]), mesh)
@@ -80,7 +80,7 @@ class SampledMap(NamedTuple):
     """The Poincare map between the fences of a gait, and its attracting fixed point."""
 
     z2: Float[np.ndarray, " N"]
-    """At the section [kg m^2/s]."""
+    """Momentum z2 at the section [kg m^2/s]."""
     after: Float[np.ndarray, " N"]
     """State z2 one step later; NaN where a state does not come back [kg m^2/s]."""
     orbit: Orbit
@@ -94,10 +94,10 @@ def sampled_map(motion: Motion, chart: PlaneChart) -> SampledMap:
 
 
 def orbit_between(motion: Motion, z2: np.ndarray, mapped: np.ndarray, mesh: Mesh) -> Orbit:
-    """The attracting periodic orbit between samples of the map.
+    """Find the attracting periodic orbit between samples of the map.
 
     Args:
-        motion: what is known of a state.
+        motion: functions that make up the flow.
         z2: increasing. [N]
         mapped: one step later. [N]
         mesh: of the flow.

@@ -12,7 +12,7 @@ LEAST = 0.02
 
 
 class Plane(NamedTuple):
-    """P phases, A and B grid lines."""
+    """Fences and grid of the plane, with P phases, A and B grid lines."""
 
     fence_z1: Float[np.ndarray, " P"]
     """[m]"""

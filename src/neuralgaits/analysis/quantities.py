@@ -1,4 +1,4 @@
-"""Everything that figures show of a state of a gait, for many states at once."""
+"""Quantities that figures show of the states of a gait, for many states at once."""
 
 from collections.abc import Callable
 from typing import Any
@@ -16,7 +16,7 @@ from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 
 ENDS = 1e-9
-"""Phases and levels this near to an edge of a region are on it."""
+"""Distance in phase or level within which a point is on the edge of a region."""
 
 
 class Look:
@@ -40,13 +40,13 @@ class Look:
             self._folded = fold(self._program, POINT)
 
     def __call__(self, z: np.ndarray) -> dict[str, np.ndarray]:
-        """The quantities at states. [N, 2]."""
+        """Evaluate the quantities at states. [N, 2]."""
         if self._program is not None:
             return evaluate(self._program, {"z": z}, POINT, self._folded)
         return {name: np.asarray(array) for name, array in self._compiled(z).items()}
 
     def only(self, *names: str) -> "Look":
-        """Some of them: the rest is not computed."""
+        """Return an evaluator of some of the quantities, which does not compute the rest."""
 
         def chosen(z: Any) -> dict[str, Any]:
             found = self._named(z)
@@ -55,7 +55,7 @@ class Look:
         return Look(chosen, None if self._program is None else prune(self._program, list(names)))
 
     def each(self, *names: str) -> list[Callable[[np.ndarray], np.ndarray]]:
-        """Functions of states for some of them, computed apart from the others where it can be."""
+        """Return a function of states for each of these, computed separately where possible."""
 
         def alone(name: str) -> Callable[[np.ndarray], np.ndarray]:
             # What has no Program would be compiled once more for each.
@@ -66,7 +66,7 @@ class Look:
 
 
 def quantities(zd: ZeroDynamics, gait: Gait, spec: GaitSpec) -> Callable[[Any], dict[str, Any]]:
-    """Everything that is drawn of a state, by name, as a function of z."""
+    """Return all quantities to draw of a state, by name, as a function of z."""
 
     def named(z: Any) -> dict[str, Any]:
         point = zd.point(z)
@@ -102,29 +102,29 @@ class PlaneChart:
         self.spec = spec
 
     def fences(self, phase: np.ndarray) -> np.ndarray:
-        """z2 on both fences [kg m^2/s]. [2, ...]."""
+        """Return z2 on both fences [kg m^2/s]. [2, ...]."""
         zeta = [self.unit * chebval(2.0 * phase - 1.0, side) for side in self.series]
         return np.sqrt(2.0 * np.stack(zeta))
 
     def section(self, points: int) -> np.ndarray:
-        """z2 between the fences at mid-step, z1 = 0 [kg m^2/s]. [points]."""
+        """Return z2 between the fences at mid-step, z1 = 0 [kg m^2/s]. [points]."""
         low, high = self.fences(np.array(-self.start / (self.guard - self.start)))
         return np.linspace(low, high, points)
 
     def z(self, phase: np.ndarray, level: np.ndarray) -> np.ndarray:
-        """States at chart points. [..., 2]."""
+        """Return the states at chart points. [..., 2]."""
         low, high = 0.5 * self.fences(phase) ** 2
         z1 = self.start + phase * (self.guard - self.start)
         return np.stack([z1, np.sqrt(2.0 * (low + level * (high - low)))], axis=-1)
 
     def chart(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Phase and level of states. [...]."""
+        """Return the phase and level of states. [...]."""
         phase = (z[..., 0] - self.start) / (self.guard - self.start)
         low, high = 0.5 * self.fences(phase) ** 2
         return phase, (0.5 * z[..., 1] ** 2 - low) / (high - low)
 
     def margins(self, found: dict[str, np.ndarray], phase: Any, level: Any) -> np.ndarray:
-        """Least entry of each condition's margins where it applies, else NaN. [c, ...]."""
+        """Return each condition's least margin where it applies, else NaN. [c, ...]."""
         rows = []
         for condition in self.spec.conditions:
             least = _least(found[f"margin/{condition.name}"], phase.shape)
@@ -138,13 +138,13 @@ class PlaneChart:
         return np.stack(rows)
 
     def barriers(self, found: dict[str, np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
-        """Least value of each barrier function. [b, ...]."""
+        """Return the least value of each barrier function. [b, ...]."""
         names = [c.name for c in self.spec.conditions if isinstance(c, Barrier)]
         rows = [_least(found[f"barrier/{name}"], shape) for name in names]
         return np.stack(rows) if rows else np.zeros((0, *shape))
 
 
 def _least(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """Least entry at each state, laid out as the states are: [N, ...] to [shape]."""
+    """Return the least entry at each state, in the shape of the states: [N, ...] to [shape]."""
     entries = int(np.prod(values.shape[1:]))
     return values.reshape(*shape, entries).min(axis=-1)

@@ -20,7 +20,7 @@ from neuralgaits.runs.names import FIT, FITTED, RESIDUAL
 
 FILE = "figures/residual.safetensors"
 LOGS, STATES = 4, 2500
-"""Logs that are read, and states kept, at most: the picture needs no more."""
+"""Largest numbers of logs to read and of states to keep: the picture needs no more."""
 
 
 def residual_data(run: Run) -> ResidualData | None:

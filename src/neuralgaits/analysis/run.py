@@ -1,4 +1,4 @@
-"""A finished run, opened: robot, spec, gait and what was measured."""
+"""A finished run, opened: robot, spec, gait and summary."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -27,7 +27,7 @@ from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 
 _TIGHTEST = 5
-"""Conditions that a notebook shows."""
+"""Number of conditions that a notebook shows."""
 
 
 @dataclass(frozen=True)
@@ -78,13 +78,13 @@ class Run:
 
     @cached_property
     def gait(self) -> Gait:
-        """Policy and tube; of a family, those at the command, kept for ever."""
+        """Policy and tube; for a family, those at the command. The result is cached."""
         if isinstance(self.trained, Gait):
             return self.trained
         return steady_gait(self.trained, self.robot, self.command, self.residuals.reset)
 
     def at(self, **command: float) -> "Run":
-        """The run of a family at a command that stays: an ordinary run of an ordinary gait.
+        """Return the run of a family at a constant command: an ordinary run of an ordinary gait.
 
         Raises: InputError on other names than the gait's commands, or values outside their range.
         """
@@ -93,7 +93,7 @@ class Run:
 
     @property
     def policy(self) -> "AbstractPolicy | PolicyOfSteps":
-        """The policy; of a family, its policies by commands: `policy.at(from_=..., to=...)`."""
+        """The policy; for a family, its policies by commands: `policy.at(from_=..., to=...)`."""
         if isinstance(self.trained, Gait):
             return self.trained.policy
         return PolicyOfSteps(self.trained.policy, self.robot, self.residuals.reset)
@@ -147,7 +147,7 @@ class PolicyOfSteps:
     reset_residual: Reset
 
     def at(self, from_: Mapping[str, float], to: Mapping[str, float]) -> AbstractPolicy:
-        """The policy of one step.
+        """Return the policy of one step.
 
         Args:
             from_: commands of the step before, by name.
@@ -166,7 +166,7 @@ def steady_gait(
     command: Mapping[str, float] | None,
     reset_residual: Reset = None,
 ) -> Gait:
-    """The gait of a family at a command that stays; None for the middle of its ranges."""
+    """Return the gait of a family at a constant command; None for the middle of its ranges."""
     if command is None:
         command = {c.name: 0.5 * (c.low + c.high) for c in family.commands}
     given = values(family.commands, command)
@@ -189,10 +189,10 @@ def open_run(run: "Run | str | Path") -> Run:
 
 
 def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
-    """A gait whose arrays have shapes and kinds but no values, which a run's weights fill.
+    """Return a gait whose arrays have shapes and kinds but no values, for a run's weights.
 
     The values that training started from are left out: computing them takes a second. A user's own
-    function may do with them what it likes, so it gets them.
+    function may do with them as it likes, so it gets them.
     """
     if not specs.is_built_in(asked_of(folder).spec):
         return untrained(folder, spec)
@@ -209,7 +209,7 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
 
 
 def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
-    """Robot and spec of a run, from the run's own copies."""
+    """Open robot and spec of a run, from the run's own copies."""
     asked = asked_of(folder)
     robot = robot_from_text(folder.copy(ROBOT), asked.robot)
     name = asked.spec
@@ -240,7 +240,7 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
 
 
 def untrained(folder: RunFolder, spec: GaitSpec) -> AnyGait:
-    """The gait the run started from, before any posture steps."""
+    """Return the gait the run started from, before any posture steps."""
     gait = _new_gait(folder, spec, jax.random.key(asked_of(folder).seed))
     if START not in folder.copies:
         return gait

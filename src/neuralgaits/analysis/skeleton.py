@@ -5,13 +5,13 @@ import numpy as np
 from neuralgaits._types import Float
 
 TORSO_SHARE = 0.6
-"""Length a torso is drawn with, in leg lengths; robot files say where its mass is, not its top."""
+"""Length of a drawn torso, in leg lengths; robot files say where its mass is, not its top."""
 
 
 def skeleton(
     theta: Float[np.ndarray, "K n"], foot: Float[np.ndarray, " n"], torso: int | None
 ) -> Float[np.ndarray, "K points 2"]:
-    """Points from the stance foot over the hip to the swing foot.
+    """Return points from the stance foot over the hip to the swing foot.
 
     One line goes through all of them: with a torso it runs from the hip to its top and back.
 

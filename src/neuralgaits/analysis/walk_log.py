@@ -1,4 +1,4 @@
-"""The walk that a run has a log of, ready to be drawn."""
+"""The logged walk of a run, ready to be drawn."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -16,11 +16,11 @@ from neuralgaits.records.fitted import Logs
 from neuralgaits.records.simulated import SUMMARY
 
 SIMULATED, WALKED = "simulation", "walks/logs"
-"""Folders of a run that logs lie in: of `simulate`, and of a round of episodes."""
+"""Folders of a run that hold logs: of `simulate`, and of a round of episodes."""
 
 
 def measured_walk(run: Run) -> MeasuredWalk | None:
-    """The first log of the run that holds a finished step; None if there is none."""
+    """Return the first log of the run that holds a finished step; None if there is none."""
     for path, simulated in _candidates(run.path):
         try:
             log = logs.read(path, run.robot).log
@@ -33,7 +33,7 @@ def measured_walk(run: Run) -> MeasuredWalk | None:
 
 
 def _candidates(run: Path) -> Iterator[tuple[Path, bool]]:
-    """Logs of the run, those of the last simulation first, and whether `simulate` wrote them."""
+    """Yield logs of the run, the last simulation's first, and whether `simulate` wrote them."""
     named: list[Path] = []
     # A run that was moved keeps its logs, but not their names.
     with suppress(RunError):

@@ -1,4 +1,4 @@
-"""Speeds that a robot may be able to walk at, from its legs and motors, before anything is trained.
+"""Speeds at which a robot may be able to walk, from its legs and motors, before any training.
 
 Nothing here is a proof: a doubt is worth a line before half a minute of training.
 """
