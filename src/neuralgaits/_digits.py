@@ -11,12 +11,12 @@ _HEXADECIMAL = re.compile(
 
 
 def at_least(value: float, digits: int) -> str:
-    """A lower bound with so many significant digits: never more than the value."""
+    """Return a lower bound with so many significant digits: never more than the value."""
     return _rounded(value, digits, ROUND_FLOOR)
 
 
 def at_most(value: float, digits: int) -> str:
-    """An upper bound with so many significant digits: never less than the value."""
+    """Return an upper bound with so many significant digits: never less than the value."""
     return _rounded(value, digits, ROUND_CEILING)
 
 

@@ -15,11 +15,11 @@ from neuralgaits._printable import printable
 OFF_SCREEN = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so"}
 """Values of MUJOCO_GL that need no window, best first, and the library that each one needs."""
 THREADS = "NEURALGAITS_THREADS"
-"""Variable: how many threads a computation of this program may use; all cores if not set."""
+"""Environment variable: number of threads of a computation; all cores if it is not set."""
 
 
 def prepare() -> None:
-    """Double precision, and compilations kept from one call to the next."""
+    """Prepare a process: double precision in JAX, and compilations kept between calls."""
     # Imports and tracing make millions of objects that stay: looking for rubbish among them
     # every 700 takes a fourteenth of a command's time.
     gc.set_threshold(100_000, 50, 100)
@@ -74,7 +74,7 @@ def one_thread() -> None:
 
 
 def cores() -> int:
-    """Threads that a computation may use: all cores of this process, or what `THREADS` says."""
+    """Return the number of threads of a computation: all cores of this process, or `THREADS`."""
     said = os.environ.get(THREADS, "")
     if said.isdecimal() and int(said) > 0:
         return int(said)

@@ -7,7 +7,7 @@ import difflib
 from collections.abc import Iterable
 
 LONGEST_NAME = 200
-"""Characters: paths of robot files are names too."""
+"""Largest number of characters; paths of robot files are names, too."""
 
 
 def why_no_name(name: object) -> str | None:
@@ -28,6 +28,6 @@ def why_no_name(name: object) -> str | None:
 
 
 def meant(name: str, known: Iterable[str]) -> str:
-    """A question that asks for the name most like one that is not there; empty if none is."""
+    """Return a question that asks for the name most like an unknown one; empty if none is."""
     close = difflib.get_close_matches(name, list(known), 1)
     return f"did you mean {close[0]}?" if close else ""

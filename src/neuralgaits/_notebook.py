@@ -7,7 +7,7 @@ _CELL = 'style="text-align:left"'
 
 
 def table(title: str, rows: Iterable[Sequence[object]], head: Sequence[str] = ()) -> str:
-    """HTML of a table; colours are the notebook's own.
+    """Return an HTML table; colours are the notebook's own.
 
     Args:
         title: one line above it.

@@ -14,7 +14,7 @@ def command_of(module: str, *arguments: str) -> list[str]:
 
 
 def environment_of(**more: str) -> dict[str, str]:
-    """This process's environment, the package's place and more variables in it."""
+    """Return this process's environment with the package's path and more variables in it."""
     known = os.environ.get("PYTHONPATH")
     paths = [str(PACKAGE), *([known] if known else [])]
     return os.environ | {"PYTHONPATH": os.pathsep.join(paths)} | more

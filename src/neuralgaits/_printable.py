@@ -31,7 +31,7 @@ def printable(text: str | os.PathLike[str]) -> str:
 
 
 def _escaped(error: UnicodeError) -> tuple[bytes, int]:
-    """Handle what an encoding does not know: printable text, escaped where that is not known."""
+    """Replace characters that an encoding lacks by printable text, escaped where necessary."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     text = printable(error.object[error.start : error.end])

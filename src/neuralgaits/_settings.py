@@ -1,43 +1,43 @@
-"""Settings that several verbs have, each refused in one line if it makes no sense."""
+"""Checks of settings that several verbs share, each refused in one line if it makes no sense."""
 
 import math
 
 from neuralgaits.errors import InputError
 
 MOST_WALKED = 1_000_000
-"""Walking steps of an episode, and episodes: a million steps are five days."""
+"""Limit on the walking steps of an episode, and on episodes: a million steps are five days."""
 MOST_GRADIENT_STEPS = 10_000_000
 MOST_WIDTH, MOST_LAYERS = 4096, 8
 """Limits on a policy's hidden layers: wider ones need more memory than a machine has."""
 MOST_PUSH = 10_000.0
-"""Impulse [N s]: a car at walking pace."""
+"""Largest impulse of a push [N s]: a car at walking pace."""
 BANDWIDTHS = 1.0, 1000.0
-"""Double poles that outputs can have [rad/s]: slower ones outlast a step, and a controller at 1 kHz
-has none that are faster."""
+"""Limits on the double pole of the outputs [rad/s]: slower ones outlast a step, and a controller
+at 1 kHz has none that are faster."""
 MOST_ROUNDS = 100
 """Limit on the rounds of `episodes`: a larger number is a slip of the finger, or damage."""
 
 
 def shortened(count: int) -> str:
-    """Write a whole number for a message, however long it is."""
+    """Write a whole number for a message in a few characters, however long it is."""
     text = str(count)
     return text if len(text) <= 20 else f"a number of {len(text)} digits"
 
 
 def check_walked(name: str, count: int) -> None:
-    """Raises: InputError if so many walking steps or episodes cannot be waited for."""
+    """Check numbers of walking steps and episodes. Raises: InputError if they take too long."""
     if count > MOST_WALKED:
         raise InputError(f"{name}: expected at most {MOST_WALKED}, found {shortened(count)}")
 
 
 def check_seed(seed: int) -> None:
-    """Raises: InputError unless JAX and NumPy both take it."""
+    """Check a seed. Raises: InputError unless JAX and NumPy both take it."""
     if not 0 <= seed < 2**31:
         raise InputError(f"expected a seed from 0 to 2147483647, found {shortened(seed)}")
 
 
 def check_seeds(seeds: tuple[int, int]) -> None:
-    """Raises: InputError unless there is a seed from the first up to the one before the last."""
+    """Check a range of seeds, its last one excluded. Raises: InputError on a wrong one."""
     first, end = seeds
     if not first < end:
         raise InputError(f"expected seeds A:B with A < B, found {first}:{end}")
@@ -46,7 +46,7 @@ def check_seeds(seeds: tuple[int, int]) -> None:
 
 
 def check_steps(steps: int | None) -> None:
-    """Raises: InputError if there are no gradient steps; None leaves the number open."""
+    """Check a number of gradient steps; None leaves it open. Raises: InputError if it is wrong."""
     if steps is not None and steps < 1:
         raise InputError(f"expected at least 1 gradient step, found {steps}")
     if steps is not None and steps > MOST_GRADIENT_STEPS:
@@ -56,7 +56,10 @@ def check_steps(steps: int | None) -> None:
 
 
 def check_widths(hidden: tuple[int, ...] | None) -> None:
-    """Raises: InputError unless a network of these hidden layers can be made; None leaves it."""
+    """Check widths of hidden layers; None leaves them open.
+
+    Raises: InputError unless a network of these hidden layers can be made.
+    """
     if hidden is None:
         return
     if not hidden or min(hidden) < 1:
@@ -69,7 +72,10 @@ def check_widths(hidden: tuple[int, ...] | None) -> None:
 
 
 def check_walks(episodes: int, seed: int, push: float | None) -> None:
-    """Raises: InputError unless so many episodes can be walked, drawn and pushed (N s) so."""
+    """Check the number of episodes, how they are drawn, and their pushes (N s).
+
+    Raises: InputError unless they can be walked so.
+    """
     if not isinstance(episodes, int) or episodes < 1:
         raise InputError(f"expected at least 1 episode, found {episodes!r}")
     if not isinstance(seed, int) or seed < 0:
@@ -79,7 +85,7 @@ def check_walks(episodes: int, seed: int, push: float | None) -> None:
 
 
 def check_push(push: float | None) -> None:
-    """Raises: InputError unless a robot can be pushed so (N s); None is no push."""
+    """Check the impulse of a push (N s); None is no push. Raises: InputError if it is too large."""
     if push is not None and not abs(push) <= MOST_PUSH:
         raise InputError(
             f"expected a push of -{MOST_PUSH:g} to {MOST_PUSH:g} N s, found {push:g}: write "
@@ -88,19 +94,19 @@ def check_push(push: float | None) -> None:
 
 
 def check_rounds(rounds: int | None) -> None:
-    """Raises: InputError unless so many rounds of episodes can be waited for; None leaves it."""
+    """Check a number of rounds; None leaves it open. Raises: InputError if they take too long."""
     if rounds is not None and not 1 <= rounds <= MOST_ROUNDS:
         raise InputError(f"expected 1 to {MOST_ROUNDS} rounds, found {rounds}")
 
 
 def check_disturbance(bounds: tuple[float, float]) -> None:
-    """Raises: InputError unless they can bound what is added to dz (m/s, N m)."""
+    """Check bounds of a disturbance of dz (m/s, N m). Raises: InputError if they are impossible."""
     if not all(0.0 <= bound < math.inf for bound in bounds):
         raise InputError(f"expected a disturbance of two bounds >= 0 (m/s, N m), found {bounds}")
 
 
 def check_bandwidth(bandwidth: float) -> None:
-    """Raises: InputError unless outputs can come back so fast (rad/s)."""
+    """Check a bandwidth (rad/s). Raises: InputError unless outputs can converge so fast."""
     slowest, fastest = BANDWIDTHS
     if not slowest <= bandwidth <= fastest:
         raise InputError(
@@ -110,7 +116,7 @@ def check_bandwidth(bandwidth: float) -> None:
 
 
 def check_budget(budget: float | None) -> None:
-    """Raises: InputError unless there are seconds to spend; None leaves them open."""
+    """Check a time budget; None leaves it open. Raises: InputError unless it is more than 0 s."""
     if budget is not None and not 0.0 < budget < math.inf:
         raise InputError(f"expected a budget of more than 0 seconds, found {budget}")
 

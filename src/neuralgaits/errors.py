@@ -1,6 +1,6 @@
-"""Every error a caller can meet: one root, few leaves.
+"""All errors that a caller can meet: one root, few leaves.
 
-A message is one line and says what was expected, what came, and what to do.
+A message is one line and says what was expected, what was found, and what to do.
 """
 
 import errno
@@ -35,7 +35,7 @@ class MismatchError(NeuralGaitsError):
 
 
 def reason(error: Exception) -> str:
-    """Why a file could not be used, without the number and the path that Python puts beside it."""
+    """Return why a file could not be used, without the number and path that Python adds."""
     said = error.strerror if isinstance(error, OSError) else None
     return said or str(error)
 
@@ -48,11 +48,11 @@ def is_full(error: BaseException) -> bool:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during work that can be gone on with.
+    """Ctrl-C during work that can be resumed.
 
     Attributes:
-        command: that does.
-        more: what is to be said after it.
+        command: that resumes it.
+        more: text after the message.
     """
 
     def __init__(self, command: str, more: str = ""):
