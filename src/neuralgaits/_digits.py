@@ -31,7 +31,7 @@ def from_hex(text: Any, what: str) -> float:
     `float.fromhex` reads "0.001" as 0x0.001, and much else: two programs that read one file must
     not take one text for two numbers. `tools/proofcheck/reading.hpp` has the same rule.
 
-    Raises: ValueError on anything else, and on what is not exactly a double.
+    Raises: ValueError on anything else, and on a number that is not exactly a double.
     """
     found = _HEXADECIMAL.fullmatch(text) if isinstance(text, str) else None
     if found:

@@ -1,7 +1,7 @@
 """Settings for a process that belongs to this program: the command line's, or a worker's.
 
 Those of JAX are environment variables, so they reach processes that this one starts and need no
-import of it. What the user has set stays.
+import of it. Variables that the user has set keep their values.
 """
 
 import ctypes
@@ -43,7 +43,7 @@ def prepare() -> None:
 def render_without_screen() -> None:
     """Have MuJoCo render off the screen where there is none, if it has not been imported yet.
 
-    What the user has set stays, and so does everything where no library for it can be loaded:
+    Nothing changes if the user has set MUJOCO_GL, or if no library for it can be loaded:
     MuJoCo refuses to be imported with a back end that is not there.
     """
     screens = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL")

@@ -1,8 +1,8 @@
-"""Names that are no UTF-8, as text that can be printed and written.
+"""Names that are not UTF-8, as text that can be printed and written.
 
 A path is bytes. Python keeps those that its encoding does not know as halves of characters, which
-no file and no terminal takes. Everything that is shown of a path goes through `printable` or the
-error handler `PRINTABLE`; what opens a file uses the path itself.
+no file and no terminal takes. Every path that is shown goes through `printable` or the
+error handler `PRINTABLE`; functions that open a file use the path itself.
 """
 
 import codecs

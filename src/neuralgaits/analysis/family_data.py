@@ -24,7 +24,7 @@ NODES = 30
 
 
 class _Found(NamedTuple):
-    """The gait at a command that stays, and its orbit."""
+    """The gait at a constant command, and its orbit."""
 
     run: Run
     motion: Motion

@@ -95,7 +95,7 @@ class MiddleFollowed(AbstractAim):
 class MiddleReturns(AbstractAim):
     """The return map brings the middle back to itself, to first order; in widths.
 
-    What the flow drifts along a step and what the reset adds may cancel, and the orbit is where
+    The drift of the flow along a step and that of the reset may cancel, and the orbit is where
     they do: as far from the middle as this error over one minus the map's slope.
     """
 

@@ -1,4 +1,4 @@
-"""Physical quantities of one point of the zero dynamics, to be put into conditions.
+"""Physical quantities of one point of the zero dynamics, from which conditions are built.
 
 Every function takes the point data and returns a scalar, or one entry a joint. Bounds are given
 by the caller: see `at_least` and `at_most`. No abs, max or clip: two inequalities instead.

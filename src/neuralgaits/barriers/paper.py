@@ -3,7 +3,7 @@
 `paper` is Table 1 read as y_d(Delta(z)) = R y_d(z) and -0.15 <= Delta(z)_1 + z1 <= 0.15, with
 the authors' settings where the paper is silent. `authors` is what their code enforces. Between
 them, `paper-walks` is Table 1 and one condition of the code: docs/paper.md. All use their ReLU
-policy, which trains but is not provable. What differs is in docs/notation.md.
+policy, which trains but is not provable. Differences are listed in docs/notation.md.
 """
 
 from dataclasses import replace

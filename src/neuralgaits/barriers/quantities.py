@@ -1,8 +1,8 @@
-"""Quantities with numbers in them, as data: what they compute and what they say of themselves.
+"""Quantities with parameters, as records that both compute and describe themselves.
 
 A condition's quantity is a function of the point data. Where it has numbers, it is a record of
-this file, so that the very object that is evaluated also says what it is: a run saves it, and a
-proof file tells it to readers that derive the same quantity on their own.
+this file, so that the very object that is evaluated also describes itself: a run saves it, and a
+proof file gives it to readers that derive the same quantity on their own.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,7 @@
 """The default spec for every robot of a box around a file's: the walk of `walking` on all of them.
 
-The policy is one of z1 alone, and what it is made of is the file's robot: neither needs to know
-which robot of the box it is on. Conditions are those of the plain gait, numbers included; but no
+The policy depends on z1 alone and is computed for the file's robot: it need not know which
+robot of the box it is on. Conditions are those of the plain gait, numbers included; but no
 friction cone is wider than the floor's.
 """
 

@@ -107,7 +107,7 @@ def walking(
         policy: "hybrid-invariant" (default), or "mlp" for a free network, which must then
             learn to match outputs and rates through the impact.
         forward: least rate of z1 (m/s), None for one that fits the robot.
-        shortest: least step length (m); likewise.
+        shortest: least step length (m), None for one that fits the robot.
         highest: largest difference in height of two footholds that follow each other (m).
     """
     if policy not in ("hybrid-invariant", "mlp"):

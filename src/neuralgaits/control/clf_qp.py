@@ -1,6 +1,6 @@
 """Input-output linearisation, and a quadratic program in place of clipping its torques.
 
-Where motors or the floor cannot give what linearisation asks, the program looks for the nearest
+Where motors or the floor cannot give the linearising torques, the program finds the nearest
 torques that they can, and with which a control Lyapunov function falls. It is the one of the
 full-order theorem, docs/full_order.md: V = |xi|^2 with xi = (dy/w, 2 (y + dy/w)), whose square root
 falls at 3w/4 or faster under linearised outputs, so rapidly exponentially stabilising with
@@ -45,15 +45,15 @@ class ClfQp(AbstractLaw):
 
     with |u| <= limits, d sqrt V/dt <= -3w/4 sqrt V + delta, normal force >= (least_normal - sigma)
     weights and |tangential| <= friction normal + sigma weights, forces and rates being those of the
-    model's pinned foot, which are affine in u. There always is a solution; delta and sigma say what
-    was given up for it.
+    model's pinned foot, which are affine in u. There always is a solution; delta and sigma measure
+    the violations that it needs.
 
     Attributes:
         bandwidth: w, as in `Fblin` [rad/s].
         price: of a slower decrease [(N m)^2 / (rad/s)^2].
         contact_price: of forces that no floor gives [(N m)^2 / weight^2].
         least_normal: force on the stance foot [weights].
-        hold_ticks: control ticks between two questions to the policy.
+        hold_ticks: control ticks between two evaluations of the policy.
     """
 
     bandwidth: float = eqx.field(default=30.0, static=True)
@@ -72,7 +72,7 @@ class ClfQp(AbstractLaw):
         return z
 
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
-        """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
+        """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
         return self.linearising.desired(robot, outputs, reading)
 
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:

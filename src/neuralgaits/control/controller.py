@@ -1,6 +1,6 @@
 """One control tick as a pure function: sensors in, joint torques and the next state out.
 
-`step` is what a simulation, a firmware and a proof all run. It can be jitted, and vmapped over
+A simulation, a firmware and a proof all run `step`. It can be jitted, and vmapped over
 controllers (their policies), states and measurements.
 """
 
@@ -36,9 +36,9 @@ class Controller(eqx.Module):
 
     Attributes:
         robot: the model the controller believes in.
-        policy: desired outputs y_d(z), or a family of them that is told commands.
+        policy: desired outputs y_d(z), or a family of them that takes commands.
         law: how torques follow from them, fitted to the robot.
-        bounds: of the measured z; the law says what of it the policy is told.
+        bounds: of the measured z; the law selects the part that the policy gets.
         torque_limit: of each actuated joint, stance leg first [N m]. [m]
         stance: thresholds of the stance machine.
         period_s: time between two ticks [s].
@@ -67,7 +67,7 @@ class Controller(eqx.Module):
         period_s: float = 1e-3,
         reset_residual: Reset = None,
     ) -> "Controller":
-        """Put a controller together, bounds and limits taken from policy and robot.
+        """Build a controller, with bounds and limits taken from policy and robot.
 
         Args:
             robot: the model the controller believes in.

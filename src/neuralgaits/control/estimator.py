@@ -99,7 +99,7 @@ def estimate(
     standing: StanceState,
     period_s: float,
 ) -> Known:
-    """Take in one reading: of the first one everything, then time, pitch, angles and force.
+    """Update with a reading: all of the first one, then time, pitch, angles and force.
 
     A robot at rest has first rates of zero; a simulation that starts in mid-step gives its own.
 
@@ -111,7 +111,7 @@ def estimate(
         standing: stance leg, and time since touchdown, before this tick.
         period_s: between two readings (s).
 
-    Returns: what is known now; its `estimate` is what the controller goes by.
+    Returns: the new state; the controller uses its `estimate`.
     """
     last, leg = known.estimate, standing.leg
     # About the foot that stands now: what the old stance leg had before an impact, if it has

@@ -16,7 +16,7 @@ class Fblin(AbstractLaw):
 
     Attributes:
         bandwidth: w, the double pole of the output errors [rad/s].
-        hold_ticks: control ticks between two questions to the policy.
+        hold_ticks: control ticks between two evaluations of the policy.
     """
 
     bandwidth: float = eqx.field(default=30.0, static=True)
@@ -27,7 +27,7 @@ class Fblin(AbstractLaw):
         return z
 
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
-        """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
+        """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
         return accelerated(robot, outputs, reading)
 
     def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:

@@ -20,7 +20,7 @@ SMALLEST_DENOMINATOR = 0.03
 
 
 def accelerated(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
-    """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
+    """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
     z, dz = reading.z, reading.dz
     (y, d1, d2), change = jax.linearize(lambda point: _with_slopes(outputs, point), z)
     _, d1_rate, d2_rate = change(dz)
@@ -35,7 +35,7 @@ def settled(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Reading:
     """The state with the rates that meet the outputs at this momentum about the foot.
 
     At a touchdown joint rates, and dz1 with them, are those of an impact that is under way for
-    some milliseconds yet. It has no moment about the new foot, so z2 already is what it will be,
+    some milliseconds yet. It has no moment about the new foot, so z2 already has its final value,
     and with the outputs' slopes it fixes the rates that a matched impact leaves.
 
     Returns: `Reading`, its dq and dz1 replaced.

@@ -39,7 +39,7 @@ class Desired(NamedTuple):
     slope: Actuated
     """d y_d / d z1 [rad/m]; zero from laws that use no accelerations. [m]"""
     drift: Actuated
-    """Desired accelerations that ddz1 = 0 would leave [rad/s^2]; zero likewise. [m]"""
+    """Desired accelerations at ddz1 = 0 [rad/s^2]; zero from laws that use no accelerations. [m]"""
 
 
 class Demand(NamedTuple):
@@ -69,7 +69,7 @@ class AbstractLaw(eqx.Module):
     """A law without memory of its own: everything it holds is a `Desired`."""
 
     hold_ticks: eqx.AbstractVar[int]
-    """Control ticks between two questions to the policy."""
+    """Control ticks between two evaluations of the policy."""
 
     def fitted(self, robot: PlanarBiped) -> "AbstractLaw":
         """The law for a robot: with gains that suit its inertias, if it has gains."""

@@ -1,4 +1,4 @@
-"""Joint PD towards the policy's outputs, beside the torques that the model asks for."""
+"""Joint PD towards the policy's outputs, on top of the model's feed-forward torques."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,17 +28,17 @@ MOST = 150.0
 class Pd(AbstractLaw):
     """Torque = feed-forward - stiffness (q_a - y_d) - damping (dq_a - dy_d).
 
-    The feed-forward is what the model needs for the policy's own accelerations. Gains are fitted
+    The feed-forward is the model's torque for the policy's own accelerations. Gains are fitted
     to a robot, stiffness = I w^2 and damping = 2 I w with I of `joint_inertia`, unless they are
     given; w is raised where all joints together would give way too slowly.
 
     Attributes:
         bandwidth: w of fitted gains [rad/s]; `fitted_bandwidth` if none is given.
         stiffness: by joint, or one for all [N m/rad]; nothing until it is fitted.
-        damping: likewise [N m s/rad].
+        damping: by joint, or one for all [N m s/rad]; nothing until it is fitted.
         feed_forward: whether the model's torques are added.
-        hold_ticks: control ticks between two questions to the policy: 500 Hz at 1 kHz.
-        measure_z2: False tells the policy z2 = 0, as the paper's experiments did.
+        hold_ticks: control ticks between two evaluations of the policy: 500 Hz at 1 kHz.
+        measure_z2: False gives the policy z2 = 0, as the paper's experiments did.
     """
 
     bandwidth: float | None = eqx.field(default=None, static=True)

@@ -1,6 +1,6 @@
 """Tasks on a Ray cluster: the extra `ray`.
 
-Ray places tasks, moves what they take and return, and says when a worker or a node is gone. Which
+Ray places tasks, moves their files, and reports when a worker or a node is gone. Which
 task is tried again, and how often, is decided here as for processes.
 """
 

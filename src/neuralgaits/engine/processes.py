@@ -32,7 +32,7 @@ class Processes(Engine):
     Args:
         workers: of them.
         memory_bytes: that each may have; an equal share of the machine's if None. A task that
-            wants more fails with a line that says so.
+            needs more fails with a line that says so.
 
     Raises: InputError for no workers.
     """

@@ -44,7 +44,7 @@ class Residual(eqx.Module):
         hidden: tuple[int, ...],
         key: PRNGKeyArray,
     ) -> "Residual":
-        """Start near zero, with scales and bound from what is to be learned.
+        """Start near zero, with scales and bound from the data to learn from.
 
         Args:
             states: visited (m, kg m^2/s).

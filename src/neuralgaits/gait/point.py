@@ -56,7 +56,7 @@ class Point:
         """Value of a function of the point data and its rate along the flow.
 
         Positions and rates are known here with their rates, so the function is differentiated
-        in them and the network is not traced again. What it reads beyond them follows from z.
+        in them and the network is not traced again. Other data that it reads follow from z.
 
         Returns: value and d value / dt, both trees like the function's result.
         """

@@ -76,7 +76,7 @@ def stance_first(
 def asked(
     robot: PlanarBiped, policy: AbstractPolicy, of: States
 ) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "k m"]]:
-    """Desired outputs and their rates as the joint PD of `simulate` asks for them.
+    """Compute desired outputs and their rates as the joint PD of `simulate` does.
 
     Far from the momenta of a walk they level off, as they do in the controller.
 

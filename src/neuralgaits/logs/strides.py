@@ -62,7 +62,7 @@ class Stride:
         piece: number that changes at every gap between two rows. [k]
         period_s: usual time between two rows of the log [s].
         landing: last state before the touchdown that ends the stride; None if none was seen.
-        landed: first settled state of the next stance phase; None likewise.
+        landed: first settled state of the next stance phase; None if none was seen.
     """
 
     source: str
@@ -100,7 +100,7 @@ def cut(logs: Sequence[Log], robot: PlanarBiped) -> Cut:
 
     Args:
         logs: walks of the robot's joints.
-        robot: the run's own model, which says what z is.
+        robot: the run's own model, which defines z.
     """
     strides: list[Stride] = []
     left_out = {"settling": 0, "standing": 0, "falling": 0}

@@ -31,7 +31,7 @@ class Algebra(Protocol[V]):
     def leave(
         self, program: Program, outputs: dict[str, V], inputs: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """Turn the values of the outputs into what the caller wants: these values, if nothing else.
+        """Convert the values of the outputs for the caller; by default, return them unchanged.
 
         An algebra that is derived from this class inherits that.
         """

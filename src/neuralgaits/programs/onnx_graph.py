@@ -186,10 +186,10 @@ def graph(
     """Write a Program as a graph.
 
     Args:
-        program: what it computes; its inputs and outputs keep their names and shapes.
+        program: to write; its inputs and outputs keep their names and shapes.
         name: of the graph.
         real: float64 or float32, of every number in it.
-        about: what inputs and outputs are, with units, by name.
+        about: descriptions of inputs and outputs, with units, by name.
 
     Raises: SpecError if an output has the name of an input.
     """

@@ -23,7 +23,7 @@ class Kind:
     """One operation.
 
     Attributes:
-        name: as it stands in a Program.
+        name: in a Program.
         operands: how many it takes, `ANY` for one or more.
         formula: the result y, with n its size, in terms of operands a, b, c.
         elementwise: whether result i depends on element i of the operands only.

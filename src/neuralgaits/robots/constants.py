@@ -105,7 +105,7 @@ class BipedConstants(eqx.Module):
         layout: where the coordinates live in the robot file.
         coupling_across: Im C, where `coupling` is Re C and `coupling_phase` None: of a robot whose
             masses are traced values, see `parameters`; else None [kg m^2]. [n, n]
-        moment_across: Im b likewise [kg m]. [n]
+        moment_across: Im b [kg m]. [n]
     """
 
     link_angles: Float[np.ndarray, "n n"]

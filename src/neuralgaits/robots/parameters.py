@@ -1,7 +1,7 @@
 """Robots that differ from a file in masses, centres of mass, inertias and rotors, link by link.
 
 Each type of link (torso, thigh, shin) and of joint (hip, knee) has errors of its own; both legs
-have the same, so what comes out is a `PlanarBiped` again. Its constants are linear in few numbers a
+have the same, so the result is a `PlanarBiped` again. Its constants are linear in few numbers a
 link (mass, first moments, mass times squared offset), so a family is one matrix, and a
 member of it can be traced: masses are then inputs of a Program.
 """

@@ -1,7 +1,7 @@
 """Files that appear whole or not at all.
 
-An output is a regular file. A symbolic link is followed: what it leads to is made or replaced, and
-the link stays. What is no regular file (a folder, a device, a FIFO, a socket, an open stream as
+An output is a regular file. A symbolic link is followed: its target is made or replaced, and the
+link stays. A path that is no regular file (a folder, a device, a FIFO, a socket, an open stream as
 /dev/stdout) is refused, never written to and never replaced. A file that is replaced keeps its
 permissions, and its owner where the system allows it; another name of it, a hard link, keeps the
 old content.
@@ -39,7 +39,7 @@ _OTHER = "name a regular file"
 def destination(path: Path) -> Path:
     """Return the file that is made or replaced where a path is written: links are followed.
 
-    Raises: InputError if what lies there is no regular file; OSError if the system refuses to look.
+    Raises: InputError on anything but a regular file; OSError if the system refuses to look.
     """
     place = path
     for _ in range(_MOST_LINKS):
@@ -63,7 +63,7 @@ def destination(path: Path) -> Path:
 def folder_destination(path: Path) -> Path:
     """Return the folder that is made or filled where a path names one: links are followed.
 
-    Raises: InputError if what lies there is no folder, or a ring of links.
+    Raises: InputError on anything but a folder, or on a ring of links.
     """
     place = Path(os.path.realpath(path))
     try:

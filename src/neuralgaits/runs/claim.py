@@ -87,7 +87,7 @@ def refuse_taken(out: Path, *, what: str, config: str) -> Path:
 
 
 def _fresh(parent: Path, seed: int) -> Path:
-    """Make a folder named after this second; making it is what claims the name."""
+    """Make a folder named after this second; making it claims the name."""
     parent.mkdir(parents=True, exist_ok=True)
     while True:
         path = parent / f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}-{seed}"

@@ -42,7 +42,7 @@ class RunFolder:
 
     Attributes:
         path: the folder.
-        config: content of `config.json`: what the caller passed to `create`, with the format,
+        config: content of `config.json`: the settings passed to `create`, with the format,
             the versions that wrote it, the time, and the sha256 of every copy.
     """
 

@@ -1,7 +1,7 @@
 """Pytrees of arrays as safetensors, leaf by leaf under the leaf's path.
 
 The format holds bytes, shapes and dtypes and can run no code. A file is read *into* a tree
-of the same structure: what does not fit is refused, never reshaped or cast.
+of the same structure: an array that does not fit is refused, never reshaped or cast.
 """
 
 from pathlib import Path

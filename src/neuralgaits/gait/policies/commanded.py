@@ -3,7 +3,7 @@
 The posture at the guard, its slopes and its place are polynomials of the command; the swing foot
 is put on its foothold exactly. A step begins as the real impact at the guard of the command before
 leaves the robot, and ends at the guard of the command after; the network knows both. So the zero
-dynamics manifold is invariant through the impact whatever command follows which.
+dynamics manifold is invariant through the impact for every pair of commands.
 """
 
 from typing import TYPE_CHECKING

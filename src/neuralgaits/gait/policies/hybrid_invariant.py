@@ -46,8 +46,8 @@ class HybridInvariantPolicy(StepPolicy):
         guard_outputs: desired outputs at the guard [rad]; trainable, except that the swing
             hip follows from the foot touching the ground. [m]
         guard_slopes: their slopes d y_d / d z1 at the guard [rad/m]; trainable. [m]
-        start_outputs, start_slopes: outputs and slopes after the impact; follow likewise. [m]
-        momentum_ratio: z2 after impact / z2 before; follows likewise.
+        start_outputs, start_slopes: outputs and slopes after the impact; computed. [m]
+        momentum_ratio: z2 after impact / z2 before; computed.
         told: what the robot was told of this step; None for a gait without commands.
         then: the policy of the next step, if the command stays; None for this one.
         ends: values and slopes of H at phases 0 and 1, (H0, H0', H1, H1'), in whose terms it is

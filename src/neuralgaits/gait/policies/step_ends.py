@@ -1,4 +1,4 @@
-"""Both ends of a step: the posture at a guard, what its impact leaves, and the cubic between two.
+"""Both ends of a step: the posture at a guard, the state after its impact, and the cubic between.
 
 The swing foot is put on its foothold by a fixed number of Newton steps, or in closed form, so that
 all of it is one formula of the guard's outputs and slopes. Hybrid invariance as in Westervelt,

@@ -1,4 +1,4 @@
-"""The file that says what a robot's own log calls its columns: names, units, signs, offsets.
+"""The file that describes the columns of a robot's own log: names, units, signs, offsets.
 
 TOML, one line a quantity, in the coordinates of the robot file: its joints, its feet, its signs.
 

@@ -105,7 +105,7 @@ def read_all(
     Args:
         paths: at least one.
         robot: the run's own model.
-        columns: file that says what their columns are; as for `read`.
+        columns: file that describes their columns; as for `read`.
         policy: that walked; as for `read`.
 
     Raises: InputError as `read` does, if there is no path, and for a walk that is given twice: its

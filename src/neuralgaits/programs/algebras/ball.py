@@ -1,10 +1,10 @@
-"""The algebra of Taylor models in Arb balls: what a proof is checked with. Needs no JAX.
+"""The algebra of Taylor models in Arb balls, with which proofs are checked. Needs no JAX.
 
 Arb bounds every rounding, and what exceeds the degree joins the constant term as a ball about
 zero, so a model needs no separate remainder; so does what is of second order in xi, or of first
 order in both u and xi. A unary function is expanded about the midpoint of the constant term, its
 next derivative enclosed over the range of the model. A box on which a function is undefined gives
-NaN, which fails every comparison. Shares no formula with `taylor`, which finds what this checks.
+NaN, which fails every comparison. It shares no formula with `taylor`, whose results it checks.
 Source: Makino and Berz (2003); Johansson, "Arb" (2017).
 """
 

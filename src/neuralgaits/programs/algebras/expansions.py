@@ -1,4 +1,4 @@
-"""Taylor expansions of the functions of a Program, with bounds on what is cut off.
+"""Taylor expansions of the functions of a Program, with bounds on the truncated terms.
 
 Each takes the centre c of a model, a bound r on the distance from it and the degree, and gives
 (f, f', f'') at c, a bound on how far errors of a few last places in these can move the result,

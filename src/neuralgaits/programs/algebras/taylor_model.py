@@ -1,8 +1,8 @@
 """A vector of Taylor models over a batch of boxes: coefficients, a remainder, their range.
 
 A value is a polynomial of degree one or two in (e_1 .. e_n) in [-1, 1]^n, plus s . xi with xi in
-the unit ball, plus a remainder [-r, r]. What does not depend on xi has no coefficients for it, and
-a constant has one coefficient: absent ones are zero and cost nothing.
+the unit ball, plus a remainder [-r, r]. A value that does not depend on xi has no coefficients
+for it, and a constant has one coefficient: absent ones are zero and cost nothing.
 """
 
 from collections.abc import Callable

@@ -125,7 +125,7 @@ def _fits(node: Node, group: Group) -> bool:
 
 
 def _streamed(groups: list[Group], outputs: list[Node]) -> list[Group]:
-    """Put loops into the loop or the products that alone read what they compute."""
+    """Merge loops into the only loop or products that read their values."""
     readers = _readers(groups, outputs)
     gone: set[int] = set()
     for number, group in enumerate(groups):

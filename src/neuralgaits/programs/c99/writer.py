@@ -156,7 +156,7 @@ class Writer:
     def _columns(
         self, nodes: list[Node], count: int, k: str, column: str | None = None
     ) -> list[str]:
-        """Add `count` columns, number `column` in the matrix, times element k of what is read."""
+        """Add `count` columns, number `column` in the matrix, times element k of the operand."""
         table = self._matrix(nodes[0])
         step = COLUMNS_AT_ONCE if count % COLUMNS_AT_ONCE == 0 else 1
         names = [f"w{n}" for n in range(step)]

@@ -130,7 +130,7 @@ class Builder:
         return self._whole(self._add(kind, numbers, size, columns=columns))
 
     def finish(self, outputs: dict[str, Elements]) -> ir.Program:
-        """Number what the outputs need, in an order that depends on the structure alone."""
+        """Number the nodes that the outputs need, in an order that only the structure decides."""
         named = {name: self._gather(outputs[name].reshape(-1), False) for name in sorted(outputs)}
         order = self._order(named.values())
         inputs = sorted(

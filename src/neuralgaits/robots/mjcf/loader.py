@@ -38,7 +38,7 @@ def load_robot(name_or_path: str | Path) -> PlanarBiped:
     two equal legs of one to three links on hinges along y, each joint with a range and one plain
     motor with a torque limit; on each lowest link one sphere that collides with the floor and
     nothing else that does. Frames, offsets along y, axis signs and gears are free, and bodies
-    without joints count as part of what they are welded to. A torso is upright at zero pitch.
+    without joints count as part of the body they are welded to. A torso is upright at zero pitch.
 
     Returns: `PlanarBiped` with float64 constants.
     Raises: RobotError if the file cannot be used, naming the body or joint and the remedy;

@@ -1,6 +1,6 @@
-"""A robot file changed into one that can be treated, each change said in one line.
+"""Change a robot file into a supported one, and list every change in one line.
 
-For planar bipeds under what the theory has no place for: flat feet on ankles, a free joint for a
+It is for planar bipeds with features that the theory lacks: flat feet on ankles, a free joint for a
 root, contact of shanks and thighs, springs, sensors, names left out. Masses stay where they are: a
 foot without its joint is welded, and MuJoCo adds it to the shank. Numbers that only the user knows,
 as torque limits and joint ranges, are not made up.
