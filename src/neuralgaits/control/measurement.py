@@ -13,8 +13,8 @@ class Measurement(NamedTuple):
     """One reading of a robot's sensors, signs and zeros those of the robot's coordinates.
 
     Legs are in the order of the robot file. The k joints of a leg go from the lowest up to the
-    hip; the one hip joint of a biped without a torso is in both rows, each with its sign for that
-    leg as the stance leg.
+    hip; the one hip joint of a biped without a torso is in both rows, each time with its value for
+    that leg as the stance leg.
     """
 
     time: Scalar
