@@ -90,8 +90,11 @@ def brief_proof(result: Certified) -> None:
         show_sentence(verdict(result.verdict), f" to {held}")
     else:
         reason = f": {result.reason}" if result.reason else ""
-        at = 1 if result.verdict == "refuted" else result.level
-        show_sentence(verdict(result.verdict), f" at level {at}{about}{reason}")
+        at = f" at level {result.level}"
+        if result.verdict == "refuted" and result.level > 1:
+            # A condition is refuted; nothing above stands on it.
+            at = f" at level 1, level {result.level} was requested"
+        show_sentence(verdict(result.verdict), f"{at}{about}{reason}")
         facts += [("proved", held)] if held else []
     for name, one in entries.items():
         if (point := one.counterexample) is not None:
