@@ -11,13 +11,13 @@ import base64
 import contextlib
 import io
 import json
-import os
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from PIL import Image
+
+from neuralgaits.runs import write_text
 
 FOLDER = Path(__file__).parents[1] / "examples" / "notebooks"
 _SHOWN = (("_repr_png_", "image/png"), ("_repr_html_", "text/html"))
@@ -97,10 +97,7 @@ def run_file(path: Path) -> int:
     notebook = json.loads(path.read_text(encoding="utf-8"))
     with contextlib.chdir(path.parent):
         done = run(notebook, path.name)
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False, encoding="utf-8") as file:
-        file.write(json.dumps(done, indent=1, ensure_ascii=False) + "\n")
-    os.chmod(file.name, path.stat().st_mode)
-    os.replace(file.name, path)
+    write_text(path, json.dumps(done, indent=1, ensure_ascii=False) + "\n")
     return sum(cell["cell_type"] == "code" for cell in done["cells"])
 
 

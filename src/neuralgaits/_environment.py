@@ -8,6 +8,7 @@ import gc
 import os
 
 from neuralgaits._cache import cache_folder
+from neuralgaits._printable import printable
 
 THREADS = "NEURALGAITS_THREADS"
 """Variable: how many threads a computation of this program may use; all cores if not set."""
@@ -29,6 +30,10 @@ def prepare() -> None:
     }
     for name, value in defaults.items():
         os.environ.setdefault(name, value)
+    # XLA takes no other path than one in UTF-8: without a cache it works, too.
+    folder = os.environ["JAX_COMPILATION_CACHE_DIR"]
+    if printable(folder) != folder:
+        del os.environ["JAX_COMPILATION_CACHE_DIR"]
 
 
 def one_thread() -> None:

@@ -1,5 +1,6 @@
 """Robot files that people have: what is in the way is named, and the remedy is one that helps."""
 
+import os
 import re
 
 import pytest
@@ -135,6 +136,19 @@ def test_a_missing_include_is_named_with_the_file_that_asks_for_it(tmp_path):
         load_robot(file)
     file.write_text("<mujoco><include/></mujoco>")
     with pytest.raises(RobotError, match=r"robot\.xml includes, found that it names no file"):
+        load_robot(file)
+
+
+def test_a_mesh_whose_path_is_no_utf8_is_refused(tmp_path):
+    folder = tmp_path / os.fsdecode(b"l\xc3\xa4uft-\xff")
+    try:
+        folder.mkdir()
+    except OSError:
+        pytest.skip("this file system has UTF-8 names only")
+    (folder / "shell.stl").touch()
+    file = folder / "robot.xml"
+    file.write_text(AMBER.replace("<asset>", '<asset><mesh name="shell" file="shell.stl"/>'))
+    with pytest.raises(RobotError, match=r"mesh file whose path is UTF-8, found .*läuft-\\xff"):
         load_robot(file)
 
 

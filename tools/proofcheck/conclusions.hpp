@@ -10,11 +10,18 @@ namespace {
 // conclusion, or says which premise is missing. docs/guarantees.md has the same in prose.
 
 using Regions = std::map<string, vector<Box>>;
+// An output and a box of phase and level: both corners. Roots are whole in every further axis.
+using About = std::pair<string, std::array<double, 4>>;
+
+About about(const string& output, const Box& box) {
+  return {output, {box.low[0], box.low[1], box.high[0], box.high[1]}};
+}
 
 struct ProofFile {
   string robot, spec, weights_sha256;
   Chart chart;
   Model model;
+  string part;                     // Why it is about a part of what its gait is told; empty if not.
   string underivable;              // Why nothing follows from `model` here; empty if it does.
   std::optional<Program> program;  // If statements are to be bounded by it.
   std::shared_ptr<const Listing> recorded;  // Outputs of a gait that is told commands.
@@ -23,7 +30,14 @@ struct ProofFile {
   Theorems theorems;
   std::map<string, Output> outputs;  // Of the Program.
   vector<Statement> statements;
+  std::map<About, const Claim*> stated;  // What they say, by output and box.
 };
+
+// The first claim about an output on a box; none if there is none.
+const Claim* stated_about(const ProofFile& file, const string& output, const Box& box) {
+  const auto found = file.stated.find(about(output, box));
+  return found == file.stated.end() ? nullptr : found->second;
+}
 
 struct DoesNotFollow { string why; };
 
@@ -352,6 +366,7 @@ class Conclusions {
   }
 
   const ProofFile& file_;
+  mutable std::map<string, bool> covered_;  // Whether the boxes of a region are all of the chart.
 
   // Of a triangle of weights.
   static size_t joints_of(const FullOrder& f) {
@@ -405,9 +420,7 @@ class Conclusions {
 
   // The bound that a statement has for an output on a box, rounded down.
   double bound(const string& output, const Box& box) const {
-    for (const Statement& s : file_.statements)
-      for (const Claim& claim : s.claims)
-        if (claim.name == output && is_whole(s.root_box, box, file_.chart)) return claim.least().low();
+    if (const Claim* claim = stated_about(file_, output, box)) return claim->least().low();
     throw DoesNotFollow{"no statement about " + output + words_for(box, file_.chart)};
   }
   double positive(const string& output, const Box& box) const {
@@ -424,6 +437,12 @@ class Conclusions {
     const auto found = file_.regions.find(file_.conditions.at(name).region);
     if (found == file_.regions.end()) throw DoesNotFollow{"no statement about " + name};
     return found->second;
+  }
+  bool covered(const string& name) const {
+    const string& region = file_.conditions.at(name).region;
+    const auto known = covered_.find(region);
+    if (known != covered_.end()) return known->second;
+    return covered_[region] = covers(boxes(name));
   }
   bool stated(const string& output, const Box& box) const {
     try {
@@ -545,7 +564,7 @@ class Conclusions {
       if (t.disturbed()) not_negative("set/rate " + name, t.whole());
       const bool inside = stated("set/value " + name, t.whole());
       const bool everywhere = std::count(t.carried.begin(), t.carried.end(), name) > 0 &&
-                              covers(boxes(name));
+                              covered(name);
       if (inside || everywhere || t.disturbed()) safe.push_back(name);
       if (!inside) asked += (asked.empty() ? "" : ", ") + name;
     }

@@ -73,7 +73,8 @@ const std::map<string, vector<string>>& quantities_with_numbers() {
 vector<double> numbers_of(const Json& value, const string& what) {
   if (value.type == Json::number) return {value.number_value};
   vector<double> out;
-  for (const Json& item : list_of(value, what)) out.push_back(number_of(item, what));
+  limit(list_of(value, what).size(), kMostSeries, "numbers in " + what);
+  for (const Json& item : value.items) out.push_back(number_of(item, what));
   if (out.empty()) refuse(what + " without numbers");
   return out;
 }

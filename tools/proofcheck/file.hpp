@@ -70,19 +70,25 @@ ProgramFacts program_facts(const Json& table, const Chart& chart) {
     if (named && !facts.constants.emplace(name, array).second)
       refuse("two constants named " + name);
   }
-  for (const Json& row : list_of(field(table, "the Program", "outputs"), "outputs")) {
+  const vector<Json>& rows = list_of(field(table, "the Program", "outputs"), "outputs");
+  limit(rows.size(), kMostOutputs, "outputs of the Program");
+  for (const Json& row : rows) {
     const vector<Json>& parts = list_of(row, "an output");
     if (parts.size() != 3) refuse("an output that is not name, shape and value");
     const string name = text_of(parts[0], "an output's name");
-    if (!facts.outputs.emplace(name, elements(shape_of(parts[1], name))).second)
-      refuse("two outputs named " + name);
+    const size_t count = elements(shape_of(parts[1], name));
+    limit(count, kMostOfOutput, "elements of an output of the Program");
+    if (!facts.outputs.emplace(name, count).second) refuse("two outputs named " + name);
   }
   return facts;
 }
 
 Chart chart_of(const Json& table) {
   Chart chart;
-  for (const Json& row : list_of(table, "the chart")) {
+  const size_t axes = list_of(table, "the chart").size();
+  if (axes < 2 || axes > kMostAxes) refuse("a chart that is no list of 2 to 16 axes");
+  std::set<string> seen;
+  for (const Json& row : table.items) {
     vector<string> names = {"name", "low", "high"};
     if (row.find("change")) names.push_back("change");
     only(row, "an axis of the chart", names);
@@ -97,11 +103,8 @@ Chart chart_of(const Json& table) {
     }
     const double width = chart.back().high - chart.back().low;
     if (!(width > 0.0 && width < HUGE_VAL)) refuse("the axis " + name + " without a finite width");
-    if (std::count_if(chart.begin(), chart.end(), [&](const Axis& a) { return a.name == name; }) > 1)
-      refuse("two axes named " + name);
+    if (!seen.insert(name).second) refuse("two axes named " + name);
   }
-  if (chart.size() < 2 || chart.size() > kMostAxes)
-    refuse("a chart of " + std::to_string(chart.size()) + " axes");
   const auto is = [](const Axis& axis, const char* name, double low, double high) {
     return axis.name == name && axis.low == low && axis.high == high && !axis.near();
   };
@@ -116,11 +119,12 @@ Chart chart_of(const Json& table) {
 Box box_of(const Json& table, const string& what, const Chart& chart, size_t axes) {
   only(table, what, {"low", "high"});
   Box box;
-  for (const char* end : {"low", "high"})
-    for (const Json& number : list_of(field(table, what, end), "a corner"))
+  for (const char* end : {"low", "high"}) {
+    const vector<Json>& corner = list_of(field(table, what, end), "a corner");
+    if (corner.size() != axes) refuse("a corner that is not " + std::to_string(axes) + " numbers");
+    for (const Json& number : corner)
       (end[0] == 'l' ? box.low : box.high).push_back(hexadecimal(number, "a corner"));
-  if (box.low.size() != axes || box.high.size() != axes)
-    refuse("a corner that is not " + std::to_string(axes) + " numbers");
+  }
   for (size_t axis = 0; axis < axes; ++axis)
     if (!(chart[axis].low <= box.low[axis] && box.low[axis] <= box.high[axis] &&
           box.high[axis] <= chart[axis].high))
@@ -138,6 +142,8 @@ Statement statement_of(const Json& table, const Chart& chart,
   if (s.tree.empty() || s.tree.find_first_not_of(string(kAxisSigns) + "-") != string::npos)
     refuse("a tree that is no string of axes from 0 to f and -");
   s.root_box = box_of(field(table, "a statement", "root"), "a root box", chart, chart.size());
+  if (!is_whole(s.root_box, plane_of(s.root_box), chart))
+    refuse("a root box that is no box of the chart");
   const int degree = integer_of(field(table, "a statement", "degree"), "a degree");
   if (degree != 1 && degree != 2) refuse("a degree other than 1 and 2");
   const vector<string> names = names_of(field(table, "a statement", "conditions"), "conditions");
@@ -198,8 +204,9 @@ void match(const Statement& s, const ProofFile& file) {
 
 vector<double> series_of(const Json& value, const string& what) {
   vector<double> series;
-  for (const Json& item : list_of(value, what)) series.push_back(hexadecimal(item, what));
-  if (series.empty() || series.size() > 1000) refuse(what + " without numbers, or with too many");
+  limit(list_of(value, what).size(), kMostSeries, "numbers in " + what);
+  for (const Json& item : value.items) series.push_back(hexadecimal(item, what));
+  if (series.empty()) refuse(what + " without numbers");
   return series;
 }
 
@@ -232,8 +239,8 @@ WalkingSet walking_set_of(const Json& table) {
     refuse("a disturbance that is not two numbers from 0 up");
   std::copy(push.begin(), push.end(), t.push);
   t.barriers = names_of(field(table, what, "barriers"), "barriers");
-  t.carried = names_of(field(table, what, "carried"), "carried conditions");
-  if (const Json* told = table.find("told")) t.told = names_of(*told, "commands");
+  t.carried = names_of(field(table, what, "carried"), "carried");
+  if (const Json* told = table.find("told")) t.told = names_of(*told, "told");
   if (table.find("floor")) t.floor = number("floor");
   if (!(t.floor >= 0.0)) refuse("a floor that is not a number from 0 up");
   return t;
@@ -307,7 +314,8 @@ FullOrder full_order_of(const Json& table) {
   f.before = one_and(-f.guard_strip);
   f.near = one_and(-f.crossing);
   f.far = one_and(f.crossing);
-  for (const Json& row : list_of(*table.find("barriers"), "barriers")) {
+  limit(list_of(*table.find("barriers"), "barriers").size(), kMostNames, "barriers");
+  for (const Json& row : table.find("barriers")->items) {
     only(row, "a barrier", {"name", "alpha", "epsilon", "coupling", "reading", "reset",
                             "reset_slope", "sigma"});
     BarrierConstants b;
@@ -322,9 +330,8 @@ FullOrder full_order_of(const Json& table) {
     f.barriers.push_back(b);
   }
   // The first two are the fences; no two have one name.
-  std::set<string> names;
-  for (const BarrierConstants& b : f.barriers) names.insert(b.name);
-  if (names.size() != f.barriers.size() || names.size() < 2 ||
+  for (size_t i = 0; i < f.barriers.size(); ++i) f.numbers[f.barriers[i].name] = i;
+  if (f.numbers.size() != f.barriers.size() || f.numbers.size() < 2 ||
       f.barriers[0].name != "level-lower" || f.barriers[1].name != "level-upper")
     throw Inconsistent{"barriers of level 4 that are not two fences, then others of other names"};
   return f;
@@ -348,7 +355,8 @@ Disturbed disturbed_of(const Json& table) {
   d.jerk = number(table, "jerk");
   d.jerk_slope = number(table, "jerk_slope");
   d.jerk_push = number(table, "jerk_push");
-  for (const Json& row : list_of(*table.find("barriers"), "barriers")) {
+  limit(list_of(*table.find("barriers"), "barriers").size(), kMostNames, "barriers");
+  for (const Json& row : table.find("barriers")->items) {
     only(row, "a barrier", {"name", "alpha", "weight", "lost"});
     d.barriers.push_back({text_of(*row.find("name"), "a barrier's name"), number(row, "alpha"),
                           number(row, "weight"), number(row, "lost")});
@@ -471,12 +479,11 @@ void match_model(const Constants& constants, const Json& model, const Theorems& 
 // full/WHAT BARRIER.
 Output barrier_output(const string& what, const string& barrier, const FullOrder& full) {
   const auto known = barrier_outputs().find(what);
-  size_t number = 0;
-  while (number < full.barriers.size() && full.barriers[number].name != barrier) ++number;
-  if (known == barrier_outputs().end() || number == full.barriers.size())
+  const auto number = full.numbers.find(barrier);
+  if (known == barrier_outputs().end() || number == full.numbers.end())
     throw Inconsistent{"the Program's output " + what + " " + barrier + " is no theorem's"};
-  Output output = output_of_barrier(what, number, known->second);
-  if (const Condition* condition = full.barriers[number].condition)
+  Output output = output_of_barrier(what, number->second, known->second);
+  if (const Condition* condition = full.barriers[number->second].condition)
     output.unknown = condition->unknown;
   return output;
 }
@@ -511,12 +518,11 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
     } else if (pushed && disturbed_outputs().count(name)) {
       output = output_of_disturbed(name, disturbed_outputs().at(name));
     } else if (pushed && name.rfind("disturbed/decrease ", 0) == 0) {
-      const auto& barriers = theorems.disturbed->barriers;
-      size_t number = 0;
-      while (number < barriers.size() && barriers[number].name != name.substr(space + 1)) ++number;
-      if (number == barriers.size())
+      // Barriers of level 5 are those of level 4, in their order.
+      const auto number = theorems.full->numbers.find(name.substr(space + 1));
+      if (number == theorems.full->numbers.end())
         throw Inconsistent{"the Program's output " + name + " is about no barrier of level 5"};
-      output = output_of_decrease(number);
+      output = output_of_decrease(number->second);
     } else if (of_set && space != string::npos) {
       const string what = name.substr(0, space), barrier = name.substr(space + 1);
       if (what != "set/after" && what != "set/value" && what != "set/rate")
@@ -537,7 +543,8 @@ void read_regions(const Json& table, const Chart& chart, Regions& regions) {
   if (table.type != Json::object) refuse("regions that are no JSON object");
   for (size_t i = 0; i < table.names.size(); ++i) {
     only_a_name(table.names[i], "a region");
-    for (const Json& row : list_of(table.items[i], "a region")) {
+    limit(list_of(table.items[i], "a region").size(), kMostBoxes, "boxes of a region");
+    for (const Json& row : table.items[i].items) {
       const Box box = box_of(row, "a box of a region", chart, 2);
       if (box.low[0] < 0.0 || box.high[0] > 1.0) refuse("a region beyond the ends of a step");
       regions[table.names[i]].push_back(box);
@@ -575,20 +582,57 @@ void conditions_of_statements(const Json& list, const ProgramFacts& program, Pro
       c.scale = number_of(field(field(row, "a statement", "scales"), "the scales", name), "a scale");
       if (strips) continue;
       if (c.region.empty()) c.region = text_of(field(row, "a statement", "region"), "a region");
-      file.regions[c.region].push_back({{box.low[0], box.low[1]}, {box.high[0], box.high[1]}});
+      vector<Box>& boxes = file.regions[c.region];
+      const Box plane = plane_of(box);
+      const auto same = [&](const Box& b) { return b.low == plane.low && b.high == plane.high; };
+      if (std::none_of(boxes.begin(), boxes.end(), same)) boxes.push_back(plane);
+      limit(boxes.size(), kMostBoxes, "boxes of a region");
     }
   }
 }
 
-// Whether axes behind phase and level are those of the policy's commands, before and after, and all.
-bool is_derivable(const Json& policy, const Chart& chart) {
+vector<Command> commands_of_policy(const Json& policy) {
   const Json* told = policy.type == Json::object ? policy.find("commands") : nullptr;
-  const vector<Command> commands = told ? commands_of(*told) : vector<Command>();
-  if (chart.size() != 2 + 2 * commands.size()) return false;
+  return told ? commands_of(*told) : vector<Command>();
+}
+
+// Whether the first axes behind phase and level are those of these commands, before and after.
+bool begins_with(const Chart& chart, const vector<Command>& commands) {
+  if (chart.size() < 2 + 2 * commands.size()) return false;
   for (size_t i = 0; i < commands.size(); ++i)
     if (chart[2 + 2 * i].name != commands[i].name + " before" ||
         chart[3 + 2 * i].name != commands[i].name + " after")
       return false;
+  return true;
+}
+
+// Whether an axis with this change allows no more than the command does from step to step. A rounded
+// difference is above a double only if the difference is.
+bool no_farther(const Axis& axis, const Command& c) {
+  return axis.change <= c.change || (!axis.near() && axis.high - axis.low <= c.change);
+}
+
+// Every statement is about the chart, and the model about what its gait is told: the chart may be that
+// or a part of it, which is then said. Whether its first axes are those of the commands.
+bool compare_ranges(const vector<Command>& commands, ProofFile& file) {
+  if (!begins_with(file.chart, commands)) {
+    file.part = "every statement holds, on a chart without the axes of what the gait is told";
+    return false;
+  }
+  bool part = false;
+  string words;
+  for (size_t i = 0; i < commands.size(); ++i) {
+    const Command& c = commands[i];
+    for (const bool after : {false, true}) {
+      const Axis& axis = file.chart[2 + 2 * i + after];
+      if (axis.low < c.low || axis.high > c.high || (after && !no_farther(axis, c)))
+        throw Inconsistent{"the file's chart is not that of what its gait is told"};
+      part = part || axis.low != c.low || axis.high != c.high ||
+             axis.change != (after ? c.change : HUGE_VAL);
+      words += (words.empty() ? "" : " and ") + axis_words(axis, axis.low, axis.high);
+    }
+  }
+  if (part) file.part = "every statement holds, for " + words + " only: part of what the gait is told";
   return true;
 }
 
@@ -634,7 +678,9 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   if (residuals) parts.push_back("residuals");  // Of a run that has learned some.
   only(model, "the model", parts);
   read_regions(*model.find("regions"), file.chart, file.regions);
-  if (by_program || !is_derivable(*model.find("policy"), file.chart)) {
+  const vector<Command> commands = commands_of_policy(*model.find("policy"));
+  const bool alike = compare_ranges(commands, file);
+  if (by_program || !alike || file.chart.size() != 2 + 2 * commands.size()) {
     file.underivable = "a chart with the axis " + file.chart.back().name;
     read_conditions(*model.find("conditions"), program, kAnyJoint, file);
     return;
@@ -664,6 +710,23 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   read_conditions(*model.find("conditions"), program, joints, file);
 }
 
+// Levels 4 and 5 are about one gait of one robot, on footholds that lie where they are meant to.
+void match_full_order(const ProofFile& file) {
+  const Theorems& theorems = file.theorems;
+  if (!theorems.full) return;
+  if (file.chart.size() > 2) {
+    string others;
+    for (size_t i = 2; i < file.chart.size(); ++i)
+      others += (i == 2 ? "" : ", ") + file.chart[i].name;
+    throw Inconsistent{"level 4 is stated, and it is about one gait of one robot, without axes of " +
+                       others};
+  }
+  if (theorems.walking && theorems.walking->floor > 0.0)
+    throw Inconsistent{
+        "level 4 is stated, and it is about footholds that lie where they are meant to"};
+}
+
+
 // The file, filled in place: its outputs refer to its conditions.
 void read_proof(const Json& table, bool by_program, ProofFile& file) {
   if (table.type == Json::object && table.find("format") &&
@@ -677,6 +740,8 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
   file.robot = named(*table.find("robot"), "robot").name;
   file.spec = named(*table.find("spec"), "spec").name;
   file.weights_sha256 = text("weights_sha256");
+  limit(list_of(*table.find("statements"), "the statements").size(), kMostStatements, "statements");
+  if (table.find("statements")->items.empty()) refuse("no statements");
   const ProgramFacts program = program_facts(*table.find("program"), file.chart);
   if (!program.has_conditions())
     refuse("a file of level 4 alone, as earlier versions wrote it beside the others");
@@ -689,6 +754,7 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
 
   read_model(table, program, by_program, file);
   file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
+  match_full_order(file);
   if (auto& full = file.theorems.full; full && file.underivable.empty()) {
     find_conditions(*full, file.conditions);
     if (file.model.flow || file.model.reset)
@@ -711,10 +777,11 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
     }
   }
   if (file.model.family) record_outputs(file);
-  for (const Json& row : list_of(*table.find("statements"), "the statements"))
+  for (const Json& row : table.find("statements")->items)
     file.statements.push_back(statement_of(row, file.chart, file.outputs));
-  if (file.statements.empty()) refuse("no statements");
   for (const Statement& statement : file.statements) match(statement, file);
+  for (const Statement& s : file.statements)
+    for (const Claim& claim : s.claims) file.stated.emplace(about(claim.name, s.root_box), &claim);
 }
 
 }  // namespace

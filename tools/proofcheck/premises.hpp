@@ -27,6 +27,10 @@ struct Box {
   vector<double> low, high;
 };
 
+Box plane_of(const Box& box) {
+  return {{box.low[0], box.low[1]}, {box.high[0], box.high[1]}};
+}
+
 // Whether `root` is what `asked` stands for.
 bool is_whole(const Box& root, const Box& asked, const Chart& chart) {
   for (size_t axis = 0; axis < chart.size(); ++axis) {
@@ -96,6 +100,7 @@ struct FullOrder {
          inertia = 0.0, mismatch = 0.0, drift = 0.0, gain = 0.0, landing = 0.0,
          landing_slope = 0.0, floor = 0.0;
   vector<BarrierConstants> barriers;
+  std::map<string, size_t> numbers;  // Of the barriers, by name.
   vector<double> weights;  // S, upper triangle by rows; the identity if empty.
   // Phases -start_strip, 1 + guard_strip, 1 - guard_strip, 1 - crossing, 1 + crossing, as doubles.
   double first = 0.0, last = 0.0, before = 0.0, near = 0.0, far = 0.0;

@@ -34,7 +34,8 @@ struct Program {
   size_t first_operation() const { return inputs() + constants.size(); }
 };
 
-constexpr size_t kMostElements = size_t{1} << 20, kMostProducts = size_t{1} << 24;
+constexpr size_t kMostElements = size_t{1} << 20, kMostProducts = size_t{1} << 24,
+                 kMostWork = size_t{1} << 23;
 
 size_t counted(const Json& value, const string& what) {
   const int count = integer_of(value, what);
@@ -86,6 +87,13 @@ bool fits(const Program& program, const Operation& op) {
   return widest == op.size;
 }
 
+// How many numbers an operation reads, multiplies and writes: a few lines can ask for any number.
+size_t work_of(const Program& program, const Operation& op) {
+  size_t work = op.size;
+  for (const size_t operand : op.operands) work += program.sizes[operand];
+  return op.kind == "affine" ? work + op.size * (program.sizes[op.operands[1]] / op.columns) : work;
+}
+
 Operation operation_of(const Json& row, size_t number) {
   const vector<Json>& parts = list_of(row, "an operation");
   if (parts.size() < 3) refuse("an operation that is not kind, operands and size");
@@ -118,11 +126,13 @@ Program program_of(const Json& table, const vector<vector<double>>& constants) {
     program.sizes.push_back(constant.size());
     program.varies.push_back(false);
   }
+  size_t work = 0;
   for (const Json& row : list_of(*table.find("operations"), "operations")) {
     const size_t number = program.sizes.size();
     const Operation op = operation_of(row, number);
     if (!fits(program, op))
       refuse("an operation " + std::to_string(number) + ", " + op.kind + ", that is not well formed");
+    limit(work += work_of(program, op), kMostWork, "numbers that the Program reads and makes");
     program.sizes.push_back(op.size);
     program.varies.push_back(std::any_of(op.operands.begin(), op.operands.end(),
                                          [&](size_t k) { return program.varies[k]; }));

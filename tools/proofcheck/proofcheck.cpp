@@ -37,7 +37,8 @@
 // on, and answers with its exit code: 0 proved of what is printed, 1 rejected (false, with a point;
 // or the file contradicts itself, or claims what does not follow), 2 not a proof file, 3 undecided (a
 // user's own condition, policy or residual, a chart with axes beside phase, level and commands, boxes
-// that do not reach their bounds, or a condition that is not claimed on all of its region), 70 the
+// that do not reach their bounds, a condition that is not claimed on all of its region, or a chart that
+// is a part of what the gait is told), 70 the
 // rounding does not work. Boxes are bounded with models of second degree whatever degree the finder
 // used.
 //
@@ -84,13 +85,7 @@ vector<string> unclaimed(const ProofFile& file) {
   for (const auto& [name, condition] : file.conditions) {
     if (!file.regions.count(condition.region)) found.push_back(name);
     else for (const Box& box : file.regions.at(condition.region)) {
-      const auto about = [&, &name = name](const Statement& s) {
-        return is_whole(s.root_box, box, file.chart) &&
-               std::any_of(s.claims.begin(), s.claims.end(),
-                           [&](const Claim& claim) { return claim.name == name; });
-      };
-      if (std::none_of(file.statements.begin(), file.statements.end(), about))
-        found.push_back(name + words_for(box, file.chart));
+      if (!stated_about(file, name, box)) found.push_back(name + words_for(box, file.chart));
     }
   }
   return found;
@@ -194,12 +189,15 @@ void say_fences(const string& where, const Step<I>& step) {
 }
 
 // What a gait is told, and its tubes at commands that stay, at both ends of each range.
-void say_family(const Family& family) {
+void say_family(const Family& family, const Chart& chart, bool part) {
   for (const Command& c : family.commands)
     say("  told at each touchdown: " + c.name + ", " + brief(c.low) + " to " + brief(c.high) +
         (c.change < HUGE_VAL ? ", by at most " + brief(c.change) + " more or less than before"
-                             : ", any after any") +
-        "; what is proved is what the chart of each statement says of it");
+                             : ", any after any"));
+  string words;
+  for (size_t k = 2; k < chart.size(); ++k)
+    words += (k > 2 ? " and " : "") + axis_words(chart[k], chart[k].low, chart[k].high);
+  say("  what is stated is about " + words + (part ? ", which is a part of that" : ", all of that"));
   say("  where a step ends, and with it z1 at phase 0 and 1, follows from the commands: see the text "
       "of this program, section 11");
   say("tubes, at commands that stay:");
@@ -240,7 +238,7 @@ void say_model(const ProofFile& file) {
     say("  joint " + std::to_string(j) + ": outputs between " + brief(policy.lower[j]) + " and " +
         brief(policy.upper[j]) + " rad");
   if (file.model.family) {
-    say_family(*file.model.family);
+    say_family(*file.model.family, file.chart, !file.part.empty());
   } else {
     const Tube& tube = file.model.tube;
     say("  z1 from " + brief(policy.start) + " m after the impact to " + brief(policy.guard) +
@@ -290,7 +288,8 @@ int check(const ProofFile& file, size_t threads) {
             " conditions";
   if (worst.verdict == proved)
     for (const auto& [level, words] : levels) {
-      say("level " + std::to_string(level) + " " + good(file));
+      say("level " + std::to_string(level) + " " + good(file) +
+          (file.part.empty() ? "" : ", for a part of what the gait is told"));
       for (const string& line : words) say("  " + line);
       // Axes of commands come first, and the theorems speak of them.
       const size_t first = 2 + (file.theorems.walking ? 2 * file.theorems.walking->told.size() : 0);
@@ -307,6 +306,8 @@ int check(const ProofFile& file, size_t threads) {
   if (worst.verdict == proved && !missing.empty())
     worst = {undecided, "every statement holds, but conditions have none on " +
                             std::to_string(missing.size()) + " boxes of their regions", 0};
+  if (worst.verdict == proved && !file.part.empty())
+    worst = {undecided, file.part, 0};
   if (worst.verdict != proved)
     answer = (worst.verdict == rejected ? "rejected: " : "undecided: ") + worst.reason;
   say(answer + "; " + effort(boxes, start));
@@ -403,15 +404,15 @@ int run(vector<string> arguments) {
     read_proof(table, by_program, file);
     return bounds ? answer_bounds(file, std::cin) : check(file, threads);
   } catch (const NotAProof& problem) {
-    say("expected a proof file of format 3, found in " + path + ": " + problem.why +
-            "; certify its run again",
+    say("expected a proof file of format 3, found in " + path + ": " +
+            shortened(problem.why) + "; certify its run again",
         stderr);
     return 2;
   } catch (const Inconsistent& problem) {
-    say("rejected: " + problem.why);
+    say("rejected: " + shortened(problem.why));
     return 1;
   } catch (const Unknown& problem) {
-    say("undecided: " + problem.what + " cannot be checked here");
+    say("undecided: " + shortened(problem.what) + " cannot be checked here");
     return 3;
   } catch (const NoBound&) {
     printf("undecided: a number of the model is too large or a denominator zero\n");

@@ -13,17 +13,27 @@ struct Json {
   enum Type { null, boolean, number, text, list, object } type = null;
   string string_value;  // Of a text; of a number, as it is written.
   double number_value = 0.0;
-  vector<Json> items;  // Of a list; of an object, the values.
-  vector<string> names;
+  vector<Json> items;    // Of a list; of an object, the values,
+  vector<string> names;  // and their names, sorted.
 
   const Json* find(const string& name) const {
-    for (size_t i = 0; i < names.size(); ++i)
-      if (names[i] == name) return &items[i];
-    return nullptr;
+    const auto found = std::lower_bound(names.begin(), names.end(), name);
+    if (found == names.end() || *found != name) return nullptr;
+    return &items[static_cast<size_t>(found - names.begin())];
   }
 };
 
 [[noreturn]] void refuse(const string& why) { throw NotAProof{why}; }
+
+// More than any gait's proof has of a thing: a text that asks for more work than this is refused before
+// it is done. proof_file/limits.py has the same limits in the same words.
+constexpr size_t kMostFields = 1000, kMostNames = 1000, kMostOutputs = 4000, kMostStatements = 1000,
+                 kMostBoxes = 32, kMostOfOutput = 1000, kMostDimensions = 8, kMostSeries = 1000;
+constexpr int kDeepest = 60;
+
+void limit(size_t count, size_t most, const string& what) {
+  if (count > most) refuse("more than " + std::to_string(most) + " " + what);
+}
 
 // A screen obeys some characters: no text of a proof file has them.
 void refuse_control_characters(const string& text) {
@@ -33,6 +43,12 @@ void refuse_control_characters(const string& text) {
     if (byte < 0x20 || byte == 0x7F || (byte == 0xC2 && next < 0xA0))
       refuse("a text with a control character");
   }
+}
+
+// What is shown of what a file says may be as long as the file.
+string shortened(const string& text) {
+  constexpr size_t most = 600;
+  return text.size() <= most ? text : text.substr(0, most) + " ...";
 }
 
 // A line on a screen: whatever is not plain ASCII is escaped, so that no text of a file, nor its path,
@@ -60,7 +76,6 @@ class JsonReader {
   }
 
  private:
-  static constexpr int kDeepest = 60;
   const string& text_;
   size_t at_ = 0;
 
@@ -75,7 +90,7 @@ class JsonReader {
   }
 
   Json element(int depth) {
-    if (depth > kDeepest) refuse("JSON nested more than 60 deep");
+    if (depth > kDeepest) limit(kDeepest + 1, kDeepest, "levels of JSON");
     space();
     Json value;
     switch (peek()) {
@@ -92,21 +107,25 @@ class JsonReader {
 
   void fields(Json& value, int depth) {
     value.type = Json::object;
-    std::set<string> seen;
+    std::map<string, Json> found;
     expect("{");
     space();
-    if (peek() == '}') { expect("}"); return; }
-    while (true) {
+    while (peek() != '}' || !found.empty()) {
       space();
       string name = quoted();
-      if (!seen.insert(name).second) refuse("the field '" + name + "' twice in one object");
+      if (found.count(name)) refuse("the field '" + name + "' twice in one object");
+      limit(found.size() + 1, kMostFields, "fields in one object");
       space();
       expect(":");
-      value.names.push_back(std::move(name));
-      value.items.push_back(element(depth + 1));
+      found.emplace(std::move(name), element(depth + 1));
       space();
-      if (peek() == '}') { expect("}"); return; }
+      if (peek() == '}') break;
       expect(",");
+    }
+    expect("}");
+    for (auto& [name, item] : found) {
+      value.names.push_back(name);
+      value.items.push_back(std::move(item));
     }
   }
 
@@ -220,9 +239,9 @@ void only(const Json& table, const string& what, const vector<string>& names) {
   if (table.type != Json::object) refuse(what + " that is no JSON object");
   for (const string& name : names)
     if (!table.find(name)) refuse("no field '" + name + "' in " + what);
+  const std::set<string> known(names.begin(), names.end());
   for (const string& name : table.names)
-    if (std::find(names.begin(), names.end(), name) == names.end())
-      refuse("unknown field '" + name + "' in " + what);
+    if (!known.count(name)) refuse("unknown field '" + name + "' in " + what);
 }
 
 const Json& field(const Json& table, const string& what, const string& name) {
@@ -244,10 +263,11 @@ const vector<Json>& list_of(const Json& value, const string& what) {
 // A list of different names.
 vector<string> names_of(const Json& value, const string& what) {
   vector<string> names;
+  std::set<string> seen;
+  limit(list_of(value, what).size(), kMostNames, what);
   for (const Json& item : list_of(value, what)) {
     names.push_back(text_of(item, "one of the " + what));
-    if (std::count(names.begin(), names.end(), names.back()) > 1)
-      refuse(names.back() + " twice among the " + what);
+    if (!seen.insert(names.back()).second) refuse(names.back() + " twice among the " + what);
   }
   return names;
 }
@@ -271,13 +291,14 @@ double number_of(const Json& value, const string& what) {
 
 int integer_of(const Json& value, const string& what) {
   const string& digits = value.string_value;
-  if (value.type != Json::number || digits.size() > 9 ||
+  if (value.type != Json::number || digits.size() > 9 || digits == "-0" ||
       digits.find_first_not_of("-0123456789") != string::npos)
     refuse(what + " that is no whole number");
   return static_cast<int>(value.number_value);
 }
 
-// [-]0x1.8p+3 and the like: at most 53 bits, so the double is exact.
+// [-]0x, 0 or 1, perhaps a point and up to 13 digits 0 to f, p, perhaps a sign, up to 4 digits: what is
+// not exactly a double is none. Nothing else is read, so no two readers take one text for two numbers.
 double hexadecimal(const Json& value, const string& what) {
   const string text = text_of(value, what);
   const string wrong = what + " '" + text.substr(0, 40) + "' instead of a hexadecimal number";

@@ -21,7 +21,8 @@ size_t elements(const vector<int>& shape) {
 
 vector<int> shape_of(const Json& value, const string& what) {
   vector<int> shape;
-  for (const Json& size : list_of(value, "the shape of " + what)) {
+  limit(list_of(value, "the shape of " + what).size(), kMostDimensions, "dimensions of an array");
+  for (const Json& size : value.items) {
     shape.push_back(integer_of(size, "the shape of " + what));
     if (shape.back() < 1 || shape.back() > 1'000'000 || elements(shape) > 100'000'000)
       refuse("the shape of " + what + " with a size that no array here has");
@@ -263,7 +264,8 @@ vector<Layer> layers_of(const std::map<string, Array>& arrays, int depth, int ou
 
 vector<Command> commands_of(const Json& list) {
   vector<Command> found;
-  for (const Json& row : list_of(list, "the commands")) {
+  limit(list_of(list, "the commands").size(), 7, "commands");
+  for (const Json& row : list.items) {
     only(row, "a command", {"name", "low", "high", "largest_change"});
     Command c;
     c.name = text_of(*row.find("name"), "a command's name");
@@ -278,7 +280,7 @@ vector<Command> commands_of(const Json& list) {
       if (other.name == c.name) refuse("two commands named " + c.name);
     found.push_back(c);
   }
-  if (found.empty() || found.size() > 7) refuse("a gait of " + std::to_string(found.size()) + " commands");
+  if (found.empty()) refuse("a gait that is told commands, without any");
   return found;
 }
 

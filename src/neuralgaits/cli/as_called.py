@@ -1,12 +1,11 @@
 """Commands that are printed for a person, as this process was called: what is copied runs."""
 
 import re
-import shlex
 import shutil
 import sys
 from pathlib import Path
 
-from neuralgaits.runs.commands import PROGRAM
+from neuralgaits.runs.commands import PROGRAM, quoted
 
 _OWN = re.compile(rf"(^|`|&& ){PROGRAM} (?=[a-z-])", re.MULTILINE)
 _PIP = re.compile(r"(?<![\w./-])pip install '")
@@ -25,9 +24,9 @@ def as_called(text: str) -> str:
     if found is not None and Path(found).samefile(called):
         return text
     pip = called.with_name("pip")
-    text = _OWN.sub(lambda at: f"{at[1]}{shlex.quote(_typed(called))} ", text)
+    text = _OWN.sub(lambda at: f"{at[1]}{quoted(_typed(called))} ", text)
     if pip.is_file():
-        text = _PIP.sub(lambda _: f"{shlex.quote(_typed(pip))} install '", text)
+        text = _PIP.sub(lambda _: f"{quoted(_typed(pip))} install '", text)
     return text
 
 

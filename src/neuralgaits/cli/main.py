@@ -8,7 +8,6 @@ import contextlib
 import faulthandler
 import os
 import re
-import shlex
 import sys
 import threading
 import traceback
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from neuralgaits._environment import prepare
+from neuralgaits._printable import PRINTABLE, printable
 from neuralgaits.errors import (
     ConvergenceError,
     Interrupted,
@@ -40,6 +40,8 @@ def run() -> None:
     for stream in ("stdout", "stderr"):
         if getattr(sys, stream) is None:  # Closed by the caller, as by 2>&-.
             setattr(sys, stream, open(os.devnull, "w"))
+        # A name, or a sign, that the terminal's encoding does not have is no reason to stop.
+        getattr(sys, stream).reconfigure(errors=PRINTABLE)
     # Compiled code runs in this process: if it crashes, its place is said.
     with contextlib.suppress(RuntimeError, ValueError, OSError):
         faulthandler.enable()
@@ -101,7 +103,8 @@ def _answer(arguments: list[str]) -> int:
             outcome = verbs.carry_out(verb)
         from neuralgaits.runs.plain import to_json
 
-        sys.stdout.write(to_json(outcome.result))
+        unicode = (sys.stdout.encoding or "utf-8").lower().startswith("utf")
+        sys.stdout.write(to_json(outcome.result, ascii_only=not unicode))
         sys.stdout.flush()
     if outcome.then is not None:
         outcome.then()
@@ -153,7 +156,9 @@ def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
         return f"; go on with `{error.command}`{error.more}"
     if not any(verb in arguments[:2] for verb in _LONG):
         return ""
-    again = f"`{shlex.join(['neuralgaits', *arguments])}`"
+    from neuralgaits.runs.commands import command
+
+    again = f"`{command(*arguments)}`"
     if any(word.partition("=")[0] == "--resume" for word in arguments):
         return f"; go on with {again}"
     return f"; nothing is kept yet, begin again with {again}"
@@ -180,5 +185,5 @@ def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
     line = " ".join(part.strip() for part in message.splitlines() if part.strip())
     from neuralgaits.cli.as_called import as_called
 
-    print(f"neuralgaits: {as_called(line)}", file=sys.stderr)
+    print(f"neuralgaits: {printable(as_called(line))}", file=sys.stderr)
     return code

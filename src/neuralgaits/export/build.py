@@ -77,7 +77,11 @@ def inspect(compiler: str, folder: Path, flags: tuple[str, ...]) -> Inspection:
             (undefined if kind == "U" else defined).add(symbol)
     graphs = [(folder / f"{Path(source).stem}.ci") for source in CORE]
     known = all(graph.is_file() for graph in graphs)
-    stack = deepest("\n".join(graph.read_text() for graph in graphs)) if known else None
+    stack = (
+        deepest("\n".join(graph.read_text(encoding="utf-8", errors="replace") for graph in graphs))
+        if known
+        else None
+    )
     foreign = undefined - defined - _FREESTANDING
     return Inspection(flash, static, tuple(sorted(foreign)), stack)
 
@@ -116,7 +120,14 @@ def run(program: Path, *arguments: str) -> bytes:
 
 
 def _run(command: list[str]) -> str:
-    done = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S, check=False)
+    done = subprocess.run(
+        command,
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        timeout=_TIMEOUT_S,
+        check=False,
+    )
     if done.returncode != 0:
         lines = [line for line in done.stderr.splitlines() if "error" in line] or ["silent"]
         raise MismatchError(

@@ -9,15 +9,23 @@ from importlib import resources
 from pathlib import Path
 
 from neuralgaits.errors import InputError
+from neuralgaits.runs.atomic import (
+    folder_destination,
+    refuse_unwritable,
+    write_bytes,
+    write_together,
+)
 
 _EXPORTER_ONLY = frozenset(("check.c",))
+_SUFFIXES = (".c", ".h", ".onnx")
+"""Of the files of an export."""
 
 
 def shipped() -> dict[str, str]:
     """C files that are the same for every gait."""
     folder = resources.files("neuralgaits.export") / "c"
     return {
-        entry.name: entry.read_text()
+        entry.name: entry.read_text(encoding="utf-8")
         for entry in sorted(folder.iterdir(), key=lambda entry: entry.name)
         if entry.is_file() and entry.name not in _EXPORTER_ONLY
     }
@@ -26,18 +34,20 @@ def shipped() -> dict[str, str]:
 def harness() -> dict[str, str]:
     """C files that only the exporter compiles."""
     folder = resources.files("neuralgaits.export") / "c"
-    return {name: (folder / name).read_text() for name in sorted(_EXPORTER_ONLY)}
+    return {name: (folder / name).read_text(encoding="utf-8") for name in sorted(_EXPORTER_ONLY)}
 
 
 def refuse_used(out: Path, *, force: bool) -> None:
-    """Check the output folder. Raises: InputError if it is a file or holds something."""
-    if out.exists() and not out.is_dir():
-        raise InputError(f"expected a folder to write to, found a file at {out}: name another")
-    if not force and out.is_dir() and any(out.iterdir()):
+    """Check the output folder. Raises: InputError if it is no folder or holds something."""
+    place = folder_destination(out)
+    if not force and place.is_dir() and any(place.iterdir()):
         raise InputError(
             f"expected an empty folder at {out}, found files in it: name another, or --force to "
             "replace the files of an export"
         )
+    there = sorted(place.iterdir()) if place.is_dir() else []
+    ours = [out / entry.name for entry in there if entry.suffix in _SUFFIXES]
+    refuse_unwritable(out / "gait.h", *ours)
 
 
 @contextmanager
@@ -46,7 +56,7 @@ def scratch(files: Mapping[str, str]) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as name:
         folder = Path(name)
         for file, text in files.items():
-            (folder / file).write_text(text)
+            (folder / file).write_text(text, encoding="utf-8")
         yield folder
 
 
@@ -54,24 +64,30 @@ def publish(out: Path, files: Mapping[str, str | bytes]) -> list[str]:
     """Put files into a folder: a new folder appears whole, each replaced file too.
 
     Returns: paths of the files.
+    Raises: InputError or OSError, as `runs.atomic` has it; what was there is then as it was.
     """
-    out.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=f".{out.name}.", suffix=".tmp", dir=out.parent))
+    contents = {
+        file: content.encode() if isinstance(content, str) else content
+        for file, content in files.items()
+    }
+    place = folder_destination(out)
+    if place.is_dir():
+        # Killed here, this leaves an export that lacks files, and none that is mixed from two.
+        write_together({place / file: data for file, data in contents.items()}, clear=True)
+    else:
+        _publish_new(place, contents)
+    return [str(out / file) for file in sorted(files)]
+
+
+def _publish_new(place: Path, contents: Mapping[str, bytes]) -> None:
+    """Make a folder with these files, whole or not at all."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    made = Path(tempfile.mkdtemp(prefix=f".{place.name[:40]}.", suffix=".tmp", dir=place.parent))
     try:
-        for file, content in files.items():
-            data = content.encode() if isinstance(content, str) else content
-            (made / file).write_bytes(data)
+        for file, data in contents.items():
+            write_bytes(made / file, data)
         made.chmod(0o755)
-        if out.is_dir() and any(out.iterdir()):
-            # Killed here, this leaves an export that lacks files, and none that is mixed from two.
-            for file in files:
-                (out / file).unlink(missing_ok=True)
-            for file in files:
-                os.replace(made / file, out / file)
-            made.rmdir()
-        else:
-            os.replace(made, out)
+        os.replace(made, place)
     except BaseException:
         shutil.rmtree(made, ignore_errors=True)
         raise
-    return [str(out / file) for file in sorted(files)]

@@ -19,7 +19,7 @@ from neuralgaits.records.walked import ASKED, SUMMARY, WALKS, EpisodesAsked, Ver
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import from_json, write_text
-from neuralgaits.runs.claim import claim, filled
+from neuralgaits.runs.claim import claimed
 from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.plain import to_json
 
@@ -68,18 +68,17 @@ class EpisodeFolder:
         """
         robot, plant = asked["robot"], asked["plant"]
         place = None if out is None else Path(out)
-        what = "the episodes"
-        path = claim(place, root / HOME, robot.name, asked["seed"], what=what, config=ASKED)
-        write_text(path / ROBOT, robot.layout.xml)
-        if plant is not None:
-            write_text(path / PLANT, plant.layout.xml)
-        if start is not None:
-            _copy_run(start.path, path / "round-0")
         names = {"robot": robot.name, "plant": plant and plant.name}
         start_path = None if start is None else str(start.path)
         config = EpisodesAsked(**{"format": FORMAT, **asked, **names, "start": start_path})
-        write(path / ASKED, config)
-        filled(path)
+        home, what = root / HOME, "the episodes"
+        with claimed(place, home, robot.name, asked["seed"], what=what, config=ASKED) as path:
+            write_text(path / ROBOT, robot.layout.xml)
+            if plant is not None:
+                write_text(path / PLANT, plant.layout.xml)
+            if start is not None:
+                _copy_run(start.path, path / "round-0")
+            write(path / ASKED, config)
         return cls(path, config, robot, plant)
 
     @classmethod

@@ -1,41 +1,174 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all.
 
+An output is a regular file. A symbolic link is followed: what it leads to is made or replaced, and
+the link stays. What is no regular file (a folder, a device, a FIFO, a socket, an open stream as
+/dev/stdout) is refused, never written to and never replaced. A file that is replaced keeps its
+permissions, and its owner where the system allows it; another name of it, a hard link, keeps the
+old content.
+"""
+
+import contextlib
+import errno
 import os
+import stat
 import tempfile
 import threading
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from neuralgaits.errors import InputError
+from neuralgaits._printable import PRINTABLE
+from neuralgaits.errors import InputError, reason
 
 _MASK = threading.Lock()
 """Two threads that set and restore the mask could leave what one of them set."""
+_MOST_LINKS = 40
+"""Links that lead to one file; Linux follows no more."""
+_STREAMS = Path("/proc")
+"""Links below it lead to what a process has open, whatever the name says."""
+_LONGEST_PREFIX = 40
+"""Characters of a file's name in that of its temporary: a name may be as long as the system has."""
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a FIFO"),
+    (stat.S_ISSOCK, "a socket"),
+)
+_OTHER = "name a regular file"
+
+
+def destination(path: Path) -> Path:
+    """Return the file that is made or replaced where a path is written: links are followed.
+
+    Raises: InputError if what lies there is no regular file; OSError if the system refuses to look.
+    """
+    place = path
+    for _ in range(_MOST_LINKS):
+        folder = Path(os.path.realpath(place.parent))
+        if folder.is_relative_to(_STREAMS):
+            raise InputError(f"expected a file to write, found an open stream at {path}: {_OTHER}")
+        place = folder / place.name
+        if not place.is_symlink():
+            break
+        place = folder / os.readlink(place)
+    else:
+        raise InputError(f"expected a file to write, found links in a ring at {path}: {_OTHER}")
+    with contextlib.suppress(FileNotFoundError):
+        mode = os.stat(place).st_mode
+        if not stat.S_ISREG(mode):
+            found = next((kind for is_one, kind in _KINDS if is_one(mode)), "a device")
+            raise InputError(f"expected a file to write, found {found} at {path}: {_OTHER}")
+    return place
+
+
+def folder_destination(path: Path) -> Path:
+    """Return the folder that is made or filled where a path names one: links are followed.
+
+    Raises: InputError if what lies there is no folder, or a ring of links.
+    """
+    place = Path(os.path.realpath(path))
+    try:
+        mode = os.stat(place).st_mode
+    except FileNotFoundError:
+        return place
+    except OSError as error:
+        raise InputError(
+            f"expected a folder to write to, found {path}: {reason(error)}; name another"
+        ) from None
+    if not stat.S_ISDIR(mode):
+        raise InputError(f"expected a folder to write to, found a file at {path}: name another")
+    return place
 
 
 def write_bytes(path: Path, data: bytes) -> None:
     """Write a file so that a reader, or a power cut, meets the old or the new content only.
 
-    The data go to a temporary file in the same folder, which is renamed once it is on disk.
+    Raises: as `write_together`.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        # mkstemp keeps others out; a run is as readable as any file of its user.
-        temporary.chmod(0o666 & ~_umask())
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
-    _sync_folder(path.parent)
+    write_together({path: data})
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a UTF-8 text file whole or not at all."""
-    write_bytes(path, text.encode())
+    """Write a UTF-8 text file whole or not at all. Raises: as `write_together`."""
+    write_bytes(path, text.encode("utf-8", PRINTABLE))
+
+
+def write_together(files: Mapping[Path, bytes | None], *, clear: bool = False) -> None:
+    """Write files that belong together: none is touched before all are on disk.
+
+    The data go to temporary files beside their destinations, which are then renamed in order; what
+    is to be gone is removed last. A failure leaves all old files, and only a kill between two
+    renames leaves some of each.
+
+    Args:
+        files: content by path; None removes the file, or a link to it.
+        clear: remove all old files before the first is renamed, so that a kill in between leaves
+            fewer files and never a mixture.
+
+    Raises: InputError if a path is no place for a regular file, OSError with that path if the
+        system refuses: then everything is as it was.
+    """
+    wanted = {}
+    for path in files:
+        with _blamed_on(path):
+            wanted[path] = destination(path)
+    with contextlib.ExitStack() as staged:
+        temporaries = {
+            path: staged.enter_context(_on_disk(path, wanted[path], data))
+            for path, data in files.items()
+            if data is not None
+        }
+        for path in temporaries if clear else ():
+            wanted[path].unlink(missing_ok=True)
+        for path, temporary in temporaries.items():
+            with _blamed_on(path):
+                temporary.replace(wanted[path])
+        for path in files.keys() - temporaries.keys():
+            path.unlink(missing_ok=True)
+    for folder in {wanted[path].parent for path in temporaries}:
+        _sync_folder(folder)
+
+
+@contextlib.contextmanager
+def _on_disk(path: Path, place: Path, data: bytes) -> Iterator[Path]:
+    """Hold a temporary file with the data beside its destination; gone afterwards if left there."""
+    with _blamed_on(path):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        prefix = f".{place.name[:_LONGEST_PREFIX]}."
+        handle, name = tempfile.mkstemp(dir=place.parent, prefix=prefix, suffix=".tmp")
+    temporary = Path(name)
+    try:
+        with _blamed_on(path):
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            _take_permissions(temporary, place)
+        yield temporary
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def _blamed_on(path: Path) -> Iterator[None]:
+    """Name the file that was to be written in what the system says of its temporary."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def _take_permissions(temporary: Path, place: Path) -> None:
+    """Give a new file the permissions of the one that it replaces, or those of any new file."""
+    try:
+        old = place.stat()
+    except FileNotFoundError:
+        # mkstemp keeps others out; a run is as readable as any file of its user.
+        temporary.chmod(0o666 & ~_umask())
+        return
+    new = temporary.stat()
+    if (old.st_uid, old.st_gid) != (new.st_uid, new.st_gid):
+        with contextlib.suppress(OSError):
+            os.chown(temporary, old.st_uid, old.st_gid)
+    temporary.chmod(stat.S_IMODE(old.st_mode) & 0o777)
 
 
 def write_new(path: Path, text: str) -> None:
@@ -48,19 +181,21 @@ def write_new(path: Path, text: str) -> None:
     write_text(path, text)
 
 
-def refuse_unwritable(path: Path) -> None:
-    """Refuse a file that cannot be written, before anything is computed. Raises: InputError."""
-    if path.is_dir():
-        raise InputError(f"expected a file to write, found a folder at {path}: name a file")
-    # What is missing of the path is made later, in the nearest folder there is.
-    base = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
-    try:
-        with tempfile.TemporaryFile(dir=base):
-            pass
-    except OSError as error:
-        raise InputError(
-            f"expected a file that can be written, found {path}: {error.strerror}; name another"
-        ) from None
+def refuse_unwritable(*paths: Path) -> None:
+    """Refuse files that cannot be written, before anything is computed. Raises: InputError."""
+    for path in paths:
+        try:
+            place = destination(path)
+            if place.exists() and not os.access(place, os.W_OK):
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+            # What is missing of the path is made later, in the nearest folder there is.
+            base = next(parent for parent in place.parents if os.path.lexists(parent))
+            with tempfile.TemporaryFile(dir=base):
+                pass
+        except OSError as error:
+            raise InputError(
+                f"expected a file that can be written, found {path}: {reason(error)}; name another"
+            ) from None
 
 
 def _umask() -> int:

@@ -4,16 +4,29 @@ A robot's or spec's name in a run's config is for people. A command names the ru
 copies of both, wherever the files lay that it was started with.
 """
 
+import os
 import shlex
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._printable import printable
+
 PROGRAM, LATEST = "neuralgaits", "latest"
+_PLAIN = frozenset(range(0x20, 0x7F)) - frozenset(b"'\\")
+"""Bytes that stand for themselves between $' and '."""
 
 
 def command(*words: Any) -> str:
     """A command of this program, each word quoted if it must be."""
-    return shlex.join([PROGRAM, *(str(word) for word in words)])
+    return " ".join(quoted(str(word)) for word in (PROGRAM, *words))
+
+
+def quoted(word: str) -> str:
+    """Quote a word for a shell; a path that is no UTF-8 byte by byte, as bash and zsh read it."""
+    if printable(word) == word:
+        return shlex.quote(word)
+    signs = (chr(byte) if byte in _PLAIN else f"\\x{byte:02x}" for byte in os.fsencode(word))
+    return f"$'{''.join(signs)}'"
 
 
 def named(path: str | Path) -> str:

@@ -6,7 +6,6 @@ on it is a run), checkpoints, and last `summary.json` (from here on it is finish
 
 import hashlib
 import platform
-import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -17,8 +16,9 @@ from typing import Any, TypeVar
 from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
 from neuralgaits.runs import packed
-from neuralgaits.runs.atomic import write_bytes, write_text
-from neuralgaits.runs.claim import claim, filled
+from neuralgaits.runs.atomic import refuse_unwritable, write_bytes, write_text
+from neuralgaits.runs.claim import claimed, refuse_taken
+from neuralgaits.runs.commands import LATEST
 from neuralgaits.runs.metrics import Row, from_csv, to_csv
 from neuralgaits.runs.names import CONFIG, METRICS, NAN_STATE, SUMMARY
 from neuralgaits.runs.plain import to_json
@@ -30,6 +30,7 @@ FORMAT = 1
 
 _LAYOUT = {"copies": table_of(TEXT), "written_by": may(table_of(TEXT)), "created_utc": may(TEXT)}
 """Of a config: what is written here. The rest is the business of the stages."""
+_WHAT = "the run"
 LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "mujoco", "numpy")
 
 Tree = TypeVar("Tree")
@@ -68,9 +69,10 @@ class RunFolder:
             root: folder that holds the runs.
             out: exact place instead; may be an empty folder.
 
-        Raises: RunError if `out` is a file or a folder that is not empty.
+        Raises: RunError if `out` is a file or a folder that is not empty; InputError if it, or
+            the pointer to the latest run, cannot be written.
         """
-        path = claim(out, root, name, seed, what="the run", config=CONFIG)
+        refuse_unwritable(root / LATEST)
         contents = {
             file: content.encode() if isinstance(content, str) else content
             for file, content in copies.items()
@@ -80,16 +82,18 @@ class RunFolder:
         known["created_utc"] = datetime.now(UTC).isoformat(timespec="seconds")
         if clash := sorted(set(known) & set(config)):
             raise ValueError(f"expected a config without the names {clash}: runs writes them")
-        try:
+        with claimed(out, root, name, seed, what=_WHAT, config=CONFIG) as path:
             for file, content in contents.items():
                 write_bytes(path / file, content)
             write_text(path / CONFIG, to_json(known | dict(config)))
-            filled(path)
-        except BaseException:
-            # Without a config it is no run: neither to be gone on with, nor in the way of another.
-            shutil.rmtree(path, ignore_errors=True)
-            raise
         return RunFolder.open(path)
+
+    @staticmethod
+    def refuse(root: Path, out: Path | None) -> None:
+        """Refuse what `create` would, and make nothing. Raises: as `create`."""
+        refuse_unwritable(root / LATEST)
+        if out is not None:
+            refuse_taken(out, what=_WHAT, config=CONFIG)
 
     @staticmethod
     def open(path: str | Path) -> "RunFolder":

@@ -5,12 +5,13 @@ when its summary is on disk, so `latest` can always be simulated. Runs under the
 relative to it, so that the folder can be moved.
 """
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs.atomic import write_text
+from neuralgaits.runs.atomic import write_bytes
 from neuralgaits.runs.commands import LATEST, command, resuming
 from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
 
@@ -29,7 +30,7 @@ def name_latest(folder: RunFolder, root: Path = RUNS_ROOT) -> None:
     """Make `latest` name a finished run."""
     run, base = folder.path.resolve(), root.resolve()
     name = run.relative_to(base) if run.is_relative_to(base) else run
-    write_text(root / LATEST, f"{name}\n")
+    write_bytes(root / LATEST, os.fsencode(name) + b"\n")
 
 
 def resolve(run: str | Path, root: Path = RUNS_ROOT, *, finished: bool = True) -> RunFolder:
@@ -140,7 +141,7 @@ def _latest(root: Path) -> Path:
             f"as in `{command('train', 'amber3m')}`"
         )
     # A damaged pointer names nothing that is there.
-    name = pointer.read_text(encoding="utf-8", errors="replace").strip()
+    name = os.fsdecode(pointer.read_bytes()).strip()
     if not name or not (root / name).is_dir():
         raise RunError(
             f"expected {pointer} to name a run folder, found {name!r} which is not there: "

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from neuralgaits._printable import printable
+
 
 def plain(value: Any) -> Any:
     """Turn numbers, arrays, paths, records and containers into values JSON can hold.
@@ -17,14 +19,14 @@ def plain(value: Any) -> Any:
 
     Raises: TypeError for anything else, with its type.
     """
-    if value is None or isinstance(value, bool | int | str):
+    if value is None or isinstance(value, bool | int):
         return value
+    if isinstance(value, str | Path):
+        return printable(value)
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    if isinstance(value, Path):
-        return str(value)
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {printable(str(key)): plain(item) for key, item in value.items()}
     if hasattr(value, "_asdict"):
         return plain(value._asdict())
     if isinstance(value, list | tuple):
@@ -36,9 +38,14 @@ def plain(value: Any) -> Any:
     raise TypeError(f"expected a value that JSON can hold, found {type(value).__name__}")
 
 
-def to_json(value: Any) -> str:
-    """Indented JSON with a final newline, in the order of the input."""
-    return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+def to_json(value: Any, *, ascii_only: bool = False) -> str:
+    """Indented JSON with a final newline, in the order of the input.
+
+    Args:
+        value: that `plain` takes.
+        ascii_only: escape all other characters, for a stream that may not have them.
+    """
+    return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=ascii_only) + "\n"
 
 
 def from_json(data: bytes | str) -> Any:

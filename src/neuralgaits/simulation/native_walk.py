@@ -132,7 +132,7 @@ def sources(design: Design) -> dict[str, str]:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = writing.shipped()
     folder = resources.files("neuralgaits.simulation.native") / "c"
-    loop = {name: (folder / name).read_text() for name in _LOOP}
+    loop = {name: (folder / name).read_text(encoding="utf-8") for name in _LOOP}
     return own | loop | {name: shipped[name] for name in _SHIPPED}
 
 
@@ -174,7 +174,7 @@ def _place(command: Sequence[str], texts: Mapping[str, str]) -> Path:
 def _compile(command: Sequence[str], place: Path, texts: Mapping[str, str]) -> Path:
     """Compile into a folder. Returns: the library. Raises: NativeError."""
     for name, text in texts.items():
-        (place / name).write_text(text)
+        (place / name).write_text(text, encoding="utf-8")
     made = place / "walk.so"
     headers = Path(mujoco.__file__).parent / "include"
     files = [str(place / name) for name in SOURCES]
@@ -191,7 +191,14 @@ def _compile(command: Sequence[str], place: Path, texts: Mapping[str, str]) -> P
         "-lm",
     ]
     try:
-        done = subprocess.run(line, capture_output=True, text=True, timeout=_COMPILE_S, check=False)
+        done = subprocess.run(
+            line,
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=_COMPILE_S,
+            check=False,
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NativeError(f"{command[0]} does not run ({error})"[:_SHOWN]) from None
     if done.returncode != 0 or not made.is_file():
@@ -206,7 +213,12 @@ def _version(command: tuple[str, ...]) -> str:
     """What a compiler says it is; nothing of one that does not run."""
     with contextlib.suppress(OSError, subprocess.TimeoutExpired):
         done = subprocess.run(
-            [*command, "--version"], capture_output=True, text=True, timeout=60.0, check=False
+            [*command, "--version"],
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=60.0,
+            check=False,
         )
         return done.stdout
     return ""

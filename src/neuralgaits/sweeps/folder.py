@@ -22,7 +22,8 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.swept import ASKED, FORMAT, ROW, SweepAsked, SweepRow
 from neuralgaits.records.walked import Versioned
 from neuralgaits.runs import plain, to_json, write_bytes, write_text
-from neuralgaits.runs.claim import claim, filled
+from neuralgaits.runs.atomic import destination
+from neuralgaits.runs.claim import claimed
 
 HOME = "sweeps"
 """Folder below the root of the runs."""
@@ -46,11 +47,11 @@ class SweepFolder:
         cls, asked: SweepAsked, inputs: Files, *, out: Path | None, root: Path
     ) -> "SweepFolder":
         """Make a folder; `sweep.json` comes last. Raises: RunError if `out` is not empty."""
-        path = claim(out, root, HOME, asked.seeds[0], what="the sweep", config=ASKED)
-        for name, content in inputs.items():
-            write_bytes(path / INPUTS / name, content)
-        write_text(path / ASKED, to_json(asked))
-        filled(path)
+        seed, what = asked.seeds[0], "the sweep"
+        with claimed(out, root, HOME, seed, what=what, config=ASKED) as path:
+            for name, content in inputs.items():
+                write_bytes(path / INPUTS / name, content)
+            write_text(path / ASKED, to_json(asked))
         return cls(path, asked)
 
     @classmethod
@@ -100,7 +101,7 @@ class SweepFolder:
         except ImportError:
             yield
             return
-        with (self.path / _LOCK).open("w") as lock:
+        with destination(self.path / _LOCK).open("a") as lock:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -29,7 +28,6 @@ from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import Statement, prove
-from neuralgaits.certificate.reading import hashes
 from neuralgaits.certificate.scope import LEVEL, Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
@@ -41,6 +39,11 @@ from neuralgaits.certificate.search.schedule import (
     explore,
 )
 from neuralgaits.certificate.search.shared_bounds import SharedBounds
+from neuralgaits.certificate.writing import (
+    hashes_with,
+    refuse_unwritable_certificate,
+    write_certificate,
+)
 from neuralgaits.engine import engine_for
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
@@ -52,8 +55,8 @@ from neuralgaits.records.certified import (
     ConditionVerdict,
     Verdict,
 )
-from neuralgaits.runs import packed
-from neuralgaits.runs.names import MAP
+from neuralgaits.runs.names import MAP, MAP_FIGURE
+from neuralgaits.runs.plain import to_json
 
 _TIGHTEST = 5
 """Conditions that a notebook shows."""
@@ -168,16 +171,15 @@ def certify(
     trained = open_run(run)
     scope = Scope.of(trained, level, within, parameters)
     spec, gait, zd = scope.spec, trained.trained, trained.zero_dynamics
+    refuse_unwritable_certificate(trained.path)
     try:
         floor = scope.box.get("floor", 0.0)
         sets = find_sets(scope.narrowed, gait, zd, level, disturbance, floor, bandwidth)
         program = trace_certificate(spec, trained.robot, gait, sets, trained.residuals)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
-        for stale in (certified.PROOF, MAP):
-            packed.remove(trained.path / stale)
         nothing = level_one.not_looked_at(spec)
-        return _finish(trained, scope, nothing, [], began, reason=str(error))
+        return _finish(trained, scope, nothing, [], began, {}, reason=str(error))
     task = _Task(trained, scope, sets, program)
     problems = [
         *condition_problems(spec, program, scope.chart),
@@ -251,7 +253,9 @@ def _written(
         save(_boxes_file(run, number), *pair)
     statements = tuple(statement for pair in searched for statement in prove(*pair))
     conclusions = _conclusions(task, statements)
-    proof = _proof_written(task, statements, conclusions)
+    files = {} if scope.chart.parameters else _map(task, searched)
+    if statements:
+        files[certified.PROOF] = _proof(task, statements, conclusions)
     verdicts = level_one.verdicts(scope.spec, searched, statements)
     reason = None
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
@@ -272,39 +276,31 @@ def _written(
         verdicts,
         conclusions,
         began,
+        files,
         reason=reason,
         boxes=box_count(states),
-        proof=proof,
-        full_order_proof=proof if task.sets.full_order else None,
-        map=None if scope.chart.parameters else _map_written(task, searched),
+        full_order=bool(task.sets.full_order),
     )
 
 
-def _proof_written(
+def _proof(
     task: _Task, statements: tuple[Statement, ...], conclusions: Sequence[Conclusion]
-) -> str | None:
-    """Write the proof file; without statements, leave none. Returns: its path."""
+) -> bytes:
+    """Return the content of the proof file."""
     run, program = task.run, task.program
-    proof = run.path / certified.PROOF
-    if not statements:
-        packed.remove(proof)
-        return None
     claimed = tuple(found.level for found in conclusions if found.proved)
     theorems = Theorems(task.sets.parameters, claimed)
     model = model_data(run.robot, run.trained, run.spec, program, run.residuals)
-    proof_of(run, program, statements, theorems, model, task.scope.chart).write(proof)
-    packed.packed(proof).unlink(missing_ok=True)
-    return str(proof)
+    return proof_of(run, program, statements, theorems, model, task.scope.chart).content()
 
 
-def _map_written(task: _Task, searched: Sequence[level_one.Searched]) -> str:
-    """Draw the boxes of all conditions. Returns: the figure's path."""
+def _map(task: _Task, searched: Sequence[level_one.Searched]) -> dict[str, bytes]:
+    """Return the contents of the map of all conditions' boxes, by file."""
     # Drawing takes longer to import than small proofs take.
-    from neuralgaits.report.figures.map_of_boxes import write_map
+    from neuralgaits.report.figures.map_of_boxes import map_files
 
     own = level_one.of_conditions(task.scope.spec, searched)
-    problems, states = [p for p, _ in own], [s for _, s in own]
-    return str(write_map(task.run, problems, states, task.run.path / certified.FOLDER))
+    return map_files(task.run, [problem for problem, _ in own], [state for _, state in own])
 
 
 def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
@@ -325,11 +321,14 @@ def _finish(
     verdicts: Mapping[str, ConditionVerdict],
     conclusions: Sequence[Conclusion],
     began: float,
+    files: Mapping[str, bytes],
     *,
     boxes: int = 0,
-    **more: Any,
+    reason: str | None = None,
+    full_order: bool = False,
 ) -> Certificate:
-    """Write the summary. `more` are further fields of it."""
+    """Write the certificate: `files` by name, without those of an older one, and the summary."""
+    proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
     summary = Certified(
         run=str(run.path),
         robot=run.asked.robot,
@@ -338,13 +337,16 @@ def _finish(
         level=scope.level,
         conditions=verdicts,
         levels=tuple(conclusions),
-        sha256=hashes(run.path),
+        sha256=hashes_with(run.path, files),
         wall_s=time.perf_counter() - began,
         boxes=boxes,
         within=scope.within,
         parameters=dict(scope.box),
-        **more,
+        reason=reason,
+        proof=proof,
+        full_order_proof=proof if full_order else None,
+        map=str(run.path / MAP_FIGURE) if MAP in files else None,
     )
     summary = replace(summary, verdict=summary.of_all)
-    run.folder.write_json(certified.SUMMARY, summary)
+    write_certificate(run.path, files, to_json(summary).encode())
     return Certificate(summary)

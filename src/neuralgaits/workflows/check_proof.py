@@ -86,7 +86,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
 def _of_part(report: Report, claims: Claims) -> Report:
     """The answer about a run whose gait is told more than the file is about."""
     axes = " and ".join(claims.chart.intervals())
-    reason = f"every statement holds, for {axes} only: part of what the run's gait is told"
+    reason = f"every statement holds, for {axes} only: part of what the gait is told"
     levels = tuple(replace(one, verdict="consistent") for one in report.levels)
     if report.verdict != "proved":
         return replace(report, levels=levels)

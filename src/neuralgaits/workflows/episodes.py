@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from neuralgaits._printable import printable
 from neuralgaits._settings import check_rounds, check_seed
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control.laws import law_named
@@ -23,6 +24,7 @@ from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.rounds.folder import EpisodeFolder, read, write
 from neuralgaits.rounds.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.runs import RUNS_ROOT, plain
+from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import CONFIG, FIT
 from neuralgaits.simulation.setup.disturbance import Disturbance, parse
@@ -127,6 +129,7 @@ def episodes(
         folder = _begin(asked, resume, out=out, root=root)
     else:
         folder = old.gone_on_with(asked, out)
+    refuse_unwritable(folder.path / SUMMARY, folder.path / FIGURE)
     session = _Session(folder, progress, tell or (lambda number, what: None), root)
     try:
         entries, run, stopped = session.run()
@@ -169,6 +172,12 @@ def _begin(
             f"expected either a plant or a folder of logs, found {found}: give --plant ROBOT to "
             "walk in simulation, or --logs DIR with a robot's own logs"
         )
+    for path in filter(None, (logs, asked["columns"])):
+        if printable(path) != path:
+            raise InputError(
+                f"expected logs and columns whose path is UTF-8, found {printable(path)}: rename "
+                "what is not; episodes are gone on with by that path"
+            )
     if asked["columns"] is not None and logs is None:
         raise InputError("expected --columns with --logs, found it with a plant: drop it")
     if logs is not None:

@@ -7,8 +7,10 @@ from neuralgaits.certificate.reading import CertificateReading
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
+from neuralgaits.report.drawing.figure import paths_of
 from neuralgaits.report.drawing.two_pens import Sheet, second_pen, write_all
 from neuralgaits.report.makers import MAKERS, OF_FAMILIES, OF_TRAINING, Absent, Source
+from neuralgaits.runs.atomic import refuse_unwritable
 
 FOLDER = "figures"
 
@@ -38,6 +40,7 @@ def draw(
     makers = (*OF_FAMILIES, *MAKERS) if run.asked.commands else MAKERS
     if run.asked.as_given is not None:
         makers = [one for one in makers if one[0] not in OF_TRAINING]
+    refuse_unwritable(*(path for name, *_ in makers for path in paths_of(folder, name)))
     source = Source(run, certificate_of(run, certificate))
     found: list[tuple[str, str] | Missing] = []
     sheets = []

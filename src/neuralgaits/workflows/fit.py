@@ -24,6 +24,7 @@ from neuralgaits.residual.floor import floor
 from neuralgaits.residual.reset import fit_reset
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 from neuralgaits.residual.trust import landing_errors
+from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import FIT, FITTED
 
 SAMPLES, STEP_S = 3, 0.01
@@ -79,6 +80,7 @@ def fit(
     config = FitConfig(optimizer=optimizer) if config is None else config
     check_seed(seed)
     trained = open_run(run)
+    refuse_unwritable(trained.path / FITTED, trained.path / FIT)
     policy = trained.gait.policy
     read, left_out = walks.read_all(logs, trained.robot, columns=columns, policy=policy)
     cut = walks.cut(read, trained.robot)

@@ -9,7 +9,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.hzd.solver import DEGREE, Optimiser
 from neuralgaits.records.asked import HIGHEST_DEGREE, Given
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RUNS_ROOT
+from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.workflows.parts.given_run import given_run
 
 LOWEST_DEGREE = 3
@@ -46,6 +46,7 @@ def optimise(
         raise InputError(
             f"expected --degree from {LOWEST_DEGREE} to {HIGHEST_DEGREE}, found {degree}"
         )
+    RunFolder.refuse(root, None if out is None else Path(out))
     found = Optimiser(robot, degree).at(speed)
     given = Given("optimise", degree, speed)
     return given_run(

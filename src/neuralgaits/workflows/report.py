@@ -4,10 +4,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from neuralgaits._printable import printable
+from neuralgaits.analysis import gait_data
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
 from neuralgaits.certificate.reading import CertificateReading, read_certificate
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.records import shown
 from neuralgaits.records.reported import Lack, Reported
 from neuralgaits.records.shown import ShownWalk
 from neuralgaits.report.certificate import part_of
@@ -53,7 +56,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     """
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
-    refuse_unwritable(path)
+    refuse_unwritable(path, *(folder.path / file for file in (gait_data.FILE, shown.FILE)))
     certificate = read_certificate(folder)
     saved = saved_of(folder, certificate)
     robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
@@ -70,7 +73,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
         figures=drawn,
         assumptions=ASSUMPTIONS,
     )
-    page = document(contents)
+    page = printable(document(contents))
     if (size := len(page.encode())) > MOST_BYTES:
         raise InputError(
             f"expected a page of at most {MOST_BYTES} bytes, found {size}: a figure is too large"

@@ -153,7 +153,11 @@ def simulate(
         disturbance = on_slope(disturbance, orders)
     else:
         refuse_beside_terrain(str(terrain), command, commands, disturbance)
-    _check_outputs(log, video)
+    files = [] if log is None else log_files(Path(log), episodes)
+    refuse_unwritable(*files, *(trained.path / file for file in (SUMMARY, PLANT)))
+    if video is not None:
+        refuse_unwritable(Path(video))
+        films.check(Path(video))
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
     wire = link_of(link, controller, disturbance)
@@ -169,7 +173,6 @@ def simulate(
         kept = {name: value for name, value in (trained.command or {}).items() if name not in own}
         trained = at_first(trained, courses.orders.first)
         gait = trained.gait
-    files = [] if log is None else log_files(Path(log), episodes)
     walks = _engine(trained, controller, engine, simulator)
     course = TrainedWalks(
         run=trained,
@@ -280,12 +283,3 @@ def _fields(law: AbstractLaw) -> dict[str, Any]:
         else repr(value)
         for name, value in values.items()
     }
-
-
-def _check_outputs(log: str | Path | None, film: str | Path | None) -> None:
-    """Refuse outputs that cannot be written, before the walk."""
-    for path in (log, film):
-        if path is not None:
-            refuse_unwritable(Path(path))
-    if film is not None:
-        films.check(Path(film))

@@ -30,6 +30,7 @@ from neuralgaits.records.swept import (
 )
 from neuralgaits.report.sweep.page import page
 from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
+from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
@@ -114,6 +115,7 @@ def sweep(
     make = _folder(robots, given, out, resume, root)
     # Before a folder is made, so that an engine that cannot be had leaves none.
     with engine or engine_for(workers, ray) as at_work, make().alone() as folder:
+        refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)))
         every = list(combinations(folder.asked))
         before = sum(folder.has(one.name) for one in every)
         jobs = (_job(folder, one) for one in every if not folder.has(one.name))

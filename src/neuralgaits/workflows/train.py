@@ -20,8 +20,9 @@ from neuralgaits.records.asked import asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
-from neuralgaits.runs.commands import command, resuming
-from neuralgaits.runs.names import ROBOT, WEIGHTS
+from neuralgaits.runs.atomic import refuse_unwritable
+from neuralgaits.runs.commands import LATEST, command, resuming
+from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import take_all_steps
@@ -247,6 +248,7 @@ def _resumed(
     """An unfinished run with the robot and spec it started with."""
     folder = resolve_unfinished(run, root)
     asked_of(folder)
+    refuse_unwritable(*(folder.path / file for file in (STATE, WEIGHTS, SUMMARY)), root / LATEST)
     if robot is not None:
         _same_robot(folder, robot)
     return folder, *open_parts(folder)

@@ -16,8 +16,9 @@ from neuralgaits.errors import Interrupted
 from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, to_json, write_text
+from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.claim import claim, filled
-from neuralgaits.runs.commands import command, resuming
+from neuralgaits.runs.commands import LATEST, command, resuming
 from neuralgaits.runs.latest import SEEDS, name_latest
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.parts.many_seeds import ManySeeds
@@ -106,6 +107,7 @@ def train_seeds(
     )
     place = None if out is None else Path(out)
     numbers = range(*seeds)
+    refuse_unwritable(root / LATEST)
     path = claim(place, root / SEEDS, robot.name, seeds[0], what="the runs", config=SUMMARY)
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)

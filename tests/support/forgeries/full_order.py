@@ -5,7 +5,19 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from support.forgeries.base import LOOSE, NO, OPEN, Answer, Case, Table, Theme, refused, true
+from neuralgaits.programs import Input
+from support.forgeries.base import (
+    LOOSE,
+    NO,
+    OPEN,
+    REJECTED,
+    Answer,
+    Case,
+    Table,
+    Theme,
+    refused,
+    true,
+)
 from support.forgeries.edits import (
     constantly,
     constants,
@@ -303,3 +315,21 @@ def _(case: Case) -> None:
     """Premises at the full order are no premises of level 3."""
     case.table["theorems"] = case.base.proofs["walk"]["theorems"]
     put(case.table, program_of(case.table))
+
+
+@THEME.forgery("a chart with an axis of robots", cpp=REJECTED, alone=REJECTED)
+def _(case: Case) -> None:
+    """Whatever the Program says of it: this one says 1."""
+    table = case.table
+    constantly(table)
+    program, end = program_of(table), (0.01).hex()
+    put(table, replace(program, inputs=(Input("u", (3,)), *program.inputs[1:])))
+    table["chart"].append({"name": "mass", "low": f"-{end}", "high": end})
+    for statement in table["statements"]:
+        statement["root"]["low"].append(f"-{end}")
+        statement["root"]["high"].append(end)
+
+
+@_kind("footholds of unknown height at level 2", alone=REJECTED)
+def _(case: Case) -> None:
+    parameters(case.table, 2)["floor"] = (0.01).hex()

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from neuralgaits._digits import from_hex
 from neuralgaits._names import why_no_name
 
 Corner = tuple[float, ...]
@@ -249,14 +250,13 @@ def _no_farther(one: Axis, own: Axis) -> bool:
 def _axis(row: Any) -> Axis:
     if not isinstance(row, dict) or set(row) - {"change"} != {"name", "low", "high"}:
         raise ValueError("an axis of the chart that is no name, low, high and perhaps a change")
-    if not all(isinstance(text, str) for text in row.values()):
-        raise ValueError(f"the axis {row} of the chart")
     if why := why_no_name(row["name"]):
         raise ValueError(f"an axis of the chart named {why}")
-    low, high = float.fromhex(row["low"]), float.fromhex(row["high"])
+    low, high = from_hex(row["low"], row["name"]), from_hex(row["high"], row["name"])
     if not (math.isfinite(high - low) and low < high):
         raise ValueError(f"the axis {row['name']} from {low!r} to {high!r}")
-    change = float.fromhex(row["change"]) if "change" in row else None
-    if change is not None and not (math.isfinite(change) and change > 0.0):
-        raise ValueError(f"the axis {row['name']} with a change of at most {change!r}")
+    most = f"the axis {row['name']} with a change of at most"
+    change = from_hex(row["change"], most) if "change" in row else None
+    if change is not None and not change > 0.0:
+        raise ValueError(f"{most} {change!r}")
     return Axis(row["name"], low, high, change)

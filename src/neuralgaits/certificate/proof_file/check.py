@@ -18,6 +18,7 @@ from neuralgaits.certificate.proof_file.coverage import Asked, unstated, why_inc
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
+from neuralgaits.certificate.proof_file.told_ranges import why_part
 from neuralgaits.records.certified import Conclusion
 
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]
@@ -168,9 +169,8 @@ def _concluded(claims: Claims, report: Report) -> Report:
         return replace(report, verdict="rejected", reason=reason)
     levels = tuple(replace(answer, verdict="consistent") for answer in claimed)
     report = replace(report, levels=levels, holds=True)
-    if reason := _why_incomplete(claims):
-        return replace(report, verdict="undecided", reason=reason)
-    return report
+    reason = _why_incomplete(claims) or why_part(claims.chart, claims.commands)
+    return report if reason is None else replace(report, verdict="undecided", reason=reason)
 
 
 def _why_incomplete(claims: Claims) -> str | None:

@@ -8,6 +8,7 @@ from neuralgaits.certificate.levels.ladder import refusals
 from neuralgaits.certificate.proof_file.coverage import Asked, contradictions
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
+from neuralgaits.certificate.proof_file.told_ranges import OTHER_CHART, is_beyond
 
 
 def inconsistencies(claims: Claims, asked: Asked | None) -> list[str]:
@@ -24,6 +25,8 @@ def inconsistencies(claims: Claims, asked: Asked | None) -> list[str]:
     if claims.program.hash != claims.program_hash:
         return [f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"]
     wrong = contradictions(claims.statements, claims.theorems, asked)
+    if is_beyond(claims.chart, claims.commands):
+        wrong.append(OTHER_CHART)
     wrong += _levels_without_subject(claims)
     wrong += _parameters_that_differ(claims)
     return wrong

@@ -13,6 +13,7 @@ from neuralgaits.certificate.levels.chart import PLANE, Corner
 from neuralgaits.certificate.levels.ladder import labelled_premises
 from neuralgaits.certificate.levels.premises import Claim
 from neuralgaits.certificate.proof_file.json_fields import box_of, number_of, text_of
+from neuralgaits.certificate.proof_file.limits import MOST_BOXES, limit
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 
 Root = tuple[str, Corner, Corner]
@@ -48,14 +49,20 @@ class Asked:
     conditions: Mapping[str, AskedCondition]
 
     @classmethod
-    def read(cls, regions: Any, conditions: Any) -> "Asked":
-        """Read them as a proof's model or a run's config has them. Raises: ValueError."""
+    def read(cls, regions: Any, conditions: Any, *, decimals: bool = True) -> "Asked":
+        """Read them as a run's config has them; without decimals, as a proof's model does.
+
+        Raises: ValueError.
+        """
         if not isinstance(regions, dict) or not isinstance(conditions, dict):
             raise ValueError("regions and conditions that are no JSON objects")
         for name in (*regions, *conditions):
             if why := why_no_name(name):
                 raise ValueError(f"the name {why}")
-        boxes = {name: tuple(map(_box, _listed(rows))) for name, rows in regions.items()}
+        boxes = {
+            name: tuple(_box(row, decimals) for row in _listed(rows))
+            for name, rows in regions.items()
+        }
         found = {name: _condition(name, row, boxes) for name, row in conditions.items()}
         return cls(boxes, found)
 
@@ -75,11 +82,12 @@ class Asked:
 def _listed(rows: Any) -> list:
     if not isinstance(rows, list) or not rows:
         raise ValueError("a region without boxes")
+    limit(len(rows), MOST_BOXES, "boxes of a region")
     return rows
 
 
-def _box(table: Any) -> tuple[Corner, Corner]:
-    low, high = box_of(table, "a box of a region", decimals=True)
+def _box(table: Any, decimals: bool) -> tuple[Corner, Corner]:
+    low, high = box_of(table, "a box of a region", decimals=decimals)
     if not all(0.0 <= a <= b <= 1.0 for a, b in zip(low, high, strict=True)):
         raise ValueError(f"a region's box from {low} to {high}, which is no box of the chart")
     return low, high

@@ -1,12 +1,15 @@
 """Fields of untrusted JSON, read one by one: each is what it should be, or a ValueError says why.
 
-Only the standard library is needed.
+Only the standard library is needed. `tools/proofcheck/reading.hpp` takes the same texts.
 """
 
 import json
 import math
 from collections.abc import Collection
 from typing import Any
+
+from neuralgaits._digits import from_hex
+from neuralgaits.certificate.proof_file.limits import DEEPEST, MOST_DIGITS, MOST_FIELDS, limit
 
 Corner = tuple[float, ...]
 """One corner of a box."""
@@ -21,37 +24,62 @@ def parse(text: str, *, fractions: bool = True) -> Any:
         text: to read.
         fractions: allow numbers that are not whole.
     """
-    table = json.loads(
-        text,
-        object_pairs_hook=unique,
-        parse_constant=no_number,
-        parse_float=None if fractions else no_number,
-    )
+    other = _decimal if fractions else no_number
+
+    def whole(digits: str) -> Any:
+        short = len(digits) <= MOST_DIGITS and digits != "-0"
+        return int(digits) if short else other(digits)
+
+    try:
+        table = json.loads(
+            text,
+            object_pairs_hook=unique,
+            parse_constant=no_number,
+            parse_float=other,
+            parse_int=whole,
+        )
+    except RecursionError:
+        limit(DEEPEST + 1, DEEPEST, "levels of JSON")
+        raise
     # What is not escaped stands in the text itself, and nothing but space may lie between texts.
-    if "\\" in text or not text.translate(_BETWEEN).isprintable():
-        _refuse_unprintable(table)
+    odd = "\\" in text or not text.translate(_BETWEEN).isprintable()
+    _refuse_odd(table, texts=odd)
     return table
 
 
-def _refuse_unprintable(value: Any) -> None:
-    """A screen obeys some characters: no name, number or tree of a proof has them."""
-    stack = [value]
-    while stack:
-        item = stack.pop()
-        if isinstance(item, str) and not item.isprintable():
-            raise ValueError(f"{item[:60]!r}, which has characters that cannot be printed")
-        if isinstance(item, dict):
-            stack += [*item.keys(), *item.values()]
-        if isinstance(item, list):
-            stack += item
+def _refuse_odd(table: Any, *, texts: bool) -> None:
+    """Refuse what is nested too deep and, if texts are looked at, what a screen would obey."""
+    level, depth = [table], 0
+    while level:
+        limit(depth, DEEPEST, "levels of JSON")
+        depth += 1
+        inner = []
+        for item in level:
+            if isinstance(item, dict):
+                inner += [*item.keys(), *item.values()]
+            elif isinstance(item, list):
+                inner += item
+            elif texts and isinstance(item, str) and not item.isprintable():
+                raise ValueError(f"{item[:60]!r}, which has characters that cannot be printed")
+        level = inner
 
 
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """The fields of an object, each once."""
-    names = [name for name, _ in pairs]
-    if len(set(names)) < len(names):
-        raise ValueError(f"a field that stands twice among {sorted(names)}")
-    return dict(pairs)
+    limit(len(pairs), MOST_FIELDS, "fields in one object")
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError(f"a field that stands twice among {sorted(found)}")
+    return found
+
+
+def _decimal(digits: str) -> float:
+    """The double nearest to a number, if one is near: neither infinity, nor 0 for what is not 0."""
+    value = float(digits)
+    mantissa = digits.lower().partition("e")[0]
+    if math.isinf(value) or (value == 0.0 and mantissa.strip("-0.")):
+        raise ValueError(f"the number {digits[:40]}, which no double is near")
+    return value
 
 
 def no_number(text: str) -> float:
@@ -88,13 +116,10 @@ def number_of(value: Any, what: str) -> float:
 def corner_of(value: Any, size: int = 2, *, decimals: bool = False) -> Corner:
     """So many hexadecimal numbers; or, if that is said, numbers as JSON has them."""
     if not isinstance(value, list) or len(value) != size:
-        raise ValueError(f"the corner {value!r} instead of {size} numbers")
-    return tuple(
-        number_of(end, "ends of a corner")
-        if decimals and not isinstance(end, str)
-        else float.fromhex(text_of(end, "a corner"))
-        for end in value
-    )
+        raise ValueError(f"a corner that is not {size} numbers")
+    if decimals:
+        return tuple(number_of(end, "ends of a corner") for end in value)
+    return tuple(from_hex(end, "a corner") for end in value)
 
 
 def box_of(

@@ -4,7 +4,6 @@ Only the standard library and NumPy are needed. The reader accepts the one forma
 field by field; what it does not know may change the meaning of what it knows.
 """
 
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,22 +21,27 @@ from neuralgaits.certificate.proof_file.json_fields import (
     parse,
     text_of,
 )
+from neuralgaits.certificate.proof_file.limits import (
+    MOST_NAMES,
+    MOST_STATEMENTS,
+    limit,
+    shortened,
+)
+from neuralgaits.certificate.proof_file.program_field import FIBRE
+from neuralgaits.certificate.proof_file.program_field import program_of as _program
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.proof_file.told_ranges import CommandRange, command_ranges
 from neuralgaits.errors import InputError, reason
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import reading
 from neuralgaits.runs import packed
 
-FIBRE = "xi"
-"""Second input of a Program at full order: statements are about all of its unit ball."""
 FORMAT, KIND = 3, "neuralgaits certificate"
 FIELDS = frozenset(
     "format kind robot weights_sha256 spec program program_hash chart statements theorems"
     " model".split()
 )
 STATEMENT_FIELDS = frozenset("conditions region scales bounds degree root tree".split())
-MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
-"""What a Program may have: elements of xi, of one value, and products of one matrix product."""
 MAX_CUTS = 48
 """Halvings of one axis: more would exhaust the digits of a double."""
 LEAF, DIGITS = "-", "0123456789abcdef"
@@ -120,6 +124,7 @@ class Claims:
         theorems: levels above 1, whose premises are statements.
         model: as in the file: data for readers that derive the dynamics, or None.
         asked: the spec's conditions and regions, as the model has them; None without one.
+        commands: what the gait is told, as the model has it.
     """
 
     robot: tuple[str, str]
@@ -132,6 +137,7 @@ class Claims:
     theorems: Theorems
     model: dict[str, Any] | None
     asked: Asked | None
+    commands: tuple[CommandRange, ...] = ()
 
     @cached_property
     def off_zero(self) -> set[str]:
@@ -161,8 +167,8 @@ def read_claims(path: Path) -> Claims:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:
         raise InputError(
-            f"expected a proof file of format {FORMAT}, found in {path}: {error}; certify its "
-            "run again"
+            f"expected a proof file of format {FORMAT}, found in {path}: {shortened(str(error))}; "
+            "certify its run again"
         ) from None
 
 
@@ -185,6 +191,7 @@ def _claims(table: Any) -> Claims:
     entries = fields["statements"]
     if not isinstance(entries, list) or not entries:
         raise ValueError("no statements")
+    limit(len(entries), MOST_STATEMENTS, "statements")
     model = fields["model"]
     if model is not None and not isinstance(model, dict):
         raise ValueError("a model that is neither a JSON object nor null")
@@ -199,6 +206,7 @@ def _claims(table: Any) -> Claims:
         theorems=theorems,
         model=model,
         asked=None if model is None else _asked(model, outputs),
+        commands=() if model is None else command_ranges(model),
     )
 
 
@@ -210,50 +218,19 @@ def _refuse_names(outputs: set[str], premises: set[str]) -> None:
 
 
 def _asked(model: dict[str, Any], outputs: set[str]) -> Asked:
-    asked = Asked.read(model.get("regions"), model.get("conditions"))
+    asked = Asked.read(model.get("regions"), model.get("conditions"), decimals=False)
     own = {name for name in outputs if "/" not in name}
     if odd := sorted(own ^ set(asked.conditions)):
         raise ValueError(f"{odd[0]}, which only one of model and Program has")
     return asked
 
 
-def _program(given: Any, axes: int) -> Program:
-    """A Program, written in its canonical form and no other."""
-    text = given if isinstance(given, str) else json.dumps(given)
-    table = parse(text, fractions=False)
-    canonical = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
-    try:
-        program = Program.from_json(canonical)
-    except InputError as error:
-        raise ValueError(str(error)) from None
-    if program.to_json() != canonical:
-        raise ValueError("a Program with fields that this version does not know")
-    names, shapes = [item.name for item in program.inputs], [item.shape for item in program.inputs]
-    if names not in (["u"], ["u", FIBRE]) or shapes[0] != (axes,) or len(shapes[-1]) != 1:
-        raise ValueError(f"a Program that is no function of {axes} axes u, or of u and {FIBRE}")
-    if any(0 in output.shape for output in program.outputs):
-        raise ValueError("a Program with an output without elements")
-    _refuse_large(program)
-    return program
-
-
-def _refuse_large(program: Program) -> None:
-    """A few lines can ask for more memory than there is: no gait's Program does."""
-    wide, known = max(program.sizes), program.sizes
-    if len(program.inputs) > 1 and program.inputs[1].shape[0] > MOST_FIBRES:
-        raise ValueError(f"{program.inputs[1].shape[0]} elements of {FIBRE}")
-    if wide > MOST_ELEMENTS:
-        raise ValueError(f"a value of {wide} elements")
-    for row in program.operations:
-        if row.kind == "affine" and row.size * known[row.operands[1]] > MOST_PRODUCTS * row.columns:
-            raise ValueError(f"a product of {known[row.operands[0]]} and more elements")
-
-
 def _statement(entry: Any, outputs: set[str], chart: Chart) -> Statement:
     fields = exactly(entry, "a statement", STATEMENT_FIELDS)
     names = fields["conditions"]
     if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
-        raise ValueError(f"conditions {names!r}, which are not a list of names")
+        raise ValueError("conditions which are not a list of names")
+    limit(len(names), MOST_NAMES, "conditions")
     if len(set(names)) < len(names) or not set(names) <= outputs:
         raise ValueError(f"conditions {names} that are no different outputs of the Program")
     if type(fields["degree"]) is not int or fields["degree"] not in (1, 2):

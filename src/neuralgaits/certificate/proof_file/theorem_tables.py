@@ -3,17 +3,18 @@
 The reader accepts what the writer writes, field by field. Needs no JAX.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
+from neuralgaits._digits import from_hex
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder
 from neuralgaits.certificate.levels.ladder import LEVELS
 from neuralgaits.certificate.levels.level import Level, Parameters
 from neuralgaits.certificate.levels.orbit.theorem import Orbit
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.proof_file.limits import MOST_NAMES, MOST_SERIES, limit
 
 BY_NUMBER: Mapping[int, Level] = {level.number: level for level in LEVELS}
 T = TypeVar("T")
@@ -67,6 +68,7 @@ class Theorems(NamedTuple):
         """Read what `tables` wrote. Raises: ValueError on anything else."""
         if not isinstance(tables, list | tuple):
             raise ValueError("theorems that are no list")
+        limit(len(tables), len(BY_NUMBER), "theorems")
         found: dict[int, Any] = {}
         claimed = []
         for table in tables:
@@ -134,10 +136,7 @@ def _value(given: Any, kind: Any, name: str) -> Any:
         if given not in get_args(kind):
             raise ValueError(f"{given!r} for {name}")
         return given
-    number = float.fromhex(given)
-    if not math.isfinite(number):
-        raise ValueError(f"the number {given} for {name}")
-    return number
+    return from_hex(given, name)
 
 
 def _items(given: Any, kinds: tuple[Any, ...], name: str) -> tuple:
@@ -146,4 +145,8 @@ def _items(given: Any, kinds: tuple[Any, ...], name: str) -> tuple:
         raise ValueError(f"{name} that is not a list of its length")
     if kinds[0] is float and not given:
         raise ValueError(f"{name} without numbers")
+    if kinds[0] is float:
+        limit(len(given), MOST_SERIES, f"numbers in {name}")
+    else:
+        limit(len(given), MOST_NAMES, name)
     return tuple(_value(item, kinds[0], name) for item in given)

@@ -19,7 +19,7 @@ from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.halving import LEAF, to_text
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import Program
-from neuralgaits.runs import write_text
+from neuralgaits.runs import write_bytes
 
 FORMAT = 3
 KIND = "neuralgaits certificate"
@@ -82,6 +82,10 @@ class Proof:
 
     def write(self, path: Path) -> None:
         """Write the file, whole or not at all."""
+        write_bytes(path, self.content())
+
+    def content(self) -> bytes:
+        """Return what the file holds."""
         table = {
             "format": FORMAT,
             "kind": KIND,
@@ -97,7 +101,7 @@ class Proof:
         text = json.dumps(table, allow_nan=False, ensure_ascii=False, indent=1)
         # The Program on one line: it is long, and nothing for the eye.
         program = self.program.to_json()
-        write_text(path, f'{text.removesuffix("}").rstrip()},\n "program": {program}\n}}\n')
+        return f'{text.removesuffix("}").rstrip()},\n "program": {program}\n}}\n'.encode()
 
 
 def prove(problem: Problem, state: Search) -> list[Statement]:

@@ -1,6 +1,7 @@
 """Map of a certificate: which boxes of the zero dynamics plane are proved, refuted, undecided."""
 
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from neuralgaits.errors import RunError
-from neuralgaits.report.drawing.figure import png
 from neuralgaits.report.drawing.style import BLACK, ORANGE, new_figure, styled
 from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
-from neuralgaits.runs import read_arrays, write_bytes
+from neuralgaits.runs import read_arrays
 
 TITLE = "What is proved, where"
 CAPTION = (
@@ -32,12 +32,6 @@ _NOT_PROVED = (UNDECIDED, ORANGE, "///"), (REFUTED, _RED, "xxx")
 """Colour and hatch: in grey they differ too."""
 
 
-def draw_file(data: Path, figure: Path) -> Path:
-    """Draw saved boxes. Returns: the path of the PNG file."""
-    write_bytes(figure, png(draw_saved(data)))
-    return figure
-
-
 def draw_saved(data: Path) -> Figure:
     """The map of saved boxes. Raises: RunError if they are damaged."""
     arrays, metadata = read_arrays(data)
@@ -48,9 +42,15 @@ def draw_saved(data: Path) -> Figure:
             f"expected corners, answers and margins of boxes in {data}, found other arrays: "
             "certify the run again"
         )
-    corners, answer, margin = (arrays[name].astype(float) for name in shapes)
+    return draw_arrays(arrays, metadata.get("title", ""))
+
+
+def draw_arrays(arrays: Mapping[str, np.ndarray], title: str) -> Figure:
+    """Draw the map from its arrays by name."""
+    names = ("corners", "answer", "margin")
+    corners, answer, margin = (arrays[name].astype(float) for name in names)
     points = arrays.get("counterexamples", np.zeros((0, 2))).reshape(-1, 2)
-    return draw(corners, answer, margin, points, metadata.get("title", ""))
+    return draw(corners, answer, margin, points, title)
 
 
 @styled

@@ -1,25 +1,23 @@
-"""Boxes of a certificate carried to the plane of the zero dynamics, saved and drawn."""
+"""Boxes of a certificate carried to the plane of the zero dynamics, as data and as a figure."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._printable import printable
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.report.figures.certificate_map import PROVED, REFUTED, UNDECIDED, draw_file
-from neuralgaits.runs import write_arrays
+from neuralgaits.report.drawing.figure import png
+from neuralgaits.report.figures.certificate_map import PROVED, REFUTED, UNDECIDED, draw_arrays
+from neuralgaits.runs.arrays import packed
+from neuralgaits.runs.names import MAP, MAP_FIGURE
 
-DATA, FIGURE = "map.safetensors", "map.png"
 
-
-def write_map(
-    run: Run, problems: Sequence[Problem], states: Sequence[Search], folder: Path
-) -> Path:
-    """Save corners and states of all boxes, and the figure of them. Returns: its path."""
+def map_files(run: Run, problems: Sequence[Problem], states: Sequence[Search]) -> dict[str, bytes]:
+    """Return the contents of the files by name: corners and states of all boxes, and a figure."""
     chart = trace(lambda u: {"z": run.gait.z(u)}, {"u": (2,)})
     parts = []
     for state in states:
@@ -45,5 +43,5 @@ def write_map(
     title = f"{run.asked.robot}, {run.asked.spec}: {len(conditions)} conditions"
     if names:
         title += f"; refuted: {', '.join(names)}"
-    write_arrays(folder / DATA, arrays, {"title": title})
-    return draw_file(folder / DATA, folder / FIGURE)
+    title = printable(title)
+    return {MAP: packed(arrays, {"title": title}), MAP_FIGURE: png(draw_arrays(arrays, title))}

@@ -19,7 +19,7 @@ from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.report.page.training import TIGHTEST
 from neuralgaits.runs import packed
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.commands import command, named, quoted
 
 _LEVEL_FIGURES = {
     "step_time_at_most_s": ("a step takes at most", "s"),
@@ -182,7 +182,7 @@ def _files(saved: Saved, found: Certified) -> list[Html]:
         # Its own formulas know one robot.
         derives = "here bounds the arithmetic in the file, which it does not derive again"
         asked.append("--program")
-    file = shlex.quote(str(proof.resolve()))
+    file = quoted(str(proof.resolve()))
     # It knows no packed files.
     check = f"gunzip -c {file} | {shlex.join(asked)} /dev/stdin"
     if proof.name == Path(PROOF).name:

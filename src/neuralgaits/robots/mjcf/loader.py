@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits._names import meant
+from neuralgaits._printable import printable
 from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import derive, registry
 from neuralgaits.robots.biped import PlanarBiped
@@ -133,7 +134,7 @@ def robot_text(name_or_path: str | Path) -> tuple[str, str]:
         raise RobotError(
             f"unknown robot {name}: {hint}use one of {known}, or a path to an MJCF file"
         )
-    return standalone_text(path), path.stem
+    return standalone_text(path), printable(path.stem)
 
 
 def compile_text(text: str, name: str) -> mujoco.MjModel:

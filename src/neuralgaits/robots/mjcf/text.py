@@ -5,9 +5,11 @@ textures: pictures only) get absolute paths. MuJoCo's own writer would do the sa
 numbers to six digits. A file that needs neither is kept word for word, comments included.
 """
 
+import os
 from pathlib import Path
 from xml.etree import ElementTree
 
+from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
 
 _ASSETS = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
@@ -93,6 +95,16 @@ def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
             path = (folder / below / entry.attrib["file"]).resolve()
             if not path.is_file():
                 raise RobotError(missing_asset(entry.tag, path))
-            entry.set("file", str(path))
+            entry.set("file", _in_utf8(entry.tag, path))
             touched = True
     return touched
+
+
+def _in_utf8(kind: str, path: Path) -> str:
+    """Return a path as XML has it. Raises: RobotError if it is no UTF-8: MuJoCo takes no other."""
+    text = printable(path)
+    if text.encode() != os.fsencode(path):
+        raise RobotError(
+            f"expected a {kind} file whose path is UTF-8, found {text}: rename what is not"
+        )
+    return text

@@ -100,7 +100,11 @@ class Link:
         """
         extra = [] if log is None else ["--log", str(log)]
         self._process = subprocess.Popen(
-            [str(program), *extra], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            [str(program), *extra],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            encoding="utf-8",
+            errors="replace",
         )
         assert self._process.stdout is not None
         said = self._process.stdout.readline().split()

@@ -85,7 +85,7 @@ def given_run(
     )
     copies = {
         ROBOT: robot.layout.xml,
-        SPEC: specs.source_path(spec.name).read_text(),
+        SPEC: specs.source_path(spec.name).read_text(encoding="utf-8"),
         GAIT: write_gait(robot, gait),
     }
     place = None if out is None else Path(out)

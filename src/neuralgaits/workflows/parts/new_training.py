@@ -165,6 +165,6 @@ def _widths(gait: AnyGait) -> tuple[int, ...] | None:
 def _source(spec: str | GaitSpec) -> str:
     """The file that defines the spec, or the names that an object without a file has."""
     if isinstance(spec, str):
-        return specs.source_path(spec).read_text()
+        return specs.source_path(spec).read_text(encoding="utf-8")
     names = "".join(f"# {condition.name}\n" for condition in spec.conditions)
     return f"# A GaitSpec made in Python, {spec.name!r}, in no file. Its conditions:\n{names}"

@@ -1,0 +1,82 @@
+"""Read the Program of a proof file: in its canonical form and no other, and of a size that can be.
+
+Only the standard library and NumPy are needed.
+"""
+
+import json
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+from neuralgaits.certificate.proof_file.json_fields import parse
+from neuralgaits.certificate.proof_file.limits import (
+    MOST_DIMENSIONS,
+    MOST_OF_OUTPUT,
+    MOST_OUTPUTS,
+    MOST_WORK,
+    limit,
+)
+from neuralgaits.errors import InputError
+from neuralgaits.programs.program import Operation, Program
+
+FIBRE = "xi"
+"""Second input of a Program at full order: statements are about all of its unit ball."""
+MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
+"""What a Program may have: elements of xi, of one value, and products of one matrix product."""
+OF_OUTPUT = "elements of an output of the Program"
+OF_WORK = "numbers that the Program reads and makes"
+
+
+def program_of(given: Any, axes: int) -> Program:
+    """A Program, written in its canonical form and no other."""
+    text = given if isinstance(given, str) else json.dumps(given)
+    table = parse(text, fractions=False)
+    _refuse_long(table)
+    canonical = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    try:
+        program = Program.from_json(canonical)
+    except InputError as error:
+        raise ValueError(str(error)) from None
+    if program.to_json() != canonical:
+        raise ValueError("a Program with fields that this version does not know")
+    names, shapes = [item.name for item in program.inputs], [item.shape for item in program.inputs]
+    if names not in (["u"], ["u", FIBRE]) or shapes[0] != (axes,) or len(shapes[-1]) != 1:
+        raise ValueError(f"a Program that is no function of {axes} axes u, or of u and {FIBRE}")
+    if any(0 in output.shape for output in program.outputs):
+        raise ValueError("a Program with an output without elements")
+    _refuse_large(program)
+    return program
+
+
+def _refuse_long(table: Any) -> None:
+    """Lists that have more than any Program has, in whatever stands for a Program."""
+    if not isinstance(table, dict):
+        raise ValueError("a Program that is no JSON object")
+    rows = {name: part if isinstance(part, list) else [] for name, part in table.items()}
+    limit(len(rows.get("outputs", ())), MOST_OUTPUTS, "outputs of the Program")
+    for name in ("inputs", "constants", "outputs"):
+        for row in rows.get(name, ()):
+            if isinstance(row, list) and len(row) > 1 and isinstance(row[1], list):
+                limit(len(row[1]), MOST_DIMENSIONS, "dimensions of an array")
+
+
+def _refuse_large(program: Program) -> None:
+    """A few lines can ask for more memory than there is: no gait's Program does."""
+    wide, known = max(program.sizes), program.sizes
+    if len(program.inputs) > 1 and program.inputs[1].shape[0] > MOST_FIBRES:
+        raise ValueError(f"{program.inputs[1].shape[0]} elements of {FIBRE}")
+    if wide > MOST_ELEMENTS:
+        raise ValueError(f"a value of {wide} elements")
+    limit(max(known[row.value] for row in program.outputs), MOST_OF_OUTPUT, OF_OUTPUT)
+    for row in program.operations:
+        if row.kind == "affine" and row.size * known[row.operands[1]] > MOST_PRODUCTS * row.columns:
+            raise ValueError(f"a product of {known[row.operands[0]]} and more elements")
+    limit(sum(map(partial(_work, known), program.operations)), MOST_WORK, OF_WORK)
+
+
+def _work(sizes: Sequence[int], row: Operation) -> int:
+    """How many numbers an operation reads, multiplies and makes."""
+    work = row.size + sum(sizes[operand] for operand in row.operands)
+    if row.kind == "affine":
+        work += row.size * (sizes[row.operands[1]] // row.columns)
+    return work
