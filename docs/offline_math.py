@@ -20,6 +20,8 @@ _MATHML = "http://www.w3.org/1998/Math/MathML"
 _COMMAND = re.compile(r"\\[A-Za-z]+")
 _BAR = re.compile(r"\\[lr]vert\b")
 _CLOSING = {")", "]"}
+_FUNCTIONS = {"exp", "log", "max", "sup"}
+_THIN = "0.17em"
 
 ElementTree.register_namespace("", _MATHML)
 
@@ -36,6 +38,8 @@ def mathml(tex: str, display: str) -> str:
     _close_bars(root, _BAR.findall(tex))
     for element in root.iter():
         _signs(list(element))
+        if element.tag == f"{{{_MATHML}}}mrow":
+            _functions(list(element))
         _prime(element)
     for accented in root.iter(f"{{{_MATHML}}}mover"):
         # As accents, dots and bars sit close to their letter.
@@ -47,7 +51,7 @@ def mathml(tex: str, display: str) -> str:
 def _close_bars(root: ElementTree.Element, sides: list[str]) -> None:
     """Bars open and close as in the LaTeX, where they stand in the same order."""
     bars = [element for element in root.iter() if element.text == "|"]
-    if len(bars) != len(sides):
+    if len(bars) != len(sides) or 2 * sides.count(r"\lvert") != len(sides):
         raise ValueError("write absolute values with \\lvert and \\rvert")
     for bar, side in zip(bars, sides, strict=True):
         bar.set("form", "prefix" if side == r"\lvert" else "postfix")
@@ -63,6 +67,15 @@ def _signs(row: list[ElementTree.Element]) -> None:
             element.set("rspace", "0")
         elif element.text == "−" and (before is None or _opens(before)):
             element.set("form", "prefix")
+
+
+def _functions(row: list[ElementTree.Element]) -> None:
+    """A function has a thin space before it, and after it unless a bracket follows."""
+    for before, element, after in zip([None, *row], row, [*row[1:], None], strict=False):
+        if element.text in _FUNCTIONS:
+            element.tag = f"{{{_MATHML}}}mo"
+            element.set("lspace", "0" if before is None or _opens(before) else _THIN)
+            element.set("rspace", "0" if after is not None and after.text == "(" else _THIN)
 
 
 def _prime(element: ElementTree.Element) -> None:

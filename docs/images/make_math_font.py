@@ -1,4 +1,4 @@
-"""Make docs/assets/math.woff again: the glyphs of the pages' formulas, from a font with a MATH table.
+"""Make docs/assets/math.woff again: the glyphs of formulas, from a font with a MATH table.
 
 Without such a font a browser sets indices and accents badly, and many machines have none. Run with
 the path of DejaVuMathTeXGyre.ttf (Debian: fonts-dejavu-extra).
