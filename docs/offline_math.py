@@ -22,6 +22,8 @@ _BAR = re.compile(r"\\[lr]vert\b")
 _CLOSING = {")", "]"}
 _FUNCTIONS = {"exp", "log", "max", "sup"}
 _THIN = "0.17em"
+_LONG = 32
+"""Characters of a formula in a line that is wider than a phone."""
 
 ElementTree.register_namespace("", _MATHML)
 
@@ -102,7 +104,10 @@ def _written(node: nodes.Element, display: str) -> str:
 
 
 def _inline(translator: HTML5Translator, node: nodes.math) -> None:
-    translator.body.append(_written(node, "inline"))
+    written = _written(node, "inline")
+    if len(re.sub(r"<[^>]*>", "", written)) > _LONG:
+        written = f'<span class="math-long">{written}</span>'
+    translator.body.append(written)
     raise nodes.SkipNode
 
 
