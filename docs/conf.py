@@ -17,11 +17,20 @@ project = "Neural Gaits"
 author = "The Neural Gaits developers"
 copyright = author
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "house_docstrings"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "house_docstrings",
+    "offline_math",
+]
 exclude_patterns = ["images", "assets"]
 
 # Anchors are those of code hosts, so that a link works in both places.
 myst_heading_anchors = 4
+# $...$ and $$...$$, as code hosts read them.
+myst_enable_extensions = ["dollarmath"]
+html_math_renderer = "mathml"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
