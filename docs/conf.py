@@ -42,6 +42,8 @@ default_role = "py:obj"
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 80
 add_module_names = False
+# Names in the right column are short enough for one line.
+toc_object_entries_show_parents = "hide"
 
 html_theme = "furo"
 html_title = project
