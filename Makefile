@@ -38,6 +38,7 @@ bench: .venv/dev.stamp
 # The pages, for a browser: build/docs/index.html. A warning is an error.
 docs: .venv/dev.stamp
 	.venv/bin/sphinx-build -q -W --keep-going -E -d build/doctrees docs build/docs
+	@echo "open build/docs/index.html"
 
 lint: .venv/dev.stamp
 	.venv/bin/ruff check .

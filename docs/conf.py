@@ -17,11 +17,20 @@ project = "Neural Gaits"
 author = "The Neural Gaits developers"
 copyright = author
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "house_docstrings"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "house_docstrings",
+    "offline_math",
+]
 exclude_patterns = ["images", "assets"]
 
 # Anchors are those of code hosts, so that a link works in both places.
 myst_heading_anchors = 4
+# $...$ and $$...$$, as code hosts read them.
+myst_enable_extensions = ["dollarmath"]
+html_math_renderer = "mathml"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
@@ -33,6 +42,8 @@ default_role = "py:obj"
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 80
 add_module_names = False
+# Names in the right column are short enough for one line.
+toc_object_entries_show_parents = "hide"
 
 html_theme = "furo"
 html_title = project

@@ -7,6 +7,8 @@ from typing import Any
 ROBOTS = Path(__file__).parents[2] / "examples" / "robots"
 SHIPPED = "shipped"
 """The gait of AMBER-3M that comes with the package."""
+SHIPPED_SPEED = "shipped-speed"
+"""The shipped gait that takes a speed command."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,7 @@ class Scene:
         steps: that are walked; a push comes at a random moment after the fifth.
         width: of the picture [px].
         rows: of the film's picture that are shown, as shares of its height from above.
+        speeds: commanded of each step [m/s], written at the top; empty for most gaits.
     """
 
     name: str
@@ -31,10 +34,21 @@ class Scene:
     steps: int = 7
     width: int = 280
     rows: tuple[float, float] = (0.12, 1.0)
+    speeds: tuple[float, ...] = ()
 
 
 HEAD = Scene("walk", SHIPPED, 1.0, 5.0, steps=14, width=640)
 """At the head of the README."""
+FASTER = Scene(
+    "faster",
+    SHIPPED_SPEED,
+    0.8,
+    8.2,
+    steps=17,
+    width=320,
+    speeds=(0.55, 0.55, 0.55, *(round(0.55 + 0.04 * k, 2) for k in range(1, 9)), 0.90),
+)
+"""At the head of the page on commands: from 0.55 to 0.90 m/s in nine steps."""
 SCENES = (
     Scene("gallery-amber3m", SHIPPED),
     Scene("gallery-rabbit", "rabbit"),

@@ -126,7 +126,7 @@ def test_a_hold_that_fits_is_a_proof_and_planted_falsity_is_none():
 
 
 def test_errors_of_a_hold_reach_no_further_than_their_mean():
-    """Of r' = -gamma r / 2 + b e, e a sawtooth: the W of docs/level5.md."""
+    """Of r' = -gamma r / 2 + b e, e a sawtooth: the W of docs/level5_proof.md."""
     full = _full()
     shape = _held(full)
     still, slope = (float(part) for part in growth(full, shape))

@@ -40,7 +40,7 @@ def test_the_exit_code_is_the_verdict(run, capfd: Captured) -> None:
     out, err = capfd.readouterr()
     assert ("proved" in err) == (name == "small")
     # A condition is refuted, whatever level was asked for.
-    level = "level 1, level 3 was asked" if verdict == "refuted" else "level 3"
+    level = "level 1, level 3 was requested" if verdict == "refuted" else "level 3"
     assert f"{verdict} at {level}" in out
 
 

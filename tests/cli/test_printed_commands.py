@@ -133,7 +133,7 @@ def test_commands_about_a_run_of_a_built_in_robot(built_in, at, capfd, monkeypat
     plant = ("--plant", "amber3m-tail", "--steps", "1", "--disturb", "friction=0.9", "--push", "-1")
     assert place.call(capfd, "simulate", run, *plant) in (0, 1)
     # No command stands in a figure; those of the first run are drawn all the same.
-    monkeypatch.setattr("neuralgaits.workflows.report.figures", lambda _: [])
+    monkeypatch.setattr("neuralgaits.workflows.report.draw", lambda *_: [])
     assert place.call(capfd, "report", run) == 0
     lines = on_page((place.run / "report.html").read_text())
     asked = check(lines)

@@ -4,6 +4,7 @@ import pytest
 from rich.text import Text
 
 from neuralgaits.cli import (
+    brief,
     episodes_screen,
     export_screen,
     learning_screen,
@@ -19,6 +20,7 @@ from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
 from neuralgaits.records.reported import Reported
+from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import Trained
 from neuralgaits.records.walked import EpisodesDone
 
@@ -69,6 +71,22 @@ PROOF = {
     "proof": PATH,
     "map": PATH,
     "conditions": {f"a-condition-of-the-spec-{k}": _entry(k) for k in range(CONDITIONS)},
+}
+REFUTED = PROOF | {
+    "verdict": "refuted",
+    "conditions": PROOF["conditions"] | {"worst": _entry(0, "refuted")},
+    "levels": [],
+}
+UNDECIDED = PROOF | {
+    "verdict": "undecided",
+    "reason": "the budget of 1 s is spent",
+    "levels": [LEVEL | {"verdict": "undecided", "reason": "a constant does not fit"}],
+}
+WALKED = {
+    **{"plant": "amber3m", "controller": "pd", "start": "centre", "seed": 0, "episodes": 3},
+    **{"steps_walked": [50, 6, 8], "fell": [False, True, True], "poincare": None, "steps": 50},
+    **{"fall_reasons": [None, "hip too low", "hip too low"], "push": 64.0},
+    "speed_m_s": 0.7,
 }
 CHECK = {
     "proof": PATH,
@@ -257,6 +275,35 @@ SCREENS = {
     "inspect": (screen.show_robot, RobotFacts.of(INSPECTED)),
     "planarise": (screen.show_planarised, RobotFacts.of(INSPECTED)),
 }
+BRIEF = {
+    "proof": (brief.brief_proof, Certified.of(PROOF)),
+    "proof that is refuted": (brief.brief_proof, Certified.of(REFUTED)),
+    "proof that is undecided": (brief.brief_proof, Certified.of(UNDECIDED)),
+    "check": (brief.brief_check, Checked.of(CHECK)),
+    "training": (brief.brief_training, Trained.of(TRAINED | {"conditions": {}})),
+    "fit": (brief.brief_fit, Fitted.of(FIT)),
+    "report": (brief.brief_report, Reported.of(REPORT)),
+    "walks": (brief.brief_walks, Simulated.of(WALKED)),
+}
+SCREENS |= {f"brief {name}": shown for name, shown in BRIEF.items()}
+MOST_LINES = 6
+
+
+@pytest.mark.parametrize("name", BRIEF)
+def test_a_command_ends_with_at_most_six_lines(
+    name: str, capsys: Captured, monkeypatch: Environment
+) -> None:
+    out = _shown(f"brief {name}", 2000, capsys, monkeypatch)
+    assert 2 <= len(out.splitlines()) <= MOST_LINES
+
+
+def test_what_is_refuted_is_shown_with_its_state(
+    capsys: Captured, monkeypatch: Environment
+) -> None:
+    lines = _shown("brief proof that is refuted", 2000, capsys, monkeypatch).splitlines()
+    assert lines[0].startswith("refuted at level 1")
+    assert any(line.startswith("broken") and "z = (" in line for line in lines)
+    assert not any(line.startswith("next") for line in lines)
 
 
 def _shown(name: str, columns: int, capsys: Captured, monkeypatch: Environment) -> str:

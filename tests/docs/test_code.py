@@ -34,7 +34,18 @@ def run(page, place) -> dict:
 CONDITIONS = pages.ROOT / "docs" / "conditions.md"
 
 
-@pytest.mark.parametrize("page", [p for p in WITH_CODE if p != CONDITIONS], ids=pages.name)
+README = pages.ROOT / "README.md"
+"""Trains, walks, proves and draws."""
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=pytest.mark.slow if page == README else (), id=pages.name(page))
+        for page in WITH_CODE
+        if page != CONDITIONS
+    ],
+)
 def test_code_of_a_page_runs(page, place):
     assert run(page, place)
 

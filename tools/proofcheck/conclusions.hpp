@@ -7,7 +7,7 @@ namespace {
 // --------------------------------------------------------------------------- 18 what follows
 //
 // The statements are inequalities on boxes. Levels 2 and 3 put them together: each method draws one
-// conclusion, or says which premise is missing. docs/guarantees.md has the same in prose.
+// conclusion, or says which premise is missing. docs/walking_set.md has the same in prose.
 
 using Regions = std::map<string, vector<Box>>;
 // An output and a box of phase and level: both corners. Roots are whole in every further axis.

@@ -10,7 +10,7 @@ namespace {
 // differentiated once more: with D q''' = -R, R all of d/dt (inertial and gravitational moments) that
 // does not have q''' in it, q''' is one of the whole robot and knows no policy. What the desired
 // outputs do meanwhile follows from their third derivatives and from those of z: z1 is linear in q,
-// and z2' = M g x_com. docs/level5.md uses them.
+// and z2' = M g x_com. docs/level5_proof.md uses them.
 
 // A Taylor model, or the value and derivative of one, times a Taylor model that does not move.
 template <class T>

@@ -33,7 +33,7 @@ class Output:
     json: Flag = False
     """Print one JSON object on stdout, and no progress."""
     verbose: Annotated[bool, arg(aliases=["-v"])] = False
-    """Show the traceback of an error."""
+    """Print the whole result, not its key lines; the traceback of an error."""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from typing import Literal
 
 from neuralgaits.cli import episodes_screen, learning_screen, screen
 from neuralgaits.cli.arguments import Episodes, Fit, Refine
+from neuralgaits.cli.brief import brief_fit, brief_training
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.words import options
 from neuralgaits.errors import InputError
@@ -21,7 +22,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
 
     with TrainingProgress(quiet=verb.output.json) as progress:
         done = fit(**options(verb), progress=progress).summary
-    return Outcome(done, done.better, learning_screen.show_fit)
+    return Outcome(done, done.better, learning_screen.show_fit, brief=brief_fit)
 
 
 def carry_out_refine(verb: Refine) -> Outcome:
@@ -46,7 +47,8 @@ def carry_out_refine(verb: Refine) -> Outcome:
             watch=Watch(progress.proved, progress.round_ended),
         )
     done = run.summary
-    return Outcome(done, done.proved, screen.show_training, undecided=not done.proved)
+    shown = None if done.broken else brief_training
+    return Outcome(done, done.proved, screen.show_training, undecided=not done.proved, brief=shown)
 
 
 def carry_out_episodes(verb: Episodes) -> Outcome:

@@ -97,7 +97,7 @@ def _answer(arguments: list[str]) -> int:
 
     if not verb.output.json:
         outcome = verbs.carry_out(verb)
-        outcome.show()
+        outcome.show(verbose=verb.output.verbose)
     else:
         with _stdout_to_stderr():
             outcome = verbs.carry_out(verb)

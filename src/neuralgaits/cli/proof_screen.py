@@ -45,7 +45,7 @@ def show_proof(result: Certified) -> None:
     asked = f" at level {result.level}"
     if result.verdict == "refuted" and result.level > 1:
         # What is refuted is a condition; nothing above stands on it.
-        asked = f" at level 1, level {result.level} was asked"
+        asked = f" at level 1, level {result.level} was requested"
     show_sentence(verdict(result.verdict), f"{asked}{reason}")
     facts: list[tuple[str, Any]] = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
     if result.robots is not None:

@@ -3,6 +3,7 @@
 from rich.text import Text
 
 from neuralgaits.cli.arguments import Report
+from neuralgaits.cli.brief import brief_report
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.tables import show_facts, show_sentence
 from neuralgaits.records.reported import Reported
@@ -17,7 +18,7 @@ def carry_out_report(verb: Report) -> Outcome:
 
     with waiting("walking once more, drawing the figures", quiet=verb.output.json):
         done = write_report(verb.run, out=verb.out)
-    return Outcome(done.summary, True, show_report)
+    return Outcome(done.summary, True, show_report, brief=brief_report)
 
 
 def show_report(result: Reported) -> None:

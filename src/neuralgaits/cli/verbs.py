@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._environment import render_without_screen
-from neuralgaits.cli import proof_screen, screen
+from neuralgaits.cli import brief, proof_screen, screen
 from neuralgaits.cli.arguments import (
     Certify,
     CheckProof,
@@ -136,7 +136,9 @@ def _train(verb: Train) -> Outcome:
         watch = Watch(progress.proved, progress.round_ended, progress.say)
         run = train(robot, progress=progress, watch=watch, **given)
     done = run.summary
-    return Outcome(done, done.proved, screen.show_training, undecided=not done.proved)
+    # What failed, and what may mend it, is shown whole.
+    shown = None if done.broken else brief.brief_training
+    return Outcome(done, done.proved, screen.show_training, undecided=not done.proved, brief=shown)
 
 
 def _interval(name: str, text: str) -> float | tuple[float, float]:
@@ -214,7 +216,8 @@ def _simulate(verb: Simulate) -> Outcome:
     notes = [done.plant_note, None if verb.output.json else done.summary.engine_note]
     for note in filter(None, notes):
         print(note, file=sys.stderr)
-    return Outcome(done.summary, not any(done.summary.fell), screen.show_walks)
+    walked = not any(done.summary.fell)
+    return Outcome(done.summary, walked, screen.show_walks, brief=brief.brief_walks)
 
 
 def _certify(verb: Certify) -> Outcome:
@@ -241,7 +244,11 @@ def _certify(verb: Certify) -> Outcome:
             raise Interrupted(_resumed_proof(verb)) from stop
     verdict = done.verdict
     return Outcome(
-        done.summary, verdict == "proved", proof_screen.show_proof, verdict == "undecided"
+        done.summary,
+        verdict == "proved",
+        proof_screen.show_proof,
+        verdict == "undecided",
+        brief.brief_proof,
     )
 
 
@@ -282,7 +289,8 @@ def _check_proof(verb: CheckProof) -> Outcome:
         result = check_proof(verb.file, run=verb.run, progress=progress)
     verdict = result.verdict
     good = verdict in ("proved", "consistent")
-    return Outcome(result, good, proof_screen.show_check, verdict == "undecided")
+    undecided = verdict == "undecided"
+    return Outcome(result, good, proof_screen.show_check, undecided, brief.brief_check)
 
 
 def _export(verb: Export) -> Outcome:

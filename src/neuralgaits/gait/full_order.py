@@ -101,7 +101,7 @@ def held_jerk(point: FullPoint) -> Actuated:
 
     With u = U(z, y, dy, ddy) of the inverse dynamics, 0 = dU/dt is linear in it. Its matrix is
     that of the joints' inertia, near enough for elimination to have its pivots. Source:
-    docs/level5.md.
+    docs/level5_proof.md.
     """
     m = point.robot.n - 1
     policy = ThirdOrderPolicy.of(point.policy, point.z)

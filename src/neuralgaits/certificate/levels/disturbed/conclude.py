@@ -1,6 +1,6 @@
 """From the constants of the disturbed theorem to its verdict, in balls (level 5).
 
-The argument is in docs/level5.md. Needs no JAX.
+The argument is in docs/level5_proof.md. Needs no JAX.
 """
 
 from flint import arb, fmpq

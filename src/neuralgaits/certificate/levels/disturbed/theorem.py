@@ -3,7 +3,7 @@
 Outputs obey ddy = -w^2 y - 2 w dy + e, S being that of level 4's norm. Then V' <= -gamma V + 2 b
 sqrt(V) |S e| with b = sqrt(1 + STIFF^2) / w, nothing else of the flow changes, and forces and
 torques are affine in e. While torques are held, e grows as the outputs' jerk says, which is affine
-in e, too. The argument is in docs/level5.md. Needs no JAX.
+in e, too. The argument is in docs/level5_proof.md. Needs no JAX.
 """
 
 from collections.abc import Iterator

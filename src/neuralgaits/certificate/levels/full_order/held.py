@@ -41,7 +41,7 @@ class Jerk(NamedTuple):
     def held(self, hold: float, error: float, bandwidth: float, radius: float) -> Held | None:
         """What a hold makes of torques that are off by |S e| = error when they are set.
 
-        None if it has no bound. `radius` bounds sqrt(V) in the set. Source: docs/level5.md.
+        None if it has no bound. `radius` bounds sqrt(V) in the set. Source: docs/level5_proof.md.
         """
         gamma, back = float(lyapunov_rate(bandwidth)), 2.0 * bandwidth + self.push
         if hold * back >= 0.5:

@@ -2,7 +2,7 @@
 
 Every inequality is between numbers of `FullOrder`, whose meaning the premises prove. It holds
 only if it is certain; where one does not, it is the obstacle, and by how much is said. The
-argument is in docs/full_order.md. Needs no JAX.
+argument is in docs/full_order_proof.md. Needs no JAX.
 """
 
 import math

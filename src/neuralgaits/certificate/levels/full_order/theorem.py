@@ -8,7 +8,7 @@ its barriers h_i being the level above the lower fence, the level below the uppe
 spec's own barrier functions, tightened by t_i because outputs off zero move what they read. Each
 number of `FullOrder` is a claim; the premises, outputs of the Program that must not be negative,
 prove it. `conclude` does the arithmetic from the constants to the theorem in balls. The argument
-is in docs/full_order.md. Needs no JAX.
+is in docs/full_order_proof.md. Needs no JAX.
 """
 
 import math

@@ -1,6 +1,6 @@
 """Level 3 from its premises: the closing arithmetic of the return map, in balls.
 
-The argument is in docs/guarantees.md. Numbers come from the parameters and the bounds that were
+The argument is in docs/walking_set.md. Numbers come from the parameters and the bounds that were
 proved; a comparison holds only if it is certain.
 """
 

@@ -7,7 +7,7 @@ with zeta = z2^2 / 2. The derivative of the return map of a section is then
 
 with rho the gain of guard and reset together: how far a neighbouring trajectory is moved at the
 phase where this one lands, per distance at the phase where this one met the guard.
-Source: docs/guarantees.md, levels 2 and 3.
+Source: docs/walking_set.md, levels 2 and 3.
 """
 
 from typing import NamedTuple

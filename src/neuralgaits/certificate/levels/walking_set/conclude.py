@@ -1,6 +1,6 @@
 """Level 2 from its premises: the walking set is forward invariant, and safe.
 
-The argument is in docs/guarantees.md; a comparison holds only if it is certain.
+The argument is in docs/walking_set.md; a comparison holds only if it is certain.
 """
 
 from flint import arb

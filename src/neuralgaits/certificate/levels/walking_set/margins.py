@@ -3,7 +3,7 @@
 T = {-start_strip <= phase <= 1 + guard_strip, 0 <= level <= 1}. The flow moves forward through
 it, cannot cross its fences, meets the guard once, in the strip around phase 1, and is reset
 between the fences, into the strip around phase 0. Each margin here belongs to a root box that
-`theorem.walking_premises` names; docs/guarantees.md says what follows from them. Safety and valid
+`theorem.walking_premises` names; docs/walking_set.md says what follows from them. Safety and valid
 contact are the spec's own conditions, carried over to the strips.
 """
 

@@ -1,0 +1,174 @@
+"""The few lines that a command ends with: the answer, its key numbers, what to open and do next.
+
+At most six lines each, long ones wrapped. `-v` prints the whole result instead, `--json` all of it.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from rich.text import Text
+
+from neuralgaits._digits import at_least
+from neuralgaits.cli.tables import number, show_facts, show_sentence, verdict
+from neuralgaits.records.certified import Certified, ConditionVerdict
+from neuralgaits.records.checked import Checked
+from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.levels import WORDS
+from neuralgaits.records.reported import Reported
+from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.trained import Trained
+from neuralgaits.runs.commands import command, named
+
+_NAMED = 3
+"""Conditions that a line names before it counts."""
+_MORE = "-v prints more"
+
+
+def brief_training(result: Trained) -> None:
+    """Print whether a training's conditions hold on fresh samples, and what to do next."""
+    count, broken = len(result.conditions), result.broken
+    show_sentence(Text("trained", "green"), f": all {count} conditions hold on fresh samples")
+    assert not broken  # A training that failed is shown whole.
+    facts: list[tuple[str, Any]] = []
+    if result.certificate is not None:
+        margin = result.certificate.smallest_margin
+        least = "" if margin is None else f", margins of {at_least(margin, 3)} or more"
+        facts.append(("proof", f"{result.certificate.verdict} at level 1{least}"))
+    if "speed" in result.commands:
+        asked, found = result.commands["speed"], result.orbit_speeds_m_s
+        orbits = "no orbit" if found is None else f"orbits at {found[0]:.3g} to {found[1]:.3g} m/s"
+        facts.append(("speed", f"requested {asked.low:g} to {asked.high:g} m/s, {orbits}"))
+    facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s of it compiling"))
+    facts += [("run", result.run), ("next", command("simulate", named(result.run)))]
+    show_facts(facts)
+
+
+def brief_walks(result: Simulated) -> None:
+    """Print how many walks stayed up, how fast they went, and what made others fall."""
+    count, steps = len(result.fell), result.steps_walked or (0,)
+    span = f"{min(steps)}" if len(set(steps)) == 1 else f"{min(steps)} to {max(steps)}"
+    answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
+    show_sentence(answer, f": {result.stayed} of {count} episodes stayed up, {span} steps")
+    reasons = sorted({reason for reason in result.fall_reasons if reason})
+    key = (
+        ("speed", result.speed_m_s, "m/s"),
+        ("cost of transport", result.cost_of_transport, ""),
+        ("peak torque", result.peak_torque_nm, "N m"),
+        ("output error up to", result.max_output_error_rad, "rad"),
+    )
+    numbers = [f"{what} {number(value)} {unit}".rstrip() for what, value, unit in key if value]
+    numbers += [
+        f"{name} missed by {number(error.mean)} on average"
+        for name, error in result.command_error.items()
+        if error.mean is not None
+    ]
+    if result.push and (ended := result.fell_after_push):
+        reasons.append(f"{len(ended)} once their push of {number(result.push)} N s was due")
+    facts: list[tuple[str, Any]] = [("fell", ", ".join(reasons))] if reasons else []
+    facts.append(("figures", ", ".join([*numbers, _MORE])))
+    if share := result.saturated_fraction:
+        facts.append(("torque", f"at its limit in {share:.1%} of ticks"))
+    if (link := result.link) is not None and link.deadline_misses:
+        late = f"{link.deadline_misses} of {link.ticks} ticks kept the command of the tick before"
+        facts.append(("link", late))
+    facts.append(("next", command("certify", named(result.run))))
+    show_facts(facts)
+
+
+def brief_proof(result: Certified) -> None:
+    """Print what is proved, or which conditions are not, and where the proof is."""
+    entries = result.conditions
+    open_ = [name for name, one in entries.items() if not _settled(one)]
+    about = "".join(f", {part}" for part in (result.robots, result.ground) if part)
+    level, least = result.proved_level, result.least_margin
+    margins = "" if least is None else f", margins of {at_least(least, 4)} or more"
+    held = ""
+    if level:
+        held = f"level {level} ({WORDS[level].about}{about}): {len(entries)} conditions{margins}"
+    facts: list[tuple[str, Any]] = []
+    if result.verdict == "proved":
+        show_sentence(verdict(result.verdict), f" to {held}")
+    else:
+        reason = f": {result.reason}" if result.reason else ""
+        at = f" at level {result.level}"
+        if result.verdict == "refuted" and result.level > 1:
+            # A condition is refuted; nothing above stands on it.
+            at = f" at level 1, level {result.level} was requested"
+        show_sentence(verdict(result.verdict), f"{at}{about}{reason}")
+        facts += [("proved", held)] if held else []
+    for name, one in entries.items():
+        if (point := one.counterexample) is not None:
+            z = ", ".join(f"{value:.6g}" for value in point.z)
+            facts.append(("broken", f"{name}: margin {point.margin:.3g} at z = ({z})"))
+            break
+    if open_:
+        facts.append(("open", _list(sorted(open_, key=lambda n: entries[n].verdict != "refuted"))))
+    above = next((one for one in result.levels if not one.proved), None)
+    if above is not None and not open_:
+        facts.append((f"level {above.level}", above.reason or above.verdict))
+    facts.append(("boxes", f"{result.boxes} in {result.wall_s:.0f} s; {_MORE}"))
+    done = command("report", named(result.run)) if result.proved_level else None
+    facts += [("proof", result.proof), *([("next", done)] if done else [])]
+    show_facts(facts)
+
+
+def brief_check(result: Checked) -> None:
+    """Print the verdict on a proof file, what it is about, and that it rests on assumptions."""
+    reason = f": {result.reason}" if result.reason else ""
+    show_sentence(verdict(result.verdict), reason)
+    levels = ", ".join(f"{one.level} {one.verdict}" for one in result.levels)
+    facts = [
+        ("about", f"{result.robot}, spec {result.spec}, weights {result.weights_sha256[:12]}..."),
+        ("claims", f"{len(result.statements)} statements; levels above 1: {levels or 'none'}"),
+        *([("open", _list(result.unclaimed))] if result.unclaimed else []),
+        ("boxes", f"{result.boxes} bounded in {result.wall_s:.0f} s"),
+        ("assumes", f"{len(result.assumptions)} things; -v prints them and every statement"),
+    ]
+    show_facts(facts)
+
+
+def brief_fit(result: Fitted) -> None:
+    """Print by how much a residual lowers the prediction error, and what error it leaves."""
+    learned, nominal = result.heldout_error, result.nominal_heldout_error
+    if result.better and nominal and learned is not None:
+        share = f"{100.0 * (1.0 - learned / nominal):.3g} %"
+        answer = Text("learned", "green")
+        show_sentence(answer, f": prediction error on held-out strides reduced by {share}")
+    else:
+        show_sentence(
+            Text("not learned", "red"), ": no smaller prediction error on held-out strides"
+        )
+    bound = ", ".join(
+        f"{number(value)} {unit}"
+        for value, unit in zip(result.error_bound, ("m/s", "N m"), strict=True)
+        if value is not None
+    )
+    show_facts(
+        [
+            ("left", f"remaining error bound on dz: {bound or 'unknown'}"),
+            ("used", f"{result.walked_s:.1f} s of walking; {_MORE}"),
+            ("residual", result.residual),
+            ("next", command("refine", named(result.run))),
+        ]
+    )
+
+
+def brief_report(result: Reported) -> None:
+    """Print the page to open, what is damaged, and how much could still be made."""
+    size = f"{len(result.figures)} figures, {result.bytes / 1e6:.1f} MB, opens without a network"
+    show_sentence(Text("written", "green"), f": {size}")
+    facts = [("open", result.report)]
+    if result.damaged:
+        facts.append(("damaged", f"{_list(list(result.damaged))}; {_MORE}"))
+    show_facts(facts)
+    if result.missing:
+        show_sentence(f"{len(result.missing)} optional parts are not made yet; -v lists them")
+
+
+def _settled(entry: ConditionVerdict) -> bool:
+    return entry.verdict == "proved" or entry.in_part
+
+
+def _list(names: Sequence[str]) -> str:
+    more = len(names) - _NAMED
+    return ", ".join(names[:_NAMED]) + (f" and {more} more" if more > 0 else "")
