@@ -1,4 +1,4 @@
-"""All figures of a run, drawn from what lies in its folder."""
+"""All figures of a run, drawn from the files in its folder."""
 
 from pathlib import Path
 
@@ -31,7 +31,7 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
 def draw(
     run: Run, out: str | Path | None = None, certificate: CertificateReading | None = None
 ) -> list[Drawn | Missing]:
-    """Do what `figures` does for an open run whose certificate may have been read before."""
+    """Draw the figures of an open run, whose certificate may already have been read."""
     folder = run.path / FOLDER if out is None else Path(out)
     if folder.exists() and not folder.is_dir():
         raise InputError(

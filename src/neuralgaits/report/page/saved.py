@@ -108,7 +108,7 @@ class Saved:
 
     @property
     def failing(self) -> list[str]:
-        """Return violated conditions: those refuted, or else broken on samples if none is proved."""
+        """Return violated conditions: refuted ones, else those broken on samples if unproved."""
         refuted = [name for name, one in self.conditions.items() if one.verdict == "refuted"]
         broken = [] if self.proved_level or self.summary is None else list(self.summary.broken)
         return refuted or broken
