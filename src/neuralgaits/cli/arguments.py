@@ -11,7 +11,7 @@ from neuralgaits.records.levels import WORDS
 
 
 def arg(**settings: Any) -> Any:
-    """As `tyro.conf.arg`, without the default in the help where that is None or False."""
+    """Return `tyro.conf.arg` whose help omits a default of None or False."""
     return tyro.conf.arg(help_behavior_hint=_default, **settings)
 
 
@@ -23,12 +23,12 @@ Flag = Annotated[bool, arg()]
 Robot = Annotated[Positional[str], arg(metavar="ROBOT")]
 Run = Annotated[Positional[str], arg(metavar="RUN")]
 OwnRobot = Annotated[Positional[str | None], arg(metavar="[ROBOT]")]
-"""Left out where a run that is gone on with has its own."""
+"""Optional robot; a resumed run has its own."""
 
 
 @dataclass(frozen=True)
 class Output:
-    """How the result is shown."""
+    """Options that control how the result is shown."""
 
     json: Flag = False
     """Print one JSON object on stdout, and no progress."""
@@ -38,7 +38,7 @@ class Output:
 
 @dataclass(frozen=True)
 class Workers:
-    """What carries out many tasks."""
+    """Options that choose where many tasks run."""
 
     workers: Annotated[int | None, arg(metavar="N")] = None
     """Processes of this machine, one thread each."""

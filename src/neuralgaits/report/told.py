@@ -14,7 +14,7 @@ degree."""
 
 
 class Words(NamedTuple):
-    """Words that describe a command."""
+    """Words that describe a command to readers."""
 
     short: str
     """Label on an axis."""

@@ -32,7 +32,7 @@ def combinations(asked: SweepAsked) -> Iterator[Combination]:
 
 
 def count(asked: SweepAsked) -> int:
-    """Return the number of combinations."""
+    """Return the number of combinations, without listing them."""
     first, end = asked.seeds
     return len(asked.robots) * len(asked.specs) * len(asked.speeds) * (end - first)
 

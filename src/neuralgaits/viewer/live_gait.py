@@ -79,7 +79,7 @@ class LiveGait:
         self._z = self._middle
 
     def look_with(self, look: Look) -> None:
-        """Enable live evaluation of margins."""
+        """Enable live evaluation of margins by this evaluator."""
         self._look = look
 
     @property

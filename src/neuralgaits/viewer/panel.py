@@ -46,7 +46,7 @@ _STATUS_EVERY = 10
 
 
 class Panel:
-    """Buttons, sliders and bars."""
+    """Buttons, sliders and bars beside the scene."""
 
     def __init__(
         self,

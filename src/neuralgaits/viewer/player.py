@@ -72,7 +72,7 @@ class Player:
         self.failure: BaseException | None = None
 
     def start(self) -> None:
-        """Start the player's thread."""
+        """Start to play, in the player's own thread."""
         self._thread.start()
 
     def stop(self) -> None:
@@ -98,7 +98,7 @@ class Player:
         self._wishes.put(wish)
 
     def step(self) -> None:
-        """Pause, and advance by `STEP_S`."""
+        """Pause, and advance by `STEP_S` once."""
 
         def one_more(_: Walker) -> None:
             self._steps += 1

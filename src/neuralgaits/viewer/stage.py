@@ -219,7 +219,7 @@ class _Board:
             self._line.points = ends[np.isfinite(ends).all(axis=(1, 2))]
 
     def forget(self) -> None:
-        """Start a new trail."""
+        """Clear the trail of the point."""
         self._trail.clear()
 
 

@@ -12,7 +12,7 @@ from neuralgaits.viewer import markdown
 
 
 class Sureness(NamedTuple):
-    """Evidence for a gait."""
+    """Evidence for a gait, as shown on the page."""
 
     certified: bool
     """Whether there is a certificate of exactly this gait."""

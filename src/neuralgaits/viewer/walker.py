@@ -8,7 +8,7 @@ from neuralgaits._types import Bool, Float
 
 
 class Shown(NamedTuple):
-    """One moment of the walk."""
+    """State of the walk at one moment."""
 
     time: float
     """Simulated time [s]."""

@@ -54,7 +54,7 @@ class LiveView:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """Result that `view --json` prints."""
+        """Address and run of the page, as `view --json` prints them."""
         about = {"url": self.url, "port": self.port, "run": str(self._run.path)}
         return about | {"terrain": self._terrain}
 

@@ -1,4 +1,4 @@
-"""A drawn figure as files."""
+"""A drawn figure as PNG and SVG files."""
 
 from io import BytesIO
 from pathlib import Path

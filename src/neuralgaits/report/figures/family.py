@@ -33,7 +33,7 @@ LEDGE = 0.045
 
 
 def caption(family: Family) -> str:
-    """Return the caption."""
+    """Return the figure's caption, with the commands that have no orbit."""
     first = family.sweeps[0]
     shown = [told.written(first.name, member.value) for member in family.members]
     text = (

@@ -18,7 +18,7 @@ SHADES = 11
 
 
 def caption(data: ResidualData) -> str:
-    """Return the caption."""
+    """Return the caption, which says whether the policy was trained with the residual."""
     end = (
         "The policy of this run was trained on the corrected flow."
         if data.trained

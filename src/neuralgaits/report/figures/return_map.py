@@ -48,7 +48,7 @@ class Proved:
 
 
 def caption(data: GaitData, proved: Proved | None) -> str:
-    """Return the caption."""
+    """Return the caption of the figure, with the proved results if there are any."""
     text = (
         "The curve says with how much momentum the hip passes over the standing foot one step "
         "later. Where it crosses the diagonal the robot repeats itself."

@@ -20,7 +20,7 @@ TITLE = "One step: angles, torques, forces"
 
 
 def caption(walk: MeasuredWalk | None) -> str:
-    """Return the caption."""
+    """Return the caption of the figure, which mentions a measured step if there is one."""
     text = (
         "What the joints do in one step, the torques that takes and the force of the ground on the "
         "standing foot. Torques have to stay off the motors' limits, the ground can only push, and "

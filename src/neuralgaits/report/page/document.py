@@ -36,7 +36,7 @@ _CONTENTS = (
 
 
 def document(contents: Contents) -> str:
-    """Return the page as HTML."""
+    """Return the page of a run as HTML."""
     pictures = {
         figure.name: _picture(figure) for figure in contents.figures if isinstance(figure, Drawn)
     }

@@ -218,7 +218,7 @@ def _explained(asked: list[Stated]) -> str:
 
 
 def _told(entry: Mapping[str, Any]) -> str:
-    """Describe a condition in words."""
+    """Describe a condition in words, even one from another version."""
     try:
         return words.condition(entry)
     except (AttributeError, KeyError, TypeError):
