@@ -105,8 +105,8 @@ class Trained(Record):
         conditions: violations on fresh samples, by condition.
         provable: whether there is a Program of the spec's conditions.
         program_hash: hash of the Program.
-        after_impact: largest errors that the real impact leaves in outputs, their rates and the foot's height
-            (units in the names).
+        after_impact: largest errors that the real impact leaves in outputs, their rates and
+            the foot's height (units in the names).
         certificate: last certificate; None if no proof was requested.
         commands: ranges of the commands that the gait takes at each touchdown, by name.
         aims: violations of the training's aims on fresh samples, by aim.
