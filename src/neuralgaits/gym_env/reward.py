@@ -11,12 +11,12 @@ class Reward:
     """Weights of the parts of a reward; the reward of one decision is the sum of `parts`.
 
     Attributes:
-        speed: of exp(-((v - command) / width)^2), v the hip's mean forward speed in the decision.
-        width: of that term [m/s]. Within a walking step v swings by about 0.15 m/s.
-        alive: for not having fallen.
-        effort: of mechanical power, the mean of sum |torque rate|, in units of weight times 1 m/s.
-        lean: of the squared angle of the torso [1/rad^2].
-        change: of the mean squared change of the action since the last decision.
+        speed: weight of exp(-((v - command) / width)^2), v the mean forward speed of the hip.
+        width: width of that term [m/s]. Within a walking step v swings by about 0.15 m/s.
+        alive: reward for not having fallen.
+        effort: weight of the mean of sum |torque rate|, in units of the robot's weight times 1 m/s.
+        lean: weight of the squared angle of the torso [1/rad^2].
+        change: weight of the mean squared change of the action since the last decision.
         fall: subtracted once, at a fall.
     """
 

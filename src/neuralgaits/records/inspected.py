@@ -10,7 +10,7 @@ class LinkFacts:
     """A link, with the first leg of the file in stance.
 
     Attributes:
-        length_m: to the centre of the foot sphere; None for a torso.
+        length_m: length, of a shank to the centre of the foot sphere; None for a torso.
         inertia_kg_m2: about the centre of mass, across the plane.
         body: name of its body in the file, the first one if several are welded together.
         centre_of_mass_m: distance up the link from its lower joint or foot (a torso: from the hip),

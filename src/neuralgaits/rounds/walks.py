@@ -210,8 +210,8 @@ def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, flo
 def _write(found: Sequence[Log], folder: Path, robot: PlanarBiped) -> list[Path]:
     """Write the logs that can be learned from, and return their paths.
 
-    The other logs hold no complete stride, or a fall in which the foot moved so far that
-    z2 no longer describes the robot.
+    The other logs hold no complete stride, or a fall in which the foot moved so far that z2 no
+    longer describes the robot.
     """
     files = []
     for number, log in enumerate(found):

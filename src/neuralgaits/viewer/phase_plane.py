@@ -16,7 +16,7 @@ COLUMNS, ROWS, FENCE_POINTS = 41, 31, 61
 PHASES, LEVELS = 41, 21
 """Grid of the cells whose least margin is shown if there is no certificate."""
 ASIDE, ABOVE = 0.14, 0.22
-"""Margins of the picture around the tube, in its length and its height, as shares of them."""
+"""Margins of the picture around the tube, in lengths of a step and heights of the tube."""
 
 
 def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:

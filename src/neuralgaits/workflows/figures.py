@@ -22,7 +22,8 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
         run: a run, its folder, or `latest`.
         out: folder for the files; `figures` in the run's folder if None.
 
-    Returns: one entry a figure, always in the same order; `Missing` names what makes the figure.
+    Returns: one entry for each figure, always in the same order; `Missing` names the command that
+        makes the figure.
     Raises: RunError with one line if the run is missing or damaged, InputError if `out` is a file.
     """
     return draw(open_run(run), out)

@@ -132,9 +132,8 @@ def simulate(
         commands: CSV file with a row a step, `step,speed[m/s],...`, or `random`: a new admissible
             command at each touchdown.
         terrain: blocks in place of the floor, which the robot sees one step ahead and which set its
-            commands:
-            `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV file of
-            stones; see `simulation.setup.terrains`.
+            commands: `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV
+            file of stones; see `simulation.setup.terrains`.
         parameters: box around the run's robot from which each walk's robot and floor are drawn,
             half widths by kind (see `robots.parameter_box`).
         workers: number of processes on this machine that walk, in place of threads of this one; in

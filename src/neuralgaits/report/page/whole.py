@@ -1,4 +1,4 @@
-"""A whole page around its parts: one file that runs only its own scripts, with no network."""
+"""A whole page around its parts: one file that runs only its own scripts and needs no network."""
 
 import base64
 import hashlib

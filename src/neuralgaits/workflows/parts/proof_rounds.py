@@ -1,8 +1,8 @@
 """Train until the proof succeeds: boxes that a certificate leaves open become samples.
 
 A round certifies the gait at level 1. If boxes are left, it takes further gradient steps from the
-same weights with points of these boxes in every batch, and the next round begins.
-The weights in the folder are always those that the certificate in the folder is about.
+same weights with points of these boxes in every batch, and the next round begins. The weights in
+the folder are always those that the certificate in the folder is about.
 """
 
 import time
