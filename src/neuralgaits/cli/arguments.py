@@ -11,7 +11,7 @@ from neuralgaits.records.levels import WORDS
 
 
 def arg(**settings: Any) -> Any:
-    """As `tyro.conf.arg`, without the default in the help where that is None or False."""
+    """Return `tyro.conf.arg` whose help omits a default of None or False."""
     return tyro.conf.arg(help_behavior_hint=_default, **settings)
 
 
@@ -23,12 +23,12 @@ Flag = Annotated[bool, arg()]
 Robot = Annotated[Positional[str], arg(metavar="ROBOT")]
 Run = Annotated[Positional[str], arg(metavar="RUN")]
 OwnRobot = Annotated[Positional[str | None], arg(metavar="[ROBOT]")]
-"""Left out where a run that is gone on with has its own."""
+"""Optional robot; a resumed run has its own."""
 
 
 @dataclass(frozen=True)
 class Output:
-    """How the result is shown."""
+    """Options that control how the result is shown."""
 
     json: Flag = False
     """Print one JSON object on stdout, and no progress."""
@@ -38,10 +38,10 @@ class Output:
 
 @dataclass(frozen=True)
 class Workers:
-    """What carries out many tasks."""
+    """Options that choose where many tasks run."""
 
     workers: Annotated[int | None, arg(metavar="N")] = None
-    """Processes of this machine, one thread each."""
+    """Number of processes on this machine, one thread each."""
     ray: Annotated[str | None, arg(metavar="ADDRESS|local")] = None
     """A Ray cluster instead: HOST:PORT of its head, auto on a machine that is part of one, or local
     for one of this machine; needs the ray extra."""
@@ -54,7 +54,7 @@ class Train:
     robot: OwnRobot = None
     """Name of a built-in robot, or path of an MJCF file; the run's own with --resume."""
     spec: Annotated[str | None, arg(metavar="SPEC")] = None
-    """What the gait must satisfy: walking (if not given), walking-mlp, rugged (faster,
+    """Specification of the gait: walking (if not given), walking-mlp, rugged (faster,
     for pushes and uneven floors), paper, paper-walks, authors, or FILE.py:NAME."""
     init: Annotated[Literal["posture", "random"] | None, arg(metavar="{posture,random}")] = None
     """Start from a walking posture (if not given), or from random weights as the paper does."""
@@ -63,26 +63,27 @@ class Train:
     seed: Annotated[int | None, arg(metavar="N")] = None
     """Seed of initial weights and samples; 0 if not given."""
     seeds: Annotated[str | None, arg(metavar="A:B")] = None
-    """Seeds A, A+1, ... up to B-1 in one command, each as it comes out alone: a run folder each, in
-    --out or runs/seeds/ROBOT/<time>-A; see the page 'From a laptop to a cluster'."""
+    """Train seeds A, A+1, ... up to B-1 in one command, each with the same result as alone: one
+    run folder each, in --out or runs/seeds/ROBOT/<time>-A; see the page 'From a laptop to a
+    cluster'."""
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; the spec's own number if not given."""
     speed: Annotated[str | None, arg(metavar="V|A:B")] = None
-    """Mean speed to walk at [m/s], or a range of them, as in 0.55:0.90: one policy that is told how
-    fast at each touchdown."""
+    """Mean speed to walk at [m/s], or a range, as in 0.55:0.90: one policy then takes a speed
+    command at each touchdown."""
     step_length: Annotated[str | None, arg(metavar="A:B")] = None
-    """Range of step lengths to be told [m]."""
+    """Range of commanded step lengths [m]."""
     step_height: Annotated[str | None, arg(metavar="A:B")] = None
-    """Range of heights of the next foothold to be told [m], as in --step-height=-0.02:0.02."""
+    """Range of commanded heights of the next foothold [m], as in --step-height=-0.02:0.02."""
     slope: Annotated[str | None, arg(metavar="A:B")] = None
-    """Range of slopes of the ground to be told [degrees], as in --slope=-5:5."""
+    """Range of commanded slopes of the ground [degrees], as in --slope=-5:5."""
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
-    """A box of robots that one policy is to walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:
+    """Box of robots that one policy must walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:
     errors of every link's mass, centre of mass and inertia, and of every rotor; and of the floor:
-    floor=5mm, footholds higher or lower than meant, and friction=0.5, the least coefficient."""
+    floor=5mm, footholds higher or lower than intended, and friction=0.5, the least coefficient."""
     certify: Flag = False
-    """Prove the conditions (level 1) after training; where that fails, train on with samples of
-    the boxes that are left, until the proof stands."""
+    """Prove the conditions (level 1) after training; if that fails, continue training with
+    samples of the boxes that are left, until the proof succeeds."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
     """With --certify: time for proofs and further training."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
@@ -102,7 +103,7 @@ class Optimise:
     speed: Annotated[float, arg(metavar="V")]
     """Mean speed to walk at [m/s]."""
     degree: Annotated[int, arg(metavar="N")] = 5
-    """Of the Bezier polynomials of the joints."""
+    """Degree of the joints' Bezier polynomials."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-0."""
     output: Annotated[Output, arg(name="")] = Output()
@@ -113,11 +114,11 @@ class ImportGait:
     """Make a run of a published gait: Bezier polynomials of the joints, from a file."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json")]
-    """Joints, control points [rad] and phase, as docs/optimise.md says."""
+    """Joints, control points [rad] and phase, in the format of docs/optimise.md."""
     robot: Annotated[str, arg(metavar="ROBOT")]
-    """Name of a built-in robot, or path of an MJCF file: what the gait walks on."""
+    """Robot that walks the gait: name of a built-in robot, or path of an MJCF file."""
     name: Annotated[str | None, arg(metavar="NAME")] = None
-    """Which gait, where the file has several."""
+    """Name of the gait, if the file has several."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-0."""
     output: Annotated[Output, arg(name="")] = Output()
@@ -130,21 +131,22 @@ class Simulate:
     run: Run
     """Run folder, or latest."""
     plant: Annotated[str | None, arg(metavar="ROBOT")] = None
-    """Robot to simulate; the one the gait was trained for if not given."""
+    """Robot to simulate; the one trained for if not given."""
     controller: Literal["pd", "fblin", "paper", "clf-qp", "c"] = "pd"
     """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
     with a control Lyapunov function within limits of torque and friction, or the exported
     controller as a process of its own."""
     link: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
-    """How to reach controller c, as in law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
+    """Settings of the connection to controller c, as in
+    law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
     steps: Annotated[int, arg(metavar="N")] = 50
-    """Walking steps an episode."""
+    """Number of walking steps in each episode."""
     engine: Annotated[Literal["native", "jax"] | None, arg(metavar="{native,jax}")] = None
-    """Compiled code or JAX, which is the reference and many times slower; native if it is not
-    given and there is a C compiler."""
+    """Compiled code, or JAX, which is the reference and many times slower; native if not given
+    and if there is a C compiler."""
     simulator: Literal["mujoco", "drake"] = "mujoco"
-    """What steps the plant: MuJoCo, or Drake with its own dynamics and contact, to see whether the
-    two agree; needs the drake extra."""
+    """Simulator of the plant: MuJoCo, or Drake with its own dynamics and contact, to see whether
+    the two agree; needs the drake extra."""
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
     push: Annotated[float | None, arg(metavar="NS")] = None
@@ -153,29 +155,30 @@ class Simulate:
     disturb: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
     sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
-    """What the controller is told: the plant's own rates and hip velocity, or angles, pitch and
-    contact alone, as in encoders,bits=14,pitch_noise=0.001,delay_ms=2, those numbers if not given;
-    perfect if not given."""
+    """Measurements of the controller: perfect (the plant's own rates and hip velocity), or
+    encoders (only angles, pitch and contact), as in
+    encoders,bits=14,pitch_noise=0.001,delay_ms=2, which are the defaults; perfect if not
+    given."""
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...")] = None
     """Walk another robot each time, drawn from this box around the run's own, as in
     mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
     command: Annotated[str | None, arg(metavar="NAME=VALUE,...")] = None
-    """What a gait that takes commands is told at every touchdown, as in speed=0.7 or slope=3
-    [degrees]; the middle of its ranges if not given."""
+    """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
+    middle of its ranges if not given."""
     commands: Annotated[str | None, arg(metavar="FILE.csv|random")] = None
-    """What it is told step by step: a row a step, step,speed[m/s],..., or new commands at each
-    touchdown."""
+    """Command for each step: a file with a row a step, step,speed[m/s],..., or new random
+    commands at each touchdown."""
     terrain: Annotated[str | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")] = None
     """Solid blocks in place of the floor, seen by the robot one step ahead: stones, stairs or
     slopes, as in stones,width=0.1 or stairs,rise=-0.05, or a row a stone,
-    stone,x[m],z[m],width[m]. For a gait that is told step lengths, or slopes."""
+    stone,x[m],z[m],width[m]. For a gait that takes step lengths or slopes as commands."""
     seed: Annotated[int, arg(metavar="N")] = 0
     """Seed of random starts, terrain and disturbances."""
     episodes: Annotated[int, arg(metavar="N")] = 1
     """Number of walks."""
     at_work: Annotated[Workers, arg(name="")] = Workers()
     log: Annotated[Path | None, arg(metavar="FILE.csv")] = None
-    """Write the first walk's log; of further walks, FILE-1.csv, FILE-2.csv, ... beside it."""
+    """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it."""
     video: Annotated[Path | None, arg(metavar="FILE.mp4")] = None
     """Write a video of the first walk; needs the video extra."""
     output: Annotated[Output, arg(name="")] = Output()
@@ -195,21 +198,22 @@ class Certify:
     """Run folder, or latest."""
     level: Annotated[int | None, arg(metavar="N", help=_LEVELS)] = None
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
-    """Bounds on what may be added to dz at level 2 (m/s, N m), none if not given; learned: what
-    the run's residual may still be off by."""
+    """Bounds on the disturbance of dz at level 2 (m/s, N m), none if not given; learned: the
+    remaining error of the run's residual."""
     parameters: Annotated[str | None, arg(metavar="NAME=SIZE,...|none")] = None
     """Box of robots to prove levels 1 to 3 for, as in mass=2%,com=5mm,inertia=5%,floor=5mm; that
     of the run if not given; none: the robot of the file alone, on its floor."""
     bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
-    """Of outputs at levels 4 and 5, their double pole w: that of fblin, 30, if not given. If given,
-    --level 4 is about the largest set found, in a norm of its own: 20 suits AMBER-3M."""
+    """Double pole w of the outputs at levels 4 and 5: that of fblin, 30, if not given. If given,
+    --level 4 is about the largest set that the search yields, in a norm of its own: 20 suits
+    AMBER-3M."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
-    """Stop after this time; what is proved by then is kept."""
+    """Stop after this time; the result so far is kept."""
     within: Annotated[str | None, arg(metavar="NAME=LOW:HIGH,...")] = None
-    """Of a gait that takes commands, prove it for these ranges only, as in speed=0.70:0.72 or
+    """For a gait that takes commands, prove these ranges only, as in speed=0.70:0.72 or
     slope=-1:1 [degrees]; the run as a whole stays undecided."""
     resume: Flag = False
-    """Go on with the boxes of the last certificate."""
+    """Continue with the boxes of the last certificate."""
     at_work: Annotated[Workers, arg(name="")] = Workers()
     output: Annotated[Output, arg(name="")] = Output()
 
@@ -221,8 +225,8 @@ class CheckProof:
     file: Annotated[Positional[Path], arg(metavar="FILE")]
     """Proof file, or the run folder that has one, or latest."""
     run: Annotated[str | None, arg(metavar="RUN")] = None
-    """Run folder, or latest, that the proof must be about. Without it the best answer is
-    consistent, which says nothing of a robot."""
+    """Run folder, or latest, that the proof must be about. Without it only consistency is
+    checked, not which robot it is about."""
     output: Annotated[Output, arg(name="")] = Output()
 
 
@@ -245,7 +249,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Refine:
-    """Train a run's policy on, on dynamics corrected by what was learned."""
+    """Continue training a run's policy, on dynamics corrected by what was learned."""
 
     run: Run
     """Run folder, or latest."""
@@ -256,8 +260,8 @@ class Refine:
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; a share of the spec's own number if not given."""
     disturbance: Annotated[str | None, arg(metavar="A,B|learned")] = None
-    """Bounds on what may be added to dz beside the residual (m/s, N m), which training then bears;
-    learned: what the residual may still be off by."""
+    """Bounds on the disturbance of dz besides the residual (m/s, N m), which training then allows
+    for; learned: the remaining error of the residual."""
     certify: Flag = False
     """Prove the conditions (level 1) on the corrected dynamics, as train --certify does."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
@@ -269,7 +273,7 @@ class Refine:
 
 @dataclass(frozen=True)
 class Episodes:
-    """Walk, learn what the model misses, refine the policy, and walk again."""
+    """Walk, learn the model's error, refine the policy, and walk again."""
 
     robot: OwnRobot = None
     """The model: name of a built-in robot, or path of an MJCF file; the run's own with
@@ -283,7 +287,7 @@ class Episodes:
     logs: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of a robot's own logs in place of a plant: DIR/round-0/*.csv and so on."""
     columns: Annotated[Path | None, arg(metavar="FILE.toml")] = None
-    """With --logs: what the columns of these logs are; see the page 'Your own logs'."""
+    """With --logs: names, units and signs of these logs' columns; see the page 'Your own logs'."""
     rounds: Annotated[int | None, arg(metavar="N")] = None
     """Rounds of learning and refining; 2 if not given."""
     seed: Annotated[int | None, arg(metavar="N")] = None
@@ -291,7 +295,7 @@ class Episodes:
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder to make, instead of runs/episodes/ROBOT/<time>-<seed>."""
     resume: Annotated[str | None, arg(metavar="RUN")] = None
-    """Episodes to go on with (their folder, or latest), or a trained run to begin with."""
+    """Episodes to resume (their folder, or latest), or a trained run to start from."""
     output: Annotated[Output, arg(name="")] = Output()
 
 
@@ -302,9 +306,9 @@ class Sweep:
     robots: Annotated[Positional[tuple[str, ...]], arg(metavar="[ROBOT...]")] = ()
     """Names of built-in robots, or paths of MJCF files; the sweep's own with --resume."""
     specs: Annotated[str | None, arg(metavar="S,...")] = None
-    """Specs, as of train; walking if not given."""
+    """Specs, as for train; walking if not given."""
     speeds: Annotated[str | None, arg(metavar="V|A:B,...")] = None
-    """Speeds to walk at [m/s], or ranges of them, as of train --speed."""
+    """Speeds to walk at [m/s], or ranges of them, as for train --speed."""
     seeds: Annotated[str | None, arg(metavar="A:B")] = None
     """Seeds A, A+1, ... up to B-1, or one; 0 if not given."""
     steps: Annotated[int | None, arg(metavar="N")] = None
@@ -312,25 +316,25 @@ class Sweep:
     certify: Annotated[int | None, arg(metavar="LEVEL")] = None
     """Prove each run up to this level; no proof if not given."""
     budget: Annotated[float | None, arg(metavar="SECONDS")] = None
-    """With --certify: time for each proof. What is proved then depends on the machine."""
+    """With --certify: time for each proof. The result then depends on the machine."""
     controllers: Annotated[str | None, arg(metavar="C,...")] = None
-    """Laws to walk under: pd (if not given), fblin, paper, clf-qp."""
+    """Control laws to walk with: pd (if not given), fblin, paper, clf-qp."""
     disturbances: Annotated[str | None, arg(metavar="FILE|standard|none")] = None
-    """What to walk under beside nothing: the standard eighteen (if not given), or those of a TOML
-    file; see the page 'From a laptop to a cluster'."""
+    """Disturbances to walk under, besides none: the standard eighteen (if not given), or those
+    of a TOML file; see the page 'From a laptop to a cluster'."""
     walks: Annotated[int | None, arg(metavar="N")] = None
-    """Walks of 25 steps under each disturbance; 4 if not given."""
+    """Number of walks of 25 steps under each disturbance; 4 if not given."""
     at_work: Annotated[Workers, arg(name="")] = Workers()
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of the sweep; runs/sweeps/<time>-<first seed> if not given."""
     resume: Flag = False
-    """Go on with the sweep in --out, if there is one: rows that are there stay."""
+    """Continue the sweep in --out, if there is one; finished rows are kept."""
     output: Annotated[Output, arg(name="")] = Output()
 
 
 @dataclass(frozen=True)
 class Export:
-    """Write the gait for a robot, as C or ONNX, and compare what was written with Python."""
+    """Write the gait for a robot, as C or ONNX, and compare the result with Python."""
 
     run: Run
     """Run folder, or latest."""
@@ -357,12 +361,12 @@ class Report:
 
 @dataclass(frozen=True)
 class Page:
-    """Where a live page is served."""
+    """Address at which a live page is served."""
 
     port: Annotated[int | None, arg(metavar="N")] = None
     """Port to listen on; a free one if not given."""
     host: Annotated[str | None, arg(metavar="ADDRESS")] = None
-    """Address to bind to; this machine alone reaches the page if not given."""
+    """Address to bind to; only this machine reaches the page if not given."""
     no_browser: Flag = False
     """Print the address only."""
 
@@ -375,7 +379,7 @@ class View:
     """Run folder, or latest."""
     terrain: Annotated[str | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")] = None
     """Solid blocks in place of the floor, as in simulate: stones, stairs, slopes, or a file of
-    stones. For a gait that is told step lengths, or slopes."""
+    stones. For a gait that takes step lengths or slopes as commands."""
     page: Annotated[Page, arg(name="")] = Page()
     output: Annotated[Output, arg(name="")] = Output()
 
@@ -385,20 +389,20 @@ class Demo:
     """Watch a gait that came with the package, and its proof, on the same page: no training."""
 
     speed: Flag = False
-    """Another gait, told how fast to walk by a slider, and proved for all that it may be told."""
+    """Another gait: a slider commands its speed, and it is proved for the whole range."""
     page: Annotated[Page, arg(name="")] = Page()
     output: Annotated[Output, arg(name="")] = Output()
 
 
 @dataclass(frozen=True)
 class Inspect:
-    """Show what a robot file holds and what is wrong with it."""
+    """Show the contents of a robot file, and what is wrong with it."""
 
     robot: Robot
     """Name of a built-in robot, or path of an MJCF file."""
     planarise: Annotated[Path | None, arg(metavar="OUT.xml")] = None
-    """Write a copy that can be treated: flat feet welded and ended in point feet, what the theory
-    ignores taken out; every change is said."""
+    """Write a copy that this program supports: flat feet become welded point feet, and elements
+    that the theory ignores are removed; every change is listed."""
     output: Annotated[Output, arg(name="")] = Output()
 
 
@@ -415,6 +419,6 @@ class Robots:
 
 @dataclass(frozen=True)
 class Doctor:
-    """Check this machine; one line that mends each thing found wrong."""
+    """Check this machine, with a fix for each problem."""
 
     output: Annotated[Output, arg(name="")] = Output()

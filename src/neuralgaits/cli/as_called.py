@@ -1,4 +1,4 @@
-"""Commands that are printed for a person, as this process was called: what is copied runs."""
+"""Commands printed for a person, in the form in which this process was called, ready to copy."""
 
 import re
 import shutil
@@ -12,10 +12,10 @@ _PIP = re.compile(r"(?<![\w./-])pip install '")
 
 
 def as_called(text: str) -> str:
-    """A text with its commands of this program, and of pip, as they can be typed here.
+    """Replace commands of this program and of pip in a text by forms that can be typed here.
 
-    A program that the shell finds by its name stays a name. One that was called by its path, as
-    `.venv/bin/neuralgaits`, gets that path, and pip the one beside it.
+    A program that the shell finds by its name keeps the name. One that was called by its path, as
+    `.venv/bin/neuralgaits`, gets that path, and pip gets the path next to it.
     """
     called = Path(sys.argv[0])
     if called.name != PROGRAM or not called.is_file():
@@ -31,5 +31,5 @@ def as_called(text: str) -> str:
 
 
 def _typed(path: Path) -> str:
-    """A path that a shell runs: one without a folder would be looked for among programs."""
+    """Return a path that a shell can run; a bare name would be searched among the programs."""
     return str(path) if len(path.parts) > 1 else f"./{path}"

@@ -10,11 +10,12 @@ from neuralgaits.records.walked import EpisodesDone
 from neuralgaits.runs.commands import command, named
 
 _HEAD = ("round", "steps", "stay up", "0.8-1.2 z2", "speeds m/s", "in tube", "error left", "loss")
-"""Starts at 0.8 to 1.2 times the nominal z2; held-out error over the model's. Fits 80 columns."""
+"""Columns of the table: starts at 0.8 to 1.2 times the nominal z2; held-out error relative to
+the model's. It fits 80 columns."""
 
 
 def show_episodes(result: EpisodesDone) -> None:
-    """A line a round, and what to do next."""
+    """Show a line for each round, and the next command."""
     rounds = result.rounds
     if rounds and (share := rounds[-1].share_that_walks) is not None:
         verdict = Text("walks", "green") if share >= 0.9 else Text("falls", "red")

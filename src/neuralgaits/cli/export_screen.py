@@ -18,7 +18,7 @@ from neuralgaits.records.exported import (
 
 
 def show_export(result: Exported) -> None:
-    """Whether what was written does what Python does, how close, how fast, how large."""
+    """Show whether the export agrees with Python, and how close, how fast and how large it is."""
     count = f"{len(result.files)} files in {result.out}"
     for warning in result.warnings:
         show_sentence(Text("warning", "yellow"), f": {warning}")

@@ -1,4 +1,4 @@
-"""The verbs that make runs of gaits that are not trained, and what they show."""
+"""Verbs that make runs of gaits that are not trained, and their output."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from neuralgaits.runs.commands import command, named
 
 
 def carry_out_optimise(verb: Optimise) -> Outcome:
-    """Run `optimise`."""
+    """Carry out the verb `optimise`; always good."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.optimise import optimise
@@ -24,7 +24,7 @@ def carry_out_optimise(verb: Optimise) -> Outcome:
 
 
 def carry_out_import(verb: ImportGait) -> Outcome:
-    """Run `import-gait`."""
+    """Carry out the verb `import-gait`; always good."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.import_gait import import_gait
@@ -36,7 +36,7 @@ def carry_out_import(verb: ImportGait) -> Outcome:
 
 
 def show_given(result: Trained) -> None:
-    """The orbit, whether the limits hold in the tube around it, and what to do next."""
+    """Show the orbit, whether the limits hold in the tube around it, and the next command."""
     broken = result.broken
     if broken:
         count = Text(f"{len(broken)} of {len(result.conditions)} conditions fail", "yellow")

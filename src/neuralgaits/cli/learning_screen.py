@@ -1,4 +1,4 @@
-"""What was learned from logs, as tables for a person, on stdout."""
+"""Results of learning from logs as tables for a person, on stdout."""
 
 from rich.text import Text
 
@@ -15,7 +15,7 @@ _LANDINGS = (
 
 
 def show_fit(result: Fitted) -> None:
-    """Errors with and without the residual, at touchdowns too, and what was used."""
+    """Show errors with and without the residual, at touchdowns, too, and the data that was used."""
     learned, nominal, better = result.heldout_error, result.nominal_heldout_error, result.better
     share = f"{100.0 * learned / nominal:.3g} %" if nominal and learned is not None else "all"
     verdict = Text("learned" if better else "not learned", "green" if better else "red")
@@ -50,7 +50,7 @@ def show_fit(result: Fitted) -> None:
 
 
 def _landings(touchdowns: TouchdownErrors | None) -> None:
-    """What the residual of the flow cannot see."""
+    """Show the errors at touchdowns, which the residual of the flow does not cover."""
     if touchdowns is None or touchdowns.before is None:
         return
     head = f"error at {touchdowns.count} held-out touchdowns"

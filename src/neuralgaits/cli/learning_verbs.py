@@ -1,4 +1,4 @@
-"""The verbs that learn from logs, and the error bounds that they and `certify` take."""
+"""Verbs that learn from logs, and the disturbance bounds that they and `certify` take."""
 
 import sys
 from pathlib import Path
@@ -12,11 +12,11 @@ from neuralgaits.cli.words import options
 from neuralgaits.errors import InputError
 
 LEARNED: Literal["learned"] = "learned"
-"""In place of two bounds: those of the residual."""
+"""Word that stands for the two bounds of the run's residual."""
 
 
 def carry_out_fit(verb: Fit) -> Outcome:
-    """Run `fit`. Good if the residual beats the model alone on strides it has not seen."""
+    """Carry out `fit`. Good if the residual beats the model alone on unseen strides."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.fit import fit
 
@@ -26,7 +26,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
 
 
 def carry_out_refine(verb: Refine) -> Outcome:
-    """Run `refine`. Undecided if a proof was asked for and not found."""
+    """Carry out `refine`. Undecided if a proof was requested but not found."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.parts.proof_rounds import Watch
     from neuralgaits.workflows.refine import refine
@@ -52,7 +52,7 @@ def carry_out_refine(verb: Refine) -> Outcome:
 
 
 def carry_out_episodes(verb: Episodes) -> Outcome:
-    """Run `episodes`. Good unless the last policy fell."""
+    """Carry out `episodes`. Good unless the last policy fell."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.episodes import episodes
@@ -74,7 +74,7 @@ def carry_out_episodes(verb: Episodes) -> Outcome:
 
 
 def _found(resume: str, quiet: bool) -> str | Path:
-    """What to go on with; on stderr if the caller left open which, unless `quiet`."""
+    """Return the episodes to resume; print which ones `latest` means to stderr, unless `quiet`."""
     from neuralgaits.rounds.folder import EpisodeFolder
     from neuralgaits.runs import RUNS_ROOT
     from neuralgaits.runs.latest import LATEST
@@ -88,7 +88,7 @@ def _found(resume: str, quiet: bool) -> str | Path:
 
 
 def disturbance_bounds(text: str | None, run: str) -> tuple[float, float]:
-    """Read `A,B`, or what a run has learned. Raises: InputError unless there are two numbers."""
+    """Read `A,B`, or the bounds that a run has learned. Raises: InputError on anything else."""
     if text is None:
         return 0.0, 0.0
     if text != LEARNED:

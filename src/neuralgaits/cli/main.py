@@ -1,7 +1,7 @@
 """Entry of the command line: one verb, one result, one exit code.
 
 Exit codes: 0 done and good; 1 the answer is no; 2 bad usage or bad input; 3 undecided or out
-of budget; 70 a defect of this program; 130 interrupted. Every error is one line on stderr.
+of budget; 70 an internal error; 130 interrupted. Every error is one line on stderr.
 """
 
 import contextlib
@@ -29,13 +29,13 @@ from neuralgaits.errors import (
 
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 _LONG = ("train", "refine", "episodes", "certify", "sweep")
-"""Verbs whose work is worth going on with."""
+"""Verbs whose work can be worth resuming."""
 UNFINISHED = ("player", "portrait")
-"""Threads of a live page, which its end does not wait for."""
+"""Names of the threads of a live page that may still run when the process ends."""
 
 
 def run() -> None:
-    """Console script: `neuralgaits VERB ...`."""
+    """Run the command line; entry point of the console script `neuralgaits VERB ...`."""
     prepare()
     for stream in ("stdout", "stderr"):
         if getattr(sys, stream) is None:  # Closed by the caller, as by 2>&-.
@@ -49,7 +49,7 @@ def run() -> None:
 
 
 def _leave(code: int) -> NoReturn:
-    """End the process. Python would abort where a thread of a page is still in compiled code."""
+    """End the process, at once if a page's thread may be in compiled code: Python would abort."""
     if any(one.daemon and one.name in UNFINISHED for one in threading.enumerate()):
         with contextlib.suppress(OSError, ValueError):
             sys.stdout.flush()
@@ -114,7 +114,7 @@ def _answer(arguments: list[str]) -> int:
 
 
 def _of_system(error: OSError) -> str:
-    """What the system would not do, in a line that says where a path goes wrong."""
+    """Describe in one line what the system refused, and where a path is wrong."""
     if is_full(error):
         where = f" at {error.filename}" if isinstance(error.filename, str) else ""
         return (
@@ -131,14 +131,14 @@ def _of_system(error: OSError) -> str:
 
 
 def _of_user(error: Exception) -> Exception | None:
-    """What a line of a user's spec file raised, whenever it was run; None if it was none of it."""
+    """Return the error of a user's spec file, whenever it ran; None if it comes from elsewhere."""
     # Not imported here: without it no such file was read, and the import may be what failed.
     user_code = sys.modules.get("neuralgaits.barriers.user_code")
     return None if user_code is None else user_code.mistake(error)
 
 
 def _of_graphics(error: Exception) -> str | None:
-    """What MUJOCO_GL asks of MuJoCo's import that this machine has not; None if that is well."""
+    """Explain a value of MUJOCO_GL that this machine does not support; None if that is not it."""
     backend = os.environ.get("MUJOCO_GL")
     frames = traceback.walk_tb(error.__traceback__)
     names = [str(frame.f_globals.get("__name__")) for frame, _ in frames]
@@ -151,7 +151,7 @@ def _of_graphics(error: Exception) -> str | None:
 
 
 def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
-    """What to type after Ctrl-C: only what was kept can be gone on with."""
+    """Return the command to type after Ctrl-C; only what was saved can be resumed."""
     if isinstance(error, Interrupted):
         return f"; go on with `{error.command}`{error.more}"
     if not any(verb in arguments[:2] for verb in _LONG):
@@ -166,7 +166,7 @@ def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
 
 @contextlib.contextmanager
 def _stdout_to_stderr() -> Iterator[None]:
-    """Keep stdout for the answer: whatever else prints there, C libraries too, goes to stderr."""
+    """Keep stdout for the answer: all other output, of C libraries, too, goes to stderr."""
     sys.stdout.flush()
     kept = os.dup(1)
     os.dup2(2, 1)

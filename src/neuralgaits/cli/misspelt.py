@@ -1,6 +1,6 @@
-"""Words of a command line that are left out or were meant otherwise: one line that says what to do.
+"""Missing and misspelt words of a command line: one line that says what to do.
 
-The parser would refuse them too, with the help of every verb that has an option like it.
+The parser would also refuse them, but with the help of every verb that has a similar option.
 """
 
 import dataclasses
@@ -21,7 +21,7 @@ _COMMANDED = {
     "simulate": ("--command", "command a gait", "{}"),
     "certify": ("--within", "prove a gait for a part of its commands", "{0}:{0}"),
 }
-"""Verbs to which a command is given otherwise than to `train`: how, what for, and in which form."""
+"""Verbs that take a command in another way than `train`: option, purpose and form of the value."""
 _EXAMPLE_COMMANDS = {
     "--speed": "0.8",
     "--step-length": "0.4",
@@ -33,32 +33,32 @@ _EXAMPLES = {"RUN": "latest", "ROBOT": "amber3m"}
 
 @dataclasses.dataclass(frozen=True)
 class _Setting:
-    """An option of a verb, or a word that stands for itself."""
+    """Option of a verb, or positional argument."""
 
     kind: type | tuple[str, ...] | None
-    """Of its value, where that is a plain one; what there is to choose from."""
+    """Type of its value if that is a plain one, or the choices."""
     metavar: str
-    """What stands for its value in the help."""
+    """Placeholder of its value in the help."""
     required: bool
     many: bool
     """Whether it may be several words."""
 
     @property
     def expected(self) -> str:
-        """A value of it, in words."""
+        """Expected value of the option, in words."""
         if isinstance(self.kind, tuple):
             return " or ".join((", ".join(self.kind[:-1]), self.kind[-1]))
         return "a value" if self.kind is None else _NUMBERS.get(self.kind, "a value")
 
 
 def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
-    """Look for words that are not there, too many or missing, and for values that cannot be.
+    """Refuse unknown, superfluous or missing words, and impossible values.
 
     Args:
-        words: of the command line, the program's name left out.
+        words: words of the command line, without the program's name.
         verbs: classes of settings by the verb's name.
 
-    Raises: InputError naming the word, and what may have been meant.
+    Raises: InputError with the word, and what the user may have meant.
     """
     if not words or words[0].startswith("-"):
         return
@@ -96,7 +96,7 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
 
 
 def _refuse_elsewhere(verb: str, word: str, verbs: Mapping[str, type]) -> None:
-    """Look for an option that other verbs have. Raises: InputError naming them."""
+    """Refuse an option that belongs to other verbs. Raises: InputError with their names."""
     name, _, value = word.partition("=")
     name = name.replace("_", "-")
     if name in options_of(verbs[verb]):
@@ -119,7 +119,7 @@ def _refuse_elsewhere(verb: str, word: str, verbs: Mapping[str, type]) -> None:
 
 
 def _option(verb: str, word: str, options: Mapping[str, _Setting], left: Iterator[str]) -> str:
-    """Look at an option and its value, the next of the words left. Returns: its name."""
+    """Check an option and its value, the next of the words left. Returns: its name."""
     name, separator, value = word.partition("=")
     name = name.replace("_", "-")
     if name not in options:
@@ -148,7 +148,7 @@ def _option(verb: str, word: str, options: Mapping[str, _Setting], left: Iterato
 
 
 def _refuse_count(verb: str, alone: Sequence[str], positional: Sequence[_Setting]) -> None:
-    """Compare words that stand alone with what the verb takes."""
+    """Compare the number of positional words with what the verb takes. Raises: InputError."""
     needed = [one for one in positional if one.required]
     if len(alone) < len(needed):
         metavar = needed[len(alone)].metavar
@@ -166,7 +166,7 @@ def _see(verb: str) -> str:
 
 
 def options_of(settings: type) -> dict[str, _Setting]:
-    """Options of a verb, by name."""
+    """Return the options of a verb, by name."""
     return {
         f"--{name.replace('_', '-')}": one for name, one, alone in _settings(settings) if not alone
     }
@@ -177,7 +177,7 @@ def _positional(settings: type) -> list[_Setting]:
 
 
 def _settings(settings: type) -> Iterator[tuple[str, _Setting, bool]]:
-    """Name, setting and whether it stands alone, of each field and those of fields in it."""
+    """Yield name, setting and whether it is positional, for each field, nested ones included."""
     hints = typing.get_type_hints(settings, include_extras=True)
     for field in dataclasses.fields(settings):
         hint, marks = _unwrapped(hints[field.name])
@@ -193,7 +193,7 @@ def _settings(settings: type) -> Iterator[tuple[str, _Setting, bool]]:
 
 
 def _unwrapped(hint: Any) -> tuple[Any, tuple[Any, ...]]:
-    """What an annotation says, None taken out, and the marks around it."""
+    """Split an annotation into its type, without None, and the marks around it."""
     marks: tuple[Any, ...] = ()
     while typing.get_origin(hint) is Annotated:
         hint, *more = typing.get_args(hint)

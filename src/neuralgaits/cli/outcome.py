@@ -1,4 +1,4 @@
-"""A verb's answer: what is printed, and how it is judged."""
+"""Outcome of a verb: its result, and how it is judged and shown."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -7,15 +7,15 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Outcome:
-    """A verb's answer.
+    """Outcome of a verb.
 
     Attributes:
-        result: what `--json` prints.
+        result: record that `--json` prints.
         good: False if the answer is no.
-        table: shows the result to a person.
-        brief: shows its few most important lines; None if the whole is that short.
+        table: function that shows the whole result to a person.
+        brief: function that shows its key lines; None if the whole is that short.
         undecided: True if there is no answer.
-        then: what goes on once the answer is printed, as a page that is served; None for nothing.
+        then: function to run after the answer is printed, such as serving a page; None for nothing.
     """
 
     result: Mapping[str, Any]

@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     from neuralgaits.records.trained import ProofRound
 
 _LINES = 10
-"""Lines that stand for a bar, about."""
+"""Approximate number of lines in place of a bar."""
 _BAR = 24
-"""Width of a bar: with what stands beside it, a line of 80 columns is enough."""
+"""Width of a bar [characters], with which the whole line fits 80 columns."""
 _QUIET_S = 30.0
-"""Longest silence of something that goes on without getting a tenth further [s]."""
+"""Longest silence of a task that has not advanced by another tenth [s]."""
 _NAMED = 3
-"""Conditions that a line names before it counts."""
+"""Conditions that a line names before it gives a count."""
 
 
 class _OnTerminal:
     """A bar on stderr, shown while the context is open and only on a terminal.
 
     Args:
-        columns: of the bar.
+        columns: columns of the bar.
         quiet: show nothing at all, as under `--json`.
     """
 
@@ -55,7 +55,7 @@ class _OnTerminal:
             self._bar.stop()
 
     def say(self, line: str) -> None:
-        """Print a line that stays; a bar stays below it."""
+        """Print a permanent line above the bar."""
         self._console.print(line, highlight=False, markup=False, soft_wrap=True)
 
     def _line(self, line: str) -> None:
@@ -82,7 +82,7 @@ class TrainingProgress(_OnTerminal):
         self._first: tuple[int, float] | None = None
 
     def __call__(self, step: int, total: int, loss: float) -> None:
-        """Show that `step` of `total` gradient steps are done, with the loss there."""
+        """Show that `step` of `total` gradient steps are done, with the loss at that step."""
         if self._drawn:
             self._bar.update(
                 self._task,
@@ -97,7 +97,7 @@ class TrainingProgress(_OnTerminal):
             self._line(f"step {step}/{total}  loss {loss:.3g}{self._eta(step, total)}")
 
     def stage(self, number: int, what: str) -> None:
-        """Say what a round of episodes begins with, and start the bar anew."""
+        """Say which stage of a round of episodes begins, and restart the bar."""
         self.say(f"round {number}: {what}")
         self._bar.reset(self._task, total=None, count="", eta="", description=what)
         self._next_line, self._first = 0.0, None
@@ -115,7 +115,7 @@ class TrainingProgress(_OnTerminal):
             )
 
     def round_ended(self, ended: "ProofRound") -> None:
-        """Print what a certificate found, in a line that stays."""
+        """Print the result of a certificate in a permanent line."""
         line = f"certificate after {ended.steps} steps: {ended.verdict}"
         if ended.failing:
             worst = sorted(ended.failing, key=lambda name: -ended.failing[name])
@@ -127,7 +127,7 @@ class TrainingProgress(_OnTerminal):
         self._next_line, self._first = 0.0, None
 
     def _eta(self, step: int, total: int) -> str:
-        """Time left at the mean pace since the first call, which came after compiling."""
+        """Return the time left at the mean pace since the first call, made after compiling."""
         now = time.monotonic()
         if self._first is None:
             self._first = (step, now)
@@ -138,7 +138,7 @@ class TrainingProgress(_OnTerminal):
 
 
 class _Share(_OnTerminal):
-    """A share from 0 to 1 that grows, with a count beside it."""
+    """Progress of a share from 0 to 1, with a count."""
 
     def __init__(self, what: str, *more: ProgressColumn, quiet: bool) -> None:
         super().__init__(
@@ -194,12 +194,12 @@ class _Waiting(_OnTerminal):
 
 
 def waiting(what: str, quiet: bool = False) -> _OnTerminal:
-    """A sign of life while something without steps to count runs; silent without a terminal."""
+    """Return a spinner for work without countable steps; it is silent without a terminal."""
     return _Waiting(what, quiet)
 
 
 class SweepProgress(_OnTerminal):
-    """A callback `(line, done, all)` for a sweep, open while it runs: a line that stays a row."""
+    """A callback `(line, done, all)` for a sweep: it prints a permanent line for each row."""
 
     def __init__(self, quiet: bool = False) -> None:
         super().__init__(
@@ -212,7 +212,7 @@ class SweepProgress(_OnTerminal):
         self._task = self._bar.add_task("", total=None)
 
     def __call__(self, line: str, done: int, every: int) -> None:
-        """Show what became of a row, and how many are done."""
+        """Show the result of a row, and how many rows are done."""
         if self._drawn:
             self._bar.update(self._task, completed=done, total=every)
         self.say(f"{done}/{every} {line}")

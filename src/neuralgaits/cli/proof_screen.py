@@ -1,4 +1,4 @@
-"""What is proved, for a person, on stdout."""
+"""Results of proofs for a person, on stdout."""
 
 import math
 from collections.abc import Sequence
@@ -18,13 +18,13 @@ from neuralgaits.records.checked import Checked
 
 _INDENT = 2
 _TOGETHER = 4
-"""Barriers whose constants stand side by side: names and numbers of four fit 80 columns."""
+"""Barriers whose constants share a table: names and numbers of four fit 80 columns."""
 _PREMISE = "/"
-"""In the name of a premise, as in orbit/inside; conditions of a spec have none."""
+"""Character in names of premises, as in orbit/inside; conditions of a spec have none."""
 
 
 def show_proof(result: Certified) -> None:
-    """The verdict on each condition, with its margin (in scales) or the state that breaks it."""
+    """Show each condition's verdict, with its margin (in scales) or a state that violates it."""
     conditions = sorted(result.conditions.items(), key=_urgency)
     head = ("condition", "verdict", "proved", "margin", "boxes", "")
     show_table(head, [_row(name, entry) for name, entry in conditions[:ROWS]])
@@ -57,7 +57,7 @@ def show_proof(result: Certified) -> None:
 
 
 def _urgency(item: tuple[str, ConditionVerdict]) -> tuple[bool, float]:
-    """What is not proved comes first, then the smallest margin."""
+    """Sort key: unproved conditions first, then the smallest margin."""
     _, entry = item
     return _settled(entry), math.inf if entry.margin is None else entry.margin
 
@@ -80,7 +80,7 @@ def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
 
 
 def show_check(result: Checked) -> None:
-    """The verdict and why, what the file claims, and what the claim rests on."""
+    """Show the verdict and its reason, the claims of the file, and their assumptions."""
     reason = f": {result.reason}" if result.reason else ""
     show_sentence(verdict(result.verdict), reason)
     weights = f"weights of sha256 {result.weights_sha256[:12]}..."
@@ -103,7 +103,7 @@ def show_check(result: Checked) -> None:
 
 
 def _show_levels(levels: Sequence[Conclusion]) -> None:
-    """What was concluded about trajectories, sentence by sentence."""
+    """Show the conclusions about trajectories, sentence by sentence."""
     for level in levels:
         reason = f": {level.reason}" if level.reason else ""
         show_sentence(f"level {level.level} ", verdict(level.verdict), reason, hang=_INDENT)
@@ -113,7 +113,7 @@ def _show_levels(levels: Sequence[Conclusion]) -> None:
 
 
 def _show_constants(constants: Sequence[Constant]) -> None:
-    """Those of the whole with their meanings, then those of each barrier side by side."""
+    """Show the overall constants with their meanings, then those of each barrier in columns."""
     whole = [one for one in constants if ": " not in one.name]
     rows = [(one.name, _rounded(one), one.unit, one.meaning) for one in whole]
     show_table(("constant", "value", "unit", "meaning"), rows)
@@ -133,6 +133,6 @@ def _show_constants(constants: Sequence[Constant]) -> None:
 
 
 def _rounded(constant: Constant) -> str:
-    """A constant in four digits, a bound to the side on which it stays true."""
+    """Format a constant with four digits; a bound is rounded to the side on which it stays true."""
     rounds = {"least": at_least, "most": at_most}.get(constant.side)
     return number(constant.value) if rounds is None else rounds(constant.value, 4)

@@ -1,4 +1,4 @@
-"""The verb that writes the report of a run."""
+"""Verb that writes the report of a run."""
 
 from rich.text import Text
 
@@ -12,7 +12,7 @@ _INDENT = 2
 
 
 def carry_out_report(verb: Report) -> Outcome:
-    """Run `report`. Good even if parts are missing: the page says which."""
+    """Carry out `report`. Good even if parts are missing: the page lists them."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.report import write_report
 
@@ -22,7 +22,7 @@ def carry_out_report(verb: Report) -> Outcome:
 
 
 def show_report(result: Reported) -> None:
-    """Where the page is, what is in it, and what would make it more."""
+    """Show where the page is, what is in it, and which commands would add the missing parts."""
     size = result.bytes / 1e6
     told = f": {len(result.figures)} figures, {size:.1f} MB, opens without a network"
     show_sentence(Text("written", "green"), told)

@@ -20,7 +20,7 @@ from neuralgaits.runs.commands import command, named
 
 
 def show_training(result: Trained) -> None:
-    """Whether the conditions hold on fresh samples, those that do not, and what to do next."""
+    """Show whether the conditions hold on fresh samples, which ones fail, and what to do next."""
     broken = result.broken
     if broken:
         count = Text(f"{len(broken)} of {len(result.conditions)} conditions fail", "yellow")
@@ -52,7 +52,7 @@ def show_training(result: Trained) -> None:
 
 
 def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
-    """What to do about conditions that fail; of a run that is not there, what needs none."""
+    """Return what to do about failing conditions; only general advice if the run is missing."""
     # Imported here: few commands need it.
     from neuralgaits.report import again
 
@@ -74,7 +74,7 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
 
 
 def _proof_of_training(proof: TrainingProof) -> Text:
-    """The last certificate of a training, and what it took."""
+    """Describe the last certificate of a training, and the repairs that it took."""
     repairs = f"{proof.repairs} repairs of {proof.repair_steps} steps"
     found = verdict(proof.verdict)
     if proof.smallest_margin is None:
@@ -87,11 +87,11 @@ def _proof_of_training(proof: TrainingProof) -> Text:
 
 
 _MANY_SATURATED = 0.05
-"""Share of ticks: a touchdown alone has a tenth of it."""
+"""Share of ticks above which saturation is mentioned; a touchdown alone causes a tenth of it."""
 
 
 def show_walks(result: Simulated) -> None:
-    """How far each episode came, what stopped it, and the gait's figures."""
+    """Show how far each episode came, what stopped it, and the gait's figures."""
     walks, count = result.steps_walked, len(result.fell)
     span = _span(walks or (0,))
     answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
@@ -151,13 +151,13 @@ def show_walks(result: Simulated) -> None:
 
 
 def _span(counts: Sequence[int]) -> str:
-    """The least and the largest of some counts."""
+    """Format the range of some counts."""
     lowest, highest = min(counts), max(counts)
     return f"{lowest}" if lowest == highest else f"{lowest} to {highest}"
 
 
 def _link(link: LinkFigures) -> None:
-    """What the connection to a controller process did."""
+    """Show how the connection to a controller process performed."""
     trips = link.round_trip_us
     p50, p99 = (math.nan, math.nan) if trips is None else (trips.p50, trips.p99)
     words = (
@@ -172,7 +172,7 @@ def _link(link: LinkFigures) -> None:
 
 
 def _missed(link: LinkFigures) -> str:
-    """Say why answers were missed, and whether that matters."""
+    """Explain why answers were missed, and whether that matters."""
     if link.mode == LOCKSTEP:
         return (
             "the loss and delay that --link asks for; the simulation waits for everything else, so "
@@ -185,7 +185,7 @@ def _missed(link: LinkFigures) -> str:
 
 
 def show_robot(result: RobotFacts) -> None:
-    """Links, joints by both names, actuators and the whole."""
+    """Show links, joints by both names, actuators and overall properties."""
     show_table(
         ("link", "your body", "length m", "mass kg", "centre of mass m", "inertia kg m²"),
         [
@@ -217,7 +217,7 @@ def show_robot(result: RobotFacts) -> None:
 
 
 def _centre(place: tuple[float, float]) -> str:
-    """Of mass: how far up the link, and how far beside its line where it is beside it."""
+    """Format a centre of mass: its distance up the link and, if it is off the line, to the side."""
     up, ahead = place
     if abs(ahead) < 1e-9:
         return number(up)
@@ -225,7 +225,7 @@ def _centre(place: tuple[float, float]) -> str:
 
 
 def show_planarised(result: RobotFacts) -> None:
-    """What was changed in a robot file, a line each, and what the new one holds."""
+    """Show the changes to a robot file, one on each line, and the robot of the new file."""
     if result.changes:
         show_sentence(
             Text("changed", "yellow"),
@@ -240,20 +240,20 @@ def show_planarised(result: RobotFacts) -> None:
 
 
 def show_written(result: BuiltIn) -> None:
-    """Where a built-in robot was written to."""
+    """Show where a built-in robot was written."""
     facts = [("robot", one.name) for one in result.robots]
     next_line = command("inspect", str(result.written))
     show_facts([*facts, ("written", result.written), ("next", next_line)])
 
 
 def show_names(result: BuiltIn) -> None:
-    """Built-in robots and specs with a line about each."""
+    """Show the built-in robots and specs with a line about each."""
     for kind, entries in (("robot", result.robots), ("spec", result.specs)):
         show_table((kind, "about"), [(entry.name, entry.about) for entry in entries])
 
 
 def show_findings(result: Machine) -> None:
-    """What was looked at on this machine, and the line that mends it."""
+    """Show the findings about this machine, with a fix for each problem."""
     rows = []
     for name, finding in result.findings.items():
         bad = Text("missing", "red") if finding.needed else Text("optional", "yellow")
@@ -267,7 +267,7 @@ def _held(count: int) -> str:
 
 
 def _disturbed(result: Simulated) -> Iterable[tuple[str, Any]]:
-    """The disturbances that are not what they are by default."""
+    """Return the disturbances that differ from their defaults."""
     from neuralgaits.simulation.setup.disturbance import Disturbance
 
     usual = vars(Disturbance())

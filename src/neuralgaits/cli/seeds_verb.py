@@ -1,4 +1,4 @@
-"""`train --seeds`: its settings, and how the seeds are shown."""
+"""`train --seeds`: its settings, and its output."""
 
 from typing import Any
 
@@ -16,8 +16,8 @@ def carry_out_seeds(robot: str | None, given: dict[str, Any], *, quiet: bool) ->
     """Train many seeds. Good if none is refused.
 
     Args:
-        robot: name or path.
-        given: settings of `train_seeds`, as far as they were given; `seeds` as A:B.
+        robot: name or path of the robot.
+        given: settings of `train_seeds` on the command line; `seeds` as A:B.
         quiet: show no progress.
 
     Raises: InputError.
@@ -49,7 +49,7 @@ def carry_out_seeds(robot: str | None, given: dict[str, Any], *, quiet: bool) ->
 
 
 def show_seeds(result: TrainedSeeds) -> None:
-    """How many seeds hold, those that do not, and the best."""
+    """Show how many seeds satisfy all conditions, which ones do not, and the best seed."""
     every, holding, refused = len(result.seeds), result.holding, result.refused
     state = Text("trained", "yellow" if refused else "green")
     held = f"; all {result.conditions} conditions hold on fresh samples of {len(holding)}"

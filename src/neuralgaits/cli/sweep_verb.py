@@ -1,4 +1,4 @@
-"""The verb that makes many runs: its settings, and a line for each run as it comes."""
+"""Verb that makes many runs: its settings, and a line for each finished run."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ _LISTS = ("specs", "controllers")
 
 
 def carry_out_sweep(verb: Sweep) -> Outcome:
-    """Run `sweep`. Good if every row is done; undecided if some could not be carried out."""
+    """Carry out `sweep`. Good if every row is done; undecided if some could not be carried out."""
     given: dict[str, Any] = {name: getattr(verb, name) for name in _SETTINGS}
     for name in _LISTS:
         if (text := getattr(verb, name)) is not None:
@@ -40,7 +40,7 @@ def carry_out_sweep(verb: Sweep) -> Outcome:
 
 
 def show_sweep(result: Swept) -> None:
-    """How many rows there are, and where the table and the page lie."""
+    """Show how many rows there are, and where the table and the page are."""
     good = result.rows - result.failed
     state = Text("done", "green") if not result.failed else Text("not all done", "yellow")
     show_sentence(state, f": {good} of {result.rows} runs")
@@ -60,7 +60,7 @@ def show_sweep(result: Swept) -> None:
 
 
 def line_of(row: SweepRow) -> str:
-    """What became of a row, in one line."""
+    """Summarise a row in one line."""
     if row.failure is not None:
         return f"{row.name}: {row.failure}: {row.reason}"
     parts = [f"{row.broken} of {row.conditions} conditions broken" if row.broken else "trained"]
@@ -79,7 +79,7 @@ def line_of(row: SweepRow) -> str:
 
 
 def seeds_of(text: str) -> tuple[int, int]:
-    """Read `A:B`, or one seed. Raises: InputError."""
+    """Read `A:B`, or one seed, as the first seed and the one after the last. Raises: InputError."""
     words = text.split(":")
     if len(words) > 2 or not all(word.isdecimal() for word in words):
         raise InputError(f"expected --seeds A:B or one seed, found {text!r}: write 0:20")

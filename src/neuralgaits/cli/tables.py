@@ -1,4 +1,4 @@
-"""Tables and sentences for a person, on stdout: whole words, within the width there is."""
+"""Tables and sentences for a person, on stdout: whole words, within the terminal's width."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -20,17 +20,17 @@ COLOURS = {
     "rejected": "red",
     "undecided": "yellow",
 }
-"""Of verdicts."""
+"""Colours of verdicts."""
 ROWS = 12
-"""Rows of a table before the rest becomes a sentence."""
+"""Most rows of a table; a sentence sums up the rest."""
 _GAP = 2
-"""Columns of a terminal between two columns of a table."""
+"""Spaces between two columns of a table."""
 
 
 def show_sentence(*parts: Words, indent: int = 0, hang: int = 0) -> None:
-    """Print text, further lines `hang` deeper than the first.
+    """Print text; continuation lines are indented by `hang`.
 
-    A word too long stands whole, and so does what stands between backticks: it is to be copied.
+    Words that are too long are not broken, nor is text between backticks, so that it can be copied.
     """
     console, text = Console(highlight=False), Text.assemble(*map(_as_called, parts))
     lines: list[tuple[int, int]] = []
@@ -47,9 +47,9 @@ def show_sentence(*parts: Words, indent: int = 0, hang: int = 0) -> None:
 
 
 def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
-    """Print a table; where words would have to be broken, print its cells one below the other.
+    """Print a table; if words do not fit, print each row's cells below one another.
 
-    Nothing is printed without a row.
+    It prints nothing if there are no rows.
     """
     console = Console(highlight=False)
     cells = [
@@ -84,7 +84,7 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
 
 
 def show_facts(facts: Iterable[tuple[str, Any]]) -> None:
-    """Print labels with values, one a line; paths and commands stay whole."""
+    """Print labels with values, one pair on each line; paths and commands are not broken."""
     pairs = [(label, value if isinstance(value, Text) else number(value)) for label, value in facts]
     width = max((len(label) for label, _ in pairs), default=0) + _GAP
     for label, value in pairs:
@@ -96,7 +96,7 @@ def show_facts(facts: Iterable[tuple[str, Any]]) -> None:
 
 
 def number(value: Any) -> str:
-    """A value as a person reads it: four digits, lists with commas, - for nothing."""
+    """Format a value for a person: four digits, lists with commas, - for None."""
     if isinstance(value, float):
         return f"{value:.4g}"
     if isinstance(value, list | tuple):
@@ -105,7 +105,7 @@ def number(value: Any) -> str:
 
 
 def verdict(word: str) -> Text:
-    """A verdict in its colour."""
+    """Return a verdict in its colour."""
     return Text(word, COLOURS[word])
 
 

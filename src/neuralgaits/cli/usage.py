@@ -1,6 +1,6 @@
 """Errors of the argument parser, in one line.
 
-tyro draws its errors as boxes, wrapped to the terminal. The words inside are what matters.
+tyro draws its errors as boxes, wrapped to the terminal. This module keeps only their words.
 """
 
 import contextlib
@@ -37,9 +37,9 @@ def one_line_errors(read: Callable[[list[str]], Read], arguments: list[str]) -> 
 
 
 def condense(box: str) -> str:
-    """The text of an error box: its sections joined by semicolons.
+    """Return the text of an error box in one line, its sections joined by semicolons.
 
-    Returns: one line.
+    Returns: the line.
     """
     sections: list[list[str]] = [[]]
     for line in _COLOUR.sub("", box).splitlines()[1:]:

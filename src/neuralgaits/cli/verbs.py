@@ -1,4 +1,4 @@
-"""One function a verb: call the workflow, judge the answer, say how to show it."""
+"""One function for each verb: call the workflow, judge the answer, choose how to show it."""
 
 import math
 import sys
@@ -42,7 +42,7 @@ from neuralgaits.cli.words import Verb, options
 from neuralgaits.errors import InputError, Interrupted
 
 _COMMANDS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
-"""Flags of commands, and their units."""
+"""Options for ranges of commands, with their units."""
 _TRAINING = (
     "spec",
     "seed",
@@ -56,11 +56,11 @@ _TRAINING = (
     *_COMMANDS,
     "parameters",
 )
-"""Settings of a training that a resumed run has of its own."""
+"""Settings of a training, which a resumed run already has."""
 
 
 def carry_out(verb: Verb) -> Outcome:
-    """Run the verb's workflow."""
+    """Carry out a verb: call its workflow, and judge the result."""
     if not verb.output.json:
         _say_which_is_latest(verb)
     match verb:
@@ -101,7 +101,7 @@ def carry_out(verb: Verb) -> Outcome:
 
 
 def _say_which_is_latest(verb: Verb) -> None:
-    """On stderr: a failed training leaves `latest` with the run before it."""
+    """Print to stderr which run `latest` is: a failed training leaves it unchanged."""
     from neuralgaits.runs.latest import LATEST, about_latest
 
     if getattr(verb, "run", None) == LATEST and (told := about_latest()) is not None:
@@ -142,7 +142,7 @@ def _train(verb: Train) -> Outcome:
 
 
 def _interval(name: str, text: str) -> float | tuple[float, float]:
-    """A number, or LOW:HIGH, of a flag; degrees become radians.
+    """Read a number, or LOW:HIGH, of an option; degrees become radians.
 
     Raises: InputError.
     """
@@ -161,7 +161,7 @@ def _interval(name: str, text: str) -> float | tuple[float, float]:
 
 
 def _ranges(text: str | None) -> dict[str, tuple[float, float]]:
-    """Read `NAME=LOW:HIGH,...`; degrees become radians. Raises: InputError."""
+    """Read `NAME=LOW:HIGH,...` as ranges; degrees become radians. Raises: InputError."""
     found: dict[str, tuple[float, float]] = {}
     for part in [] if text is None else text.split(","):
         name, _, ends = (word.strip() for word in part.partition("="))
@@ -179,10 +179,10 @@ def _ranges(text: str | None) -> dict[str, tuple[float, float]]:
 
 
 def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
-    """The run folder to go on with; on stderr if the caller left open which, unless `quiet`.
+    """Return the run folder to resume; print which one `latest` means to stderr, unless `quiet`.
 
-    Raises: InputError if settings are given that the run has of its own, RunError if there is
-        no such run.
+    Raises: InputError if the command line has settings that the run already has, RunError if the
+        run does not exist.
     """
     if given:
         flags = ", ".join(f"--{name.replace('_', '-')}" for name in given)
@@ -253,7 +253,7 @@ def _certify(verb: Certify) -> Outcome:
 
 
 def _box(text: str | None) -> dict[str, float] | None:
-    """The box of robots of a flag; None if it was not given. Raises: InputError."""
+    """Read a box of robots; None if the option is missing, empty for `none`. Raises: InputError."""
     if text is None or text == "none":
         return None if text is None else {}
     from neuralgaits.robots.parameter_box import parse_box
@@ -262,7 +262,7 @@ def _box(text: str | None) -> dict[str, float] | None:
 
 
 def _resumed_proof(verb: Certify) -> str:
-    """Goes on with the boxes that a search has left, for the same statement."""
+    """Return the command that resumes an interrupted search for the same statement."""
     from neuralgaits.runs.commands import command
 
     line: list[Any] = ["certify", verb.run, "--resume"]
@@ -335,7 +335,7 @@ def _doctor() -> Outcome:
 
 
 def _widths(text: str) -> tuple[int, ...]:
-    """Read `N,N`. Raises: InputError unless every N is a positive whole number."""
+    """Read `N,N` as layer widths. Raises: InputError unless every N is a positive whole number."""
     words = [word.strip() for word in text.split(",")]
     if not all(word.isdecimal() and int(word) > 0 for word in words):
         raise InputError(

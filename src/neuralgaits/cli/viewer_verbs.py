@@ -1,4 +1,4 @@
-"""The verbs that serve a live page: they answer once it can be opened, and stay until Ctrl-C."""
+"""Verbs that serve a live page: they answer as soon as it opens, and run until Ctrl-C."""
 
 import sys
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def carry_out_view(verb: View) -> Outcome:
-    """Run `view`."""
+    """Carry out the verb `view`; always good."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.view import view
 
@@ -22,7 +22,7 @@ def carry_out_view(verb: View) -> Outcome:
 
 
 def carry_out_demo(verb: Demo) -> Outcome:
-    """Run `demo`."""
+    """Carry out the verb `demo`; always good."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.demo import demo
 
@@ -36,7 +36,7 @@ def _place(page: Page) -> dict[str, Any]:
 
 
 def _served(live: "LiveView", page: Page) -> Outcome:
-    """Say where the page is, open it, and stay."""
+    """Print the page's address, open the page, and serve it until Ctrl-C."""
     from neuralgaits.viewer.page import is_loopback, show_in_browser
 
     if not is_loopback(live.host):

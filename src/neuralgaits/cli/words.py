@@ -1,4 +1,4 @@
-"""The words of a command line, turned into a verb with its settings."""
+"""Parser of the command line: words become a verb with its settings."""
 
 import ast
 import inspect
@@ -34,7 +34,7 @@ Verb = (
     | of.Robots
     | of.Doctor
 )
-"""One subcommand each: the class name in lower case, with hyphens."""
+"""One subcommand each; its name is the class name in lower case, with hyphens."""
 _VERBS = {
     re.sub("(?<=[a-z])(?=[A-Z])", "-", one.__name__).lower(): one for one in typing.get_args(Verb)
 }
@@ -65,9 +65,9 @@ def read(arguments: list[str]) -> Verb:
 
 
 def _let_help_flow(settings: type) -> None:
-    """Have the help break lines where the terminal ends, and not where the source does.
+    """Let the help break lines at the terminal's width, not where the source does.
 
-    tyro keeps a break before a line that is indented, as those of an attribute's docstring are.
+    tyro keeps a break before an indented line, and lines of an attribute's docstring are indented.
     """
     said = dict(_said(settings))
     hints = typing.get_type_hints(settings, include_extras=True)
@@ -80,7 +80,7 @@ def _let_help_flow(settings: type) -> None:
 
 
 def _said(settings: type) -> Iterator[tuple[str, str]]:
-    """Fields of a class with the docstrings that follow them."""
+    """Yield the fields of a class with the docstrings that follow them."""
     [found] = ast.parse(inspect.getsource(settings)).body
     assert isinstance(found, ast.ClassDef)
     for field, text in itertools.pairwise(found.body):
@@ -93,12 +93,12 @@ def _said(settings: type) -> Iterator[tuple[str, str]]:
 
 
 def options(verb: Any, *left_out: str) -> dict[str, Any]:
-    """Settings of a verb by their names, which are those of its workflow's arguments.
+    """Return the settings of a verb by name; the names are those of its workflow's arguments.
 
     Args:
-        verb: of `read`.
-        left_out: what is given otherwise. How the answer is printed, and where the work is done,
-            are left out anyway.
+        verb: verb that `read` returned.
+        left_out: names of settings to leave out. Those about output and workers are always left
+            out.
     """
     others = {"output", "at_work", *left_out}
     return {one.name: getattr(verb, one.name) for one in fields(verb) if one.name not in others}

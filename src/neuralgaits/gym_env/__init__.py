@@ -1,7 +1,7 @@
 """The biped as a Gymnasium environment. Importing this registers `neuralgaits/Biped-v0`.
 
-Needs the `gym` extra. The same plant, disturbances, pushes, floors and falls as `simulate`; what is
-learned in it is up to whoever learns. Nothing here knows of gaits or of barrier conditions.
+It needs the `gym` extra. Plant, disturbances, pushes, floors and falls are those of `simulate`;
+what is learned in it is up to the user. This package knows no gaits and no barrier conditions.
 """
 
 from importlib.util import find_spec
@@ -23,7 +23,7 @@ __all__ = ["ID", "BipedEnv", "Reward", "Trials", "trials"]
 
 ID = "neuralgaits/Biped-v0"
 EPISODE_STEPS = 500
-"""Decisions of an episode that does not end by a fall: 10 s."""
+"""Decisions of an episode that does not end in a fall: 10 s."""
 
 if ID not in registry:
     register(

@@ -1,4 +1,4 @@
-"""A planar biped that is asked for a speed, as a Gymnasium environment."""
+"""A planar biped that follows a speed command, as a Gymnasium environment."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, SupportsFloat, get_args
@@ -23,24 +23,24 @@ from neuralgaits.simulation.ticks.falls import Ending
 Action = Literal["target", "torque"]
 Disturbed = str | Mapping[str, float] | Disturbance
 TICKS = 20
-"""Ticks of a decision: 50 decisions a second."""
+"""Control ticks of a decision: 50 decisions a second."""
 SLOWEST = 0.5
-"""Episodes begin at this share of the speed asked for, or above."""
+"""Least initial speed of an episode, as a share of the commanded speed."""
 # What observations are clipped to, far beyond what a walk needs: finite, as learners want them.
 _ANGLE, _RATE, _VELOCITY, _FORCE, _TIME, _SPEED = np.pi, 50.0, 10.0, 20.0, 10.0, 3.0
 
 
 class BipedEnv(gymnasium.Env):
-    """Walk at the speed that is asked for, without falling.
+    """Gymnasium environment of a biped that walks at a commanded speed without falling.
 
-    The plant is the one that `simulate` walks on: same disturbances, pushes, floors, touchdowns and
-    falls. An episode ends by a fall, standing still for long being one; `gymnasium.make` cuts it
+    The plant is that of `simulate`, with its disturbances, pushes, floors, touchdowns and falls.
+    An episode ends with a fall; standing still for long counts as one. `gymnasium.make` cuts it
     after 10 s.
 
     Observation, float32 [2 m + 9], m motors: pitch (rad) and its rate (rad/s); joint angles [m] and
     rates [m], leg 0 from the lowest up and then leg 1; velocity of the hip, (x, z) (m/s); normal
     force on foot 0 and 1 (weights); the stance leg, -1 or 1; time since its touchdown (s); the
-    speed asked for (m/s).
+    commanded speed (m/s).
 
     Action, [m] in -1..1, joints as above. `target`: joint angles between the bounds of a walking
     posture, 0 its mid-step, held by the gains of `control.Pd` without feed-forward. `torque`:
@@ -68,13 +68,13 @@ class BipedEnv(gymnasium.Env):
 
         Args:
             robot: by name, a file, or loaded.
-            action: what actions mean.
-            speed: asked for (m/s), or a range that each episode draws from.
-            disturb: of the plant, as for `simulate`; of several, each episode draws one.
-            push: forward impulse of one push an episode (N s), or a range to draw from.
+            action: meaning of the actions, `target` or `torque`.
+            speed: commanded speed (m/s), or a range that each episode draws from.
+            disturb: disturbance of the plant, as for `simulate`; each episode draws one of several.
+            push: forward impulse of the one push of an episode (N s), or a range to draw from.
             reward: weights, see `Reward`.
-            ticks: of 1 ms, of a decision.
-            render_mode: None; there are no others.
+            ticks: control ticks of 1 ms in a decision.
+            render_mode: only None is supported.
 
         Raises: InputError, RobotError with one line.
         """
@@ -127,12 +127,12 @@ class BipedEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode somewhere in a rough step.
+        """Start an episode at a random place of a rough step.
 
         Args:
-            seed: of everything random.
-            options: `speed` asked for (m/s), and `state`, x = (q, dq) of a robot on leg 0 to begin
-                in (rad, rad/s) [2n], in place of drawn ones.
+            seed: seed of everything random.
+            options: `speed`, the command (m/s), and `state`, the initial x = (q, dq) of a robot on
+                leg 0 (rad, rad/s) [2n]; both are drawn at random if missing.
 
         Returns: observation, info.
         """
@@ -157,7 +157,10 @@ class BipedEnv(gymnasium.Env):
     def step(
         self, action: np.ndarray
     ) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Decide once. Returns: observation, reward, terminated, truncated (never here), info."""
+        """Carry out one decision.
+
+        Returns: observation, reward, terminated, truncated (always False here), info.
+        """
         action = np.asarray(action, dtype=np.float64)
         if action.shape != self.action_space.shape or not np.isfinite(action).all():
             raise InputError(
@@ -184,7 +187,7 @@ class BipedEnv(gymnasium.Env):
         return self._observed(), sum(parts.values()), ending.fell, False, info
 
     def _law(self, action: Joints):
-        """Torques that an action means, from measured angles and rates."""
+        """Return the torques of an action, as a function of measured angles and rates."""
         if self._torques:
             constant = action * self.body.limit
             return lambda angles, rates: constant
@@ -219,7 +222,7 @@ class BipedEnv(gymnasium.Env):
 
 
 def _range(name: str, given: Any, lowest: float, highest: float) -> tuple[float, float]:
-    """One value, or (low, high), as a range."""
+    """Read one value, or (low, high), as a range."""
     try:
         values = np.asarray(given, dtype=np.float64).reshape(-1)
     except (TypeError, ValueError):

@@ -1,7 +1,7 @@
-"""A robot in MuJoCo, tick by tick, with torques from outside: what an environment drives.
+"""A robot in MuJoCo, stepped tick by tick with torques from outside; environments drive it.
 
-Plain NumPy. A tick and its thresholds are those of `simulate`: 1 ms, two MuJoCo steps, the same
-touchdowns, falls, pushes and floors.
+It uses plain NumPy. A tick and its thresholds are those of `simulate`: 1 ms, two MuJoCo steps,
+the same touchdowns, falls, pushes and floors.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -25,31 +25,31 @@ from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
-"""Time that passes in a tick [s]."""
+"""Duration of a control tick [s]."""
 Joints = Float[np.ndarray, " m"]
 Torques = Callable[[Joints, Joints], Joints]
-"""From measured joint angles and rates (rad, rad/s) to torques (N m). All [m]."""
+"""Function from measured joint angles and rates (rad, rad/s) to torques (N m). All [m]."""
 _ENDLESS = 2**31 - 1
 
 
 class Body:
-    """One robot and what happens to it.
+    """A simulated robot, its stance leg and the work it has done.
 
-    Joints are in the order leg 0 from the lowest up, then leg 1; the one hip of a robot without a
-    torso comes once. Angles have the signs of the theory.
+    Joints are in the order leg 0 from the lowest up, then leg 1; the single hip of a robot without
+    a torso appears once. Angles have the signs of the theory.
 
     Attributes:
-        plant: that it is now.
+        plant: the current plant.
         data: MuJoCo's state.
-        leg: stance leg.
+        leg: stance leg, 0 or 1.
         since: time since the last touchdown, or since the start [s].
         steps: touchdowns so far.
-        weight: of the robot [N].
+        weight: weight of the robot [N].
         work: mechanical work so far, the integral of sum |torque rate| [J].
     """
 
     def __init__(self, robot: PlanarBiped, plant: Plant, falls: FallConfig | None = None):
-        """Compiled, and not standing yet: see `stand`."""
+        """Compile the plant; `stand` puts the robot onto a leg."""
         self._robot = robot
         self._falls = FallConfig() if falls is None else falls
         self._stance = StanceConfig()
@@ -76,11 +76,11 @@ class Body:
 
     @property
     def joints(self) -> int:
-        """Number of motors, m."""
+        """Return the number of motors, m."""
         return len(self._kept)
 
     def by_joint(self, actuated: ArrayLike) -> Joints:
-        """Values of the actuated coordinates of a robot on leg 0, in the order of the joints."""
+        """Reorder the actuated coordinates of a robot on leg 0 into the order of the joints."""
         return np.asarray(actuated)[self._order]
 
     def stand(
@@ -93,15 +93,15 @@ class Body:
         push: float,
         seed: int,
     ) -> None:
-        """Begin anew on one leg, its foot on the floor at x = 0.
+        """Restart on one leg, with its foot on the floor at x = 0.
 
         Args:
-            plant: the robot as it is disturbed.
+            plant: the disturbed robot.
             q: coordinates (rad). [n]
             dq: rates (rad/s). [n]
             leg: stance leg.
-            push: forward impulse of the one push, see `simulation.setup.push` (N s).
-            seed: of pushes, floors and sensor noise.
+            push: forward impulse of the single push, see `simulation.setup.push` (N s).
+            seed: seed of pushes, floors and sensor noise.
         """
         if plant is not self.plant:
             self._take(plant)
@@ -118,7 +118,7 @@ class Body:
         self._landed = False
 
     def tick(self, torques: Torques) -> bool:
-        """Let a tick pass. Returns: whether the swing foot touched down."""
+        """Advance by one tick. Returns: whether the swing foot touched down."""
         data, plant = self.data, self.plant
         asked = torques(*self._measured_joints())
         torque = np.minimum(np.maximum(asked, -self.limit), self.limit)
@@ -142,7 +142,7 @@ class Body:
         return self._landed
 
     def _touched_down(self) -> bool:
-        """As `control.stance` has it."""
+        """Return whether the swing foot touched down, by the rules of `control.stance`."""
         data, config, swing = self.data, self._stance, 1 - self.leg
         loaded = data.sensordata[self._touch[swing]] > config.force_share * self.weight
         if not loaded or (self.steps and self.since < config.lockout_s):
@@ -151,7 +151,7 @@ class Body:
         return bool(ahead > config.advance_share * np.sum(self._robot.hip))
 
     def _lay(self) -> None:
-        """Move the floor under the swing foot, where a new level is due."""
+        """Move the floor under the swing foot to its next level, when one is due."""
         stance, swing = (self.data.geom_xpos[self._feet[leg]] for leg in (self.leg, 1 - self.leg))
         across = swing - stance
         changed = self._terrain.advance(
@@ -170,13 +170,13 @@ class Body:
 
     @property
     def hip(self) -> Float[np.ndarray, "2"]:
-        """Hip in the world, (x, z) (m). [2]."""
+        """Return the position of the hip in the world, (x, z) (m). [2]."""
         sensors, layout = self._sensors, self.plant.wires.layout
         return sensors.base + layout.hip_arm(sensors.pitch - layout.root_angle, np)[0]
 
     @property
     def pitch(self) -> float:
-        """Angle of the root link, without noise (rad)."""
+        """Return the angle of the root link, without noise (rad)."""
         return float(self._sensors.pitch)
 
     def _measured_joints(self) -> tuple[Joints, Joints]:
@@ -198,7 +198,7 @@ class Body:
         return rates + deviation * self._rng.standard_normal(rates.shape) if deviation else rates
 
     def measured(self) -> Float[np.ndarray, " s"]:
-        """What the robot's sensors say.
+        """Return the readings of the robot's sensors.
 
         Returns: pitch and its rate (rad, rad/s); joint angles [m], rates [m]; velocity of the hip,
         (x, z) (m/s); normal force on foot 0 and 1 in weights. [2 m + 6]
@@ -219,7 +219,7 @@ class Body:
         )
 
     def ending(self) -> Ending:
-        """Whether it has fallen, as `simulation.ticks.falls` has it."""
+        """Return how the walk ended, if it did, by the rules of `simulation.ticks.falls`."""
         robot, falls = self._robot, self._falls
         length = float(np.sum(robot.hip))
         states = (self.data.qpos, self.data.qvel)

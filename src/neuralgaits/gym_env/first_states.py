@@ -1,4 +1,4 @@
-"""States to begin in that need no gait: a rough step by inverse kinematics, at some speed."""
+"""Initial states that need no gait: a rough step by inverse kinematics, at a given speed."""
 
 import numpy as np
 
@@ -7,26 +7,26 @@ from neuralgaits.gait.posture import posture_path, walking_posture
 from neuralgaits.robots import PlanarBiped
 
 GRID = 25
-"""Hip positions at which inverse kinematics gives a posture."""
+"""Number of hip positions for which inverse kinematics computes a posture."""
 REACH = 0.9
-"""How much of a step, of the way from mid-step to the guard either way, has postures."""
+"""Share of the way from mid-step to the guard, in both directions, that has postures."""
 
 
 class FirstStates:
-    """Full states of a robot that is somewhere in a rough step, its outputs at rates that fit."""
+    """Full initial states of a robot within a rough step, with consistent output rates."""
 
     def __init__(self, robot: PlanarBiped):
-        """Solve the inverse kinematics, once."""
+        """Solve the inverse kinematics of the step once."""
         self._robot = robot
         self._z1 = np.linspace(-REACH, REACH, GRID) * walking_posture(robot).z_guard
         self._outputs = posture_path(robot, self._z1)
         self._slopes = np.gradient(self._outputs, self._z1, axis=0)
 
     def at(self, share: float, speed: float) -> tuple[Float[np.ndarray, " n"], ...]:
-        """Coordinates and rates, standing on the foot at the origin.
+        """Return coordinates and rates of a robot whose stance foot is at the origin.
 
         Args:
-            share: where in the step, 0 to 1.
+            share: place within the step, 0 to 1.
             speed: dz1 (m/s).
 
         Returns: q [n] (rad), dq [n] (rad/s).

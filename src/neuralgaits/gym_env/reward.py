@@ -1,4 +1,4 @@
-"""What a decision is worth: how near the hip's speed is to the one asked for, less what it cost."""
+"""The reward of a decision: how well the hip follows the commanded speed, less the effort."""
 
 import math
 from dataclasses import asdict, dataclass, fields
@@ -8,16 +8,16 @@ from neuralgaits.errors import InputError
 
 @dataclass(frozen=True)
 class Reward:
-    """Weights of the parts of a reward. Of one decision: the sum of `parts`.
+    """Weights of the parts of a reward; the reward of one decision is the sum of `parts`.
 
     Attributes:
-        speed: of exp(-((v - asked) / width)^2), v the hip's mean forward speed in the decision.
-        width: of that [m/s]. Within a step of a walk v swings by about 0.15 m/s.
-        alive: for not having fallen.
-        effort: of mechanical power, the mean of sum |torque rate|, in units of weight times 1 m/s.
-        lean: of the squared angle of the torso [1/rad^2].
-        change: of the mean squared change of the action since the last decision.
-        fall: taken away once, at a fall.
+        speed: weight of exp(-((v - command) / width)^2), v the mean forward speed of the hip.
+        width: width of that term [m/s]. Within a walking step v swings by about 0.15 m/s.
+        alive: reward for not having fallen.
+        effort: weight of the mean of sum |torque rate|, in units of the robot's weight times 1 m/s.
+        lean: weight of the squared angle of the torso [1/rad^2].
+        change: weight of the mean squared change of the action since the last decision.
+        fall: subtracted once, at a fall.
     """
 
     speed: float = 1.0
@@ -29,7 +29,7 @@ class Reward:
     fall: float = 1.0
 
     def __post_init__(self):
-        """Refuse weights that are no finite numbers of at least zero, and a width of zero."""
+        """Refuse weights that are negative or not finite, and a width of zero."""
         for field in fields(self):
             value = getattr(self, field.name)
             least = 1e-6 if field.name == "width" else 0.0
@@ -49,15 +49,15 @@ class Reward:
         change: float,
         fell: bool,
     ) -> dict[str, float]:
-        """Each part of the reward of a decision, signed.
+        """Return each part of the reward of a decision, with its sign.
 
         Args:
             speed: mean forward speed of the hip (m/s).
-            asked: the command (m/s).
+            asked: commanded speed (m/s).
             power: mechanical power in units of weight times 1 m/s.
-            pitch: of the torso (rad).
+            pitch: angle of the torso (rad).
             change: mean squared change of the action.
-            fell: whether the episode ended so.
+            fell: whether the decision ended in a fall.
         """
         miss = (speed - asked) / self.width
         return {
@@ -71,7 +71,7 @@ class Reward:
 
 
 def reward_of(given: "Reward | dict[str, float] | None") -> Reward:
-    """A reward from weights by name. Raises: InputError for a name that does not exist."""
+    """Build a reward from weights by name. Raises: InputError for a name that does not exist."""
     if isinstance(given, Reward):
         return given
     known = asdict(Reward())

@@ -1,4 +1,4 @@
-"""What becomes of a policy in walks: any function from what is observed to an action."""
+"""Trial walks of a policy: any function from observations to actions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gym_env.biped_env import BipedEnv
 
 LONGEST_S = 30.0
-"""A trial that has neither fallen nor walked its steps by then has not walked."""
+"""Time limit of a trial [s]; one that has not walked its steps by then counts as not walked."""
 
 
 @dataclass(frozen=True)
@@ -17,12 +17,12 @@ class Trials:
     """Episodes of one policy at one speed.
 
     Attributes:
-        steps: that each had to walk.
+        steps: number that each had to walk.
         walked: touchdowns in each, at most `steps`. [B]
-        up_s: how long each was up [s]. [B]
-        endings: why each fell; None of one that walked its steps, or ran out of time. [B]
-        speed_m_s: mean of those that walked their steps [m/s]; None if none did.
-        cost_of_transport: mechanical, mean of the same [1]; None if none did.
+        up_s: how long each stayed up [s]. [B]
+        endings: why each fell; None if it walked its steps or ran out of time. [B]
+        speed_m_s: mean speed of those that walked their steps [m/s]; None if none did.
+        cost_of_transport: mean mechanical cost of the same walks [1]; None if none did.
     """
 
     steps: int
@@ -34,11 +34,11 @@ class Trials:
 
     @property
     def done(self) -> int:
-        """How many walked all their steps."""
+        """Return how many trials walked all their steps."""
         return sum(count >= self.steps for count in self.walked)
 
     def __str__(self) -> str:
-        """Return one line."""
+        """Summarise the trials in one line."""
         text = f"{self.done} of {len(self.walked)} walked {self.steps} steps, "
         text += f"up {np.mean(self.up_s):.1f} s on average"
         if self.speed_m_s is not None and self.cost_of_transport is not None:
@@ -54,14 +54,14 @@ def trials(
     steps: int = 50,
     count: int = 10,
 ) -> Trials:
-    """Let a policy walk, from starts of seeds 0 to `count` - 1.
+    """Let a policy walk from the random starts of seeds 0 to `count` - 1.
 
     Args:
-        env: without a time limit, as the class makes it.
-        act: from an observation to an action, see `BipedEnv`.
-        speed: asked for (m/s).
-        steps: touchdowns to walk.
-        count: of episodes.
+        env: environment without a time limit, as the class makes it.
+        act: function from an observation to an action, see `BipedEnv`.
+        speed: commanded speed (m/s).
+        steps: number of touchdowns to walk.
+        count: number of episodes.
 
     Raises: InputError for fewer than one step or episode.
     """

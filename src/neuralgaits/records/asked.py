@@ -1,4 +1,4 @@
-"""What a training was asked: `config.json` of a run, without what `runs` itself puts there."""
+"""Settings of a training: `config.json` of a run, without the entries that `runs` adds."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,9 +13,9 @@ from neuralgaits.runs.reading import refuse_misshapen
 from neuralgaits.runs.shape import NUMBER, TEXT, list_of, table_of, whole
 
 HIGHEST_DEGREE = 20
-"""Of polynomials of outputs: Bernstein's would lose digits beyond."""
+"""Highest degree of output polynomials; above it Bernstein's form would lose digits."""
 WIDEST, DEEPEST = 2**14, 16
-"""Hidden layers that a config may ask for: what is more is damage, and would fill the memory."""
+"""Largest hidden layers of a config; larger ones mean damage, and would fill the memory."""
 Seed = Annotated[int, whole(0, 2**31 - 1)]
 Steps = Annotated[int, whole(0, 2**31 - 1)]
 Degree = Annotated[int, whole(1, HIGHEST_DEGREE)]
@@ -30,22 +30,22 @@ Spec = Annotated[
 
 
 class Folder(Protocol):
-    """A run folder, as far as its config goes."""
+    """Interface of a run folder that has a config."""
 
     @property
     def path(self) -> Path:
-        """The folder."""
+        """Path of the run folder itself."""
         ...
 
     @property
     def config(self) -> Mapping[str, Any]:
-        """Content of `config.json`."""
+        """Content of the run's `config.json`, parsed."""
         ...
 
 
 @dataclass(frozen=True)
 class Proving:
-    """Proofs during training. Attributes: budget_s: None for as long as it takes."""
+    """Proofs during training. Attributes: budget_s: time for all of them; None for no limit."""
 
     budget_s: float | None
 
@@ -62,11 +62,11 @@ class Stated:
 
 @dataclass(frozen=True)
 class Range:
-    """A command of a gait.
+    """Range of a command of a gait.
 
     Attributes:
-        low, high: its range (see `gait.commands` for units).
-        largest_change: from one step to the next; None for any.
+        low, high: ends of the range (see `gait.commands` for units).
+        largest_change: largest change from one step to the next; None for any.
     """
 
     low: float
@@ -76,12 +76,12 @@ class Range:
 
 @dataclass(frozen=True)
 class Given:
-    """A gait that was not trained.
+    """Origin of a gait that was not trained.
 
     Attributes:
         by: the verb that made the run.
-        degree: of the polynomials of its outputs.
-        speed: mean speed that was asked of an optimisation (m/s); None for an imported gait.
+        degree: degree of the polynomials of its outputs.
+        speed: mean speed requested of an optimisation (m/s); None for an imported gait.
     """
 
     by: Literal["import-gait", "optimise"]
@@ -130,7 +130,7 @@ class Asked(Record):
     given: Given | None = None
 
     def unsaid(self) -> Collection[str]:
-        """Settings of `refine` are not those of `train`; no commands are not said."""
+        """Return the fields that `--json` omits: settings of `refine` if none, and empty ones."""
         refined = () if self.parent is not None else ("rate", "disturbance", "parent")
         told = (
             name for name in ("commands", "speed", "parameters", "given") if not getattr(self, name)
@@ -139,28 +139,28 @@ class Asked(Record):
 
     @property
     def as_given(self) -> Given | None:
-        """Where the gait is from, if no gradient step has changed it since."""
+        """Origin of an imported or optimised gait; None if the gait was trained or refined."""
         return self.given if self.parent is None else None
 
     @property
     def last_level(self) -> int:
-        """The highest level that a certificate of this run can reach."""
+        """Highest level that a certificate of this run can reach."""
         many = self.described.get("parameters") or self.described.get("ground")
         return HIGHEST_OF_MANY if self.commands or many else HIGHEST
 
     @property
     def learning_rate(self) -> float | None:
-        """Of the recipe; None if it does not say."""
+        """Learning rate of the recipe; None if the recipe has none."""
         return self.described["recipe"].get("learning_rate")
 
     @property
     def samples(self) -> Mapping[str, int]:
-        """Fresh samples a step in each region."""
+        """Number of fresh samples in each region for one gradient step."""
         return self.described["recipe"].get("samples") or {}
 
     @property
     def conditions(self) -> Sequence[Stated]:
-        """The conditions asked for."""
+        """Conditions of the run's spec, in its order."""
         rows = self.described["conditions"]
         return [Stated(row["name"], row["region"], row["scale"], row) for row in rows]
 
@@ -171,6 +171,6 @@ class Asked(Record):
 
 
 def asked_of(folder: Folder) -> Asked:
-    """What a run was asked. Raises: RunError if its config is not that of a training."""
+    """Return the settings of a run. Raises: RunError if its config is not that of a training."""
     refuse_misshapen(folder.config, shape_of(Asked), folder.path / CONFIG)
     return build(Asked, folder.config)

@@ -1,4 +1,4 @@
-"""What `certify` found: the summary of a certificate, and the answers that it is made of."""
+"""Result of `certify`: the summary of a certificate, and the parts that it is made of."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -13,18 +13,18 @@ FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
 PROOF = f"{FOLDER}/proof.json"
 LEVELS = {number: words.about for number, words in WORDS.items()}
-"""What each is about."""
+"""Subject of each level."""
 HIGHEST = max(LEVELS)
 FULL_ORDER = 4
-"""The level that brings files and constants of its own."""
+"""First level that has files and constants of its own."""
 GROUND = "floor", "friction"
-"""Of a box, what is not the robot's."""
+"""Parameters of the ground rather than the robot."""
 
 Verdict = Literal["proved", "refuted", "undecided"]
 
 
 def box_in_words(parameters: Mapping[str, float]) -> str:
-    """A box of robots as people write it, `mass=2%,com=5mm`, every digit; empty without one."""
+    """Write a box of robots for people, `mass=2%,com=5mm`, with every digit; empty if no box."""
     units = {"com": (1000, "mm"), "floor": (1000, "mm"), "friction": (1, "")}
     sizes = ((name, half, *units.get(name, (100, "%"))) for name, half in parameters.items())
     return ",".join(
@@ -50,15 +50,15 @@ class Counterexample:
 
 @dataclass(frozen=True)
 class ConditionVerdict:
-    """The answer for one condition on its whole region.
+    """Verdict on one condition over its whole region.
 
     Attributes:
         verdict: proved, refuted or undecided.
         proved_fraction: share of the region's area on which it is proved.
-        boxes: that were bounded for its sake.
-        margin: if proved: no point of the region has a smaller one, in scales.
-        counterexample: if refuted.
-        undecided_boxes: that are neither proved nor known to violate it.
+        boxes: number of boxes that were bounded for it.
+        margin: proved lower bound of the margin on the region, in scales; None if not proved.
+        counterexample: point that violates it; None unless refuted.
+        undecided_boxes: number of boxes that are neither proved nor refuted.
     """
 
     verdict: Verdict
@@ -70,18 +70,18 @@ class ConditionVerdict:
 
     @property
     def in_part(self) -> bool:
-        """Whether it is proved for all that was asked, which is a part of what the gait is told."""
+        """Whether it is proved for the requested part of the gait's commands only."""
         whole = self.proved_fraction == 1.0 and self.undecided_boxes == 0
         return self.verdict == "undecided" and whole
 
 
 @dataclass(frozen=True)
 class Constant:
-    """One number of a theorem, for a report.
+    """Constant of a theorem, for a report.
 
     Attributes:
-        name, value, unit, meaning: of it.
-        side: whether it is a bound, and from where: so it is rounded on a screen.
+        name, value, unit, meaning: those of the constant.
+        side: whether it is exact, a lower or an upper bound, which decides how it is rounded.
     """
 
     name: str
@@ -93,16 +93,16 @@ class Constant:
 
 @dataclass(frozen=True)
 class Conclusion:
-    """The answer for one level.
+    """Verdict on one level.
 
     Attributes:
         level: 2 to 5.
-        verdict: proved, or undecided with a reason; "consistent" if it follows from statements of
-            which it is not known what they are about.
+        verdict: proved, or undecided with a reason; "consistent" if it follows from
+            statements whose subject is unknown.
         reason: what is missing; None if proved.
-        words: the statement, one sentence each; empty if it is not proved.
-        figures: numbers that were proved on the way, by name.
-        constants: the same with units and in words, of a level that has many; else empty.
+        words: sentences of the statement; empty if it is not proved.
+        figures: proved numbers, by name.
+        constants: constants with units and meanings, for a level that has many; otherwise empty.
     """
 
     level: Annotated[int, one_of(*range(2, HIGHEST + 1))]
@@ -114,28 +114,28 @@ class Conclusion:
 
     @property
     def proved(self) -> bool:
-        """Whether it is."""
+        """Whether the verdict on this level is proved."""
         return self.verdict == "proved"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Certified(Record):
-    """What is known of a run's conditions, and what follows for its walks.
+    """Proved results about a run's conditions, and their consequences for its walks.
 
     Attributes:
-        run, robot, spec: as asked.
-        verdict: of the whole: refuted if a condition is, proved if all are and all levels.
-        level: that was asked for.
-        conditions: level 1.
-        levels: above 1, as far as they were asked for.
-        boxes: that were bounded.
-        proof, map: files; None if there are none.
-        full_order_proof: the file that level 4's premises stand in, which is the proof; None if
-            there are none.
-        sha256: of what it is about and rests on, by file; None where there is no such file.
-        wall_s: time.
-        reason: why there is no answer, or no Program.
-        within: ranges of commands that it was asked for, by name; None for all that the gait takes.
+        run, robot, spec: run folder, and names of its robot and spec.
+        verdict: overall verdict: refuted if a condition is, proved if all conditions and levels
+            are.
+        level: requested level.
+        conditions: verdicts on the conditions (level 1).
+        levels: verdicts on the requested levels above 1.
+        boxes: number of boxes that were bounded.
+        proof, map: paths of the files; None if there are none.
+        full_order_proof: path of the proof if it holds premises of level 4; None if it holds none.
+        sha256: hashes of the files that it is about and rests on, by file; None for a missing file.
+        wall_s: elapsed time.
+        reason: why the result is undecided, or why there is no Program.
+        within: ranges of commands that the proof covers, by name; None for the gait's full ranges.
         parameters: half widths of the box of robots and floors that it is about, by kind; empty
             for the robot of the run's file alone, on its floor.
     """
@@ -158,7 +158,7 @@ class Certified(Record):
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     def unsaid(self) -> Collection[str]:
-        """Files of a level that was not looked at, and a reason where there is an answer."""
+        """Return the fields that `--json` omits: absent files, reasons and restrictions."""
         unsaid = [] if self.parameters else ["parameters"]
         if self.within is None:
             unsaid.append("within")
@@ -169,13 +169,13 @@ class Certified(Record):
 
     @property
     def robots(self) -> str | None:
-        """The box of robots as `--parameters` writes it; None for the robot of the file alone."""
+        """Box of robots as `--parameters` writes it; None for the robot of the file alone."""
         of_robots = {k: half for k, half in self.parameters.items() if k not in GROUND}
         return box_in_words(of_robots) or None
 
     @property
     def ground(self) -> str | None:
-        """What floor it is about, in words; None for the level one, and any friction that holds."""
+        """Floors that the proof covers, in words; None for a level one with enough friction."""
         said = {
             "floor": "footholds up to {} higher or lower than meant",
             "friction": "a coefficient of friction of {} or more",
@@ -189,7 +189,7 @@ class Certified(Record):
 
     @property
     def proved_level(self) -> int:
-        """The highest level that is proved with all below it; 0 if not even the first."""
+        """Highest level that is proved with all below it; 0 if level 1 is not."""
         if self.of_conditions != "proved":
             return 0
         proved = {entry.level for entry in self.levels if entry.proved}
@@ -197,7 +197,7 @@ class Certified(Record):
 
     @property
     def of_conditions(self) -> Verdict:
-        """The verdict on level 1."""
+        """Verdict on level 1, over all conditions."""
         answers = {entry.verdict for entry in self.conditions.values()}
         if "refuted" in answers:
             return "refuted"
@@ -205,22 +205,22 @@ class Certified(Record):
 
     @property
     def of_all(self) -> Verdict:
-        """The verdict on the conditions and on every level that was asked for."""
+        """Verdict on the conditions and on every requested level."""
         if self.of_conditions == "proved" and not all(entry.proved for entry in self.levels):
             return "undecided"
         return self.of_conditions
 
     @property
     def least_margin(self) -> float | None:
-        """That is proved of all conditions, in scales; None if one has none."""
+        """Least proved margin of all conditions, in scales; None if a condition has none."""
         margins = [entry.margin for entry in self.conditions.values()]
         known = [margin for margin in margins if margin is not None]
         return min(known) if known and len(known) == len(margins) else None
 
     def named(self, verdict: Verdict) -> list[str]:
-        """The conditions with a verdict."""
+        """Return the names of the conditions with a verdict."""
         return [name for name, entry in self.conditions.items() if entry.verdict == verdict]
 
     def conclusion(self, level: int) -> Conclusion | None:
-        """The answer for a level; None if it was not asked for."""
+        """Return the conclusion of a level; None if that level was not requested."""
         return next((entry for entry in self.levels if entry.level == level), None)

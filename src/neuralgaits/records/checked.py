@@ -1,4 +1,4 @@
-"""What `check-proof` found."""
+"""Result of `check-proof`, as `--json` prints it."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,19 +9,19 @@ from neuralgaits.records.record import Record, Texts
 
 @dataclass(frozen=True, eq=False)
 class Checked(Record):
-    """What a proof file was found to say.
+    """Result of checking a proof file.
 
     Attributes:
-        proof, run: files that were compared; None without a run.
-        robot, spec, weights_sha256: what the file is about.
-        verdict: "proved" with a run, "consistent" without; or what stands against it.
-        reason: why it is no more than that; None if proved.
-        statements: in words.
-        levels: conclusions of the levels above 1, with verdicts likewise.
+        proof, run: proof file, and run that it was compared with; None without a run.
+        robot, spec, weights_sha256: subject of the file.
+        verdict: "proved" with a run, "consistent" without; otherwise "rejected" or "undecided".
+        reason: why the verdict is not better; None if proved.
+        statements: statements of the file, in words.
+        levels: conclusions of the levels above 1, with verdicts of the same kind.
         unclaimed: conditions without a statement on all of their region.
-        boxes: that were bounded.
+        boxes: number of boxes that were bounded.
         assumptions: what the verdict rests on.
-        wall_s: time.
+        wall_s: elapsed time.
     """
 
     proof: str

@@ -1,4 +1,4 @@
-"""What `export` wrote, and how it compares with Python."""
+"""Result of `export`, and how it compares with Python."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ from neuralgaits.records.simulated import Percentiles
 
 @dataclass(frozen=True)
 class Limits:
-    """How far C may be from Python.
+    """Limits on the difference between C and Python.
 
     Attributes:
-        output: of y_d and its rate, shares of their ranges.
-        torque: share of the torque limit.
+        output: limit for y_d and its rate, as shares of their ranges.
+        torque: limit for torques, as a share of the torque limit.
     """
 
     output: float
@@ -22,14 +22,14 @@ class Limits:
 
 @dataclass(frozen=True)
 class Agreement:
-    """Largest distances of one build from Python.
+    """Largest differences between one build and Python.
 
     Attributes:
-        output: of the policy's outputs, a share of each one's range.
-        rate: of their rates, likewise.
-        slope: of their slopes and accelerations, likewise.
-        torque: of the whole control step from encoders, a share of the torque limit.
-        absolute: of any torque or output (N m, rad, rad/s).
+        output: difference of the policy's outputs, as a share of each one's range.
+        rate: difference of their rates, likewise.
+        slope: difference of their slopes and accelerations, likewise.
+        torque: difference of a whole control tick from encoders on, as a share of the torque limit.
+        absolute: largest difference of any torque or output (N m, rad, rad/s).
     """
 
     output: float
@@ -41,10 +41,10 @@ class Agreement:
 
 @dataclass(frozen=True)
 class Build:
-    """What is known of one compiler, precision and optimisation.
+    """Results for one compiler, precision and optimisation.
 
     Attributes:
-        latency_us: of the policy alone, and of whole control steps by law.
+        latency_us: time of the policy alone, and of whole control ticks by law.
     """
 
     compiler: str
@@ -56,7 +56,7 @@ class Build:
 
 @dataclass(frozen=True)
 class Memory:
-    """Bytes of one precision. Attributes: structs: that the caller keeps, by name."""
+    """Memory use of one precision [bytes]. Attributes: structs: sizes of the caller's, by name."""
 
     flash_bytes: int
     ram_bytes: int | None
@@ -66,9 +66,9 @@ class Memory:
 
 @dataclass(frozen=True)
 class FloatBound:
-    """Errors in single precision at most, shares of the ranges of y_d and its rate.
+    """Upper bounds on errors in single precision, as shares of the ranges of y_d and its rate.
 
-    By an error analysis that is carried out in double precision: no sample, and no proof.
+    They come from an error analysis in double precision: neither samples nor a proof.
     """
 
     output: float
@@ -77,14 +77,14 @@ class FloatBound:
 
 @dataclass(frozen=True)
 class ModelLimits:
-    """How far a model may be from Python, as a share of each output's range."""
+    """Limits on the difference between a model and Python, as a share of each output's range."""
 
     output: float
 
 
 @dataclass(frozen=True)
 class ModelAgreement:
-    """Largest distances of a model from Python: shares of ranges; absolute in rad and rad/s."""
+    """Largest differences between a model and Python: shares of ranges; absolute: rad, rad/s."""
 
     output: float
     rate: float
@@ -93,7 +93,7 @@ class ModelAgreement:
 
 @dataclass(frozen=True)
 class Model:
-    """What is known of an ONNX file."""
+    """Agreement, time and size of one ONNX file."""
 
     runtime: str
     precision: str
@@ -105,17 +105,17 @@ class Model:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Exported(Record):
-    """What was written.
+    """Result of an export.
 
     Attributes:
-        run, format, out: as asked.
-        files: that were written.
-        laws: that the controller has.
-        warnings: what stands against putting the gait on a robot.
+        run, format, out: as requested.
+        files: names of the written files.
+        laws: control laws of the controller.
+        warnings: reasons against using the gait on a robot.
         checked: whether it was compared with Python.
-        max_abs_error: of the build in double precision (N m, rad, rad/s).
-        latency_us: of its slowest law, or of the model.
-        flash_bytes, ram_bytes: of it; None if unknown.
+        max_abs_error: largest error of the build in double precision (N m, rad, rad/s).
+        latency_us: time of its slowest law, or of the model.
+        flash_bytes, ram_bytes: memory use; None if unknown.
     """
 
     run: str
@@ -133,7 +133,7 @@ class Exported(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class UncheckedExport(Exported):
-    """A controller that was compared with nothing. Attributes: reason: why not."""
+    """A controller without any comparison. Attributes: reason: why there is none."""
 
     checked: bool = False
     reason: str
@@ -144,11 +144,11 @@ class ControllerExport(Exported):
     """A controller in C.
 
     Attributes:
-        states: on which it was compared.
-        limits, sizes: by precision.
-        float_bound: of single precision.
-        step_latency_us: of what is computed once a step; None for a gait without commands.
-        builds: by compiler, precision and flags.
+        states: number of states on which it was compared.
+        limits, sizes: limits and memory use, by precision.
+        float_bound: error bounds of single precision.
+        step_latency_us: time of the work done once in each walking step; None without commands.
+        builds: results by compiler, precision and flags.
     """
 
     states: int
@@ -159,13 +159,18 @@ class ControllerExport(Exported):
     step_latency_us: Percentiles | None = None
 
     def unsaid(self) -> Collection[str]:
-        """Nothing of steps that are all alike."""
+        """Return the fields that `--json` omits: the time of a step's work if there is none."""
         return ("step_latency_us",) if self.step_latency_us is None else ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModelExport(Exported):
-    """A policy in ONNX. Attributes: states: on which it was compared; limits: by precision."""
+    """A policy in ONNX.
+
+    Attributes:
+        states: number of states on which it was compared.
+        limits: limits by precision.
+    """
 
     states: int
     limits: Mapping[str, ModelLimits]

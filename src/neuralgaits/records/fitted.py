@@ -1,4 +1,4 @@
-"""What `fit` learned: `residual/summary.json` of a run."""
+"""Result of `fit`: `residual/summary.json` of a run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ class Landing:
 
 @dataclass(frozen=True)
 class TouchdownErrors:
-    """Errors at held-out touchdowns. Attributes: before, after: the model's, and what is left."""
+    """Errors at held-out touchdowns. Attributes: before, after: without and with the residual."""
 
     count: int
     before: Landing | None
@@ -27,7 +27,7 @@ class TouchdownErrors:
 
 @dataclass(frozen=True, kw_only=True)
 class Strides:
-    """How many there were of each kind."""
+    """Numbers of strides in the training, validation and test sets."""
 
     train: Count
     validation: Count = 0
@@ -36,34 +36,34 @@ class Strides:
 
 @dataclass(frozen=True, eq=False)
 class Logs(Record):
-    """The logs that a summary names, whatever else it holds."""
+    """Log files of a summary, whatever else it holds."""
 
     logs: Texts
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Fitted(Record):
-    """What was learned from logs.
+    """Result of learning from logs.
 
     Attributes:
-        run: whose policy walked.
-        residual, residual_sha256: the file of it.
+        run: run whose policy walked.
+        residual, residual_sha256: file of the residual, and its hash.
         logs: files it was learned from.
-        columns: file that says what their columns are.
-        computed: what the logs do not hold but follows from what they do.
-        optimizer, seed, steps: of the fit.
-        windows: that were learned from.
-        strides: of each kind.
+        columns: file that describes their columns.
+        computed: quantities that were computed because the logs do not hold them.
+        optimizer, seed, steps: settings of the fit.
+        windows: number of windows that were learned from.
+        strides: number of strides of each kind.
         walked_s: time of walking in the logs.
-        left_out: rows by reason.
+        left_out: number of rows left out, by reason.
         bound: largest residual (m/s, N m).
-        error_bound: what dz may still be off by (m/s, N m).
-        train_error, nominal_train_error: over 0.1 s of strides that were learned from, in scaled
-            z, with what was learned and without.
-        heldout_error, nominal_heldout_error: the same of strides that were not.
+        error_bound: bound on the remaining error of dz (m/s, N m).
+        train_error, nominal_train_error: error over 0.1 s of the training strides, in scaled
+            z, with the residual and without.
+        heldout_error, nominal_heldout_error: likewise for held-out strides.
         binned_floor: error of the best table over z.
         touchdowns: errors of the reset map.
-        wall_s: time.
+        wall_s: elapsed time.
     """
 
     run: str = ""
@@ -91,6 +91,6 @@ class Fitted(Record):
 
     @property
     def better(self) -> bool:
-        """Whether it predicts held-out strides better than the model alone."""
+        """Whether the residual predicts held-out strides better than the model alone."""
         learned, nominal = self.heldout_error, self.nominal_heldout_error
         return learned is not None and nominal is not None and learned < nominal

@@ -1,31 +1,31 @@
-"""What a certificate says, in words for a reader who knows none of its own."""
+"""Statements of a certificate in words for a reader who does not know its terms."""
 
 from neuralgaits._digits import at_least
 from neuralgaits.records.certified import FULL_ORDER, HIGHEST, Certified, Verdict
 from neuralgaits.records.levels import FOR_EVER, WORDS
 
 LEVELS = {number: words.states for number, words in WORDS.items()}
-"""What each level states, as in docs/guarantees.md."""
+"""Statement of each level, as in docs/guarantees.md."""
 PROVED = {number: words.means for number, words in WORDS.items()}
-"""What the highest proved level means for a reader who knows none of the words."""
+"""Meaning of the highest proved level, for a reader who does not know the terms."""
 _TOLD = {number: words.states_told or words.states for number, words in WORDS.items()}
 _PROVED_TOLD = {number: words.means_told or words.means for number, words in WORDS.items()}
-"""Both of a gait that takes commands."""
+"""Counterparts of `LEVELS` and `PROVED` for a gait that takes commands."""
 ORBIT = 3
 _OWN_ORBITS = "one periodic orbit attracts the whole walking set, of each robot its own"
-"""What level 3 states of a box of robots."""
+"""Statement of level 3 about a box of robots."""
 _UNEVEN = (
     "any two trajectories{of_one} whose footholds lie equally high, step by step, converge; where "
     "all lie as meant, to one periodic orbit{own}"
 )
-"""The same with footholds higher or lower than meant."""
+"""Statement of level 3 if footholds may be higher or lower than intended."""
 _PROVED_UNEVEN = (
     f"{FOR_EVER}. "
     "Any two walks{of_one} whose footholds lie equally high, step by step, "
     "come nearer and nearer to each other; where all lie as meant, to one motion that "
     "repeats{own}."
 )
-"""The same for `PROVED`."""
+"""Entry of `PROVED` if footholds may be higher or lower than intended."""
 _RIGID = (
     "links are rigid; the foot on the ground is a point that neither slips nor rolls; an impact is "
     "sudden and without bounce; the ground is level, or as the gait is told, or no further off "
@@ -47,7 +47,7 @@ _OTHER_TICKS = "ticks of a computer that are further apart than is stated or mis
 
 
 def not_claimed(level: int | None) -> str:
-    """What a proof up to this level says nothing about, in plain words."""
+    """List the effects that a proof up to this level does not cover, in plain words."""
     ticks = _OTHER_TICKS if level == 5 else _TICKS
     return (
         f"{ticks}, delays, motors at their limits, ground that gives way as in MuJoCo, or the real "
@@ -56,11 +56,11 @@ def not_claimed(level: int | None) -> str:
 
 
 def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
-    """What a proof up to this level rests on, in plain words.
+    """Return the assumptions of a proof up to this level, in plain words.
 
     Args:
-        level: that is proved.
-        robots: box of robots that it is about, in words; None for the one of the file.
+        level: proved level.
+        robots: box of robots that it is about, in words; None for the robot of the file.
     """
     robot = _ONE_ROBOT
     if robots is not None:
@@ -79,12 +79,12 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
 
 
 def states(level: int, told: bool, found: Certified | None = None) -> str:
-    """What a level states of a gait.
+    """Return the statement of a level about a gait.
 
     Args:
-        level: that is meant.
+        level: number of the level.
         told: whether the gait takes commands.
-        found: with the box of robots and floors that it is about; None for the robot of the file.
+        found: certificate with the box of robots and floors; None for the robot of the file.
     """
     if level == ORBIT and not told and found is not None:
         if "floor" in found.parameters:
@@ -95,16 +95,16 @@ def states(level: int, told: bool, found: Certified | None = None) -> str:
 
 
 def _uneven(said: str, found: Certified) -> str:
-    """With whose walks are compared, and whose the orbit is."""
+    """Complete a statement by the walks that it compares and the robots that have the orbit."""
     of_one, own = (" of one robot", ", of each robot its own") if found.robots else ("", "")
     return said.format(of_one=of_one, own=own)
 
 
 def proved(found: Certified, told: bool) -> str:
-    """What is proved, level by level up to the highest; for a gait of which level 1 is.
+    """Describe the proof, level by level up to the highest; level 1 must be proved.
 
     Args:
-        found: with which it is.
+        found: certificate with the proof.
         told: whether the gait takes commands.
     """
     level, count = found.proved_level, len(found.conditions)
@@ -133,7 +133,7 @@ def proved(found: Certified, told: bool) -> str:
 
 
 def not_proved(found: Certified) -> str:
-    """Which conditions are broken, and which are open."""
+    """Describe which conditions are refuted, and which are undecided."""
     told, count = [], len(found.conditions)
     words_of: tuple[tuple[Verdict, str], ...] = (
         ("refuted", "broken at a state that was found"),
@@ -146,7 +146,7 @@ def not_proved(found: Certified) -> str:
 
 
 def left_open(level: int, robots: str | None = None) -> str:
-    """What a proof up to this level rests on, see `assumptions`."""
+    """Return a sentence with the assumptions of a proof up to this level; see `assumptions`."""
     return f"The proof assumes that {'; '.join(assumptions(level, robots))}."
 
 

@@ -1,4 +1,4 @@
-"""What `inspect` says of a robot file. Units are in the names."""
+"""Result of `inspect` on a robot file. Units are in the names."""
 
 from dataclasses import dataclass
 
@@ -10,11 +10,11 @@ class LinkFacts:
     """A link, with the first leg of the file in stance.
 
     Attributes:
-        length_m: to the centre of the foot sphere; None for a torso.
+        length_m: length, of a shank to the centre of the foot sphere; None for a torso.
         inertia_kg_m2: about the centre of mass, across the plane.
-        body: the file's name of it, of the first body where several are welded.
-        centre_of_mass_m: up the link from its lower joint or foot, of a torso from the hip, and
-            ahead of the link when that is upright.
+        body: name of its body in the file, the first one if several are welded together.
+        centre_of_mass_m: distance up the link from its lower joint or foot (a torso: from the hip),
+            and distance ahead of the link when that is upright.
     """
 
     name: str
@@ -27,10 +27,10 @@ class LinkFacts:
 
 @dataclass(frozen=True)
 class MotorFacts:
-    """An actuated joint: its limits, and what its rotor and bearing add.
+    """An actuated joint: its limits, and the contribution of its rotor and bearing.
 
     Attributes:
-        file_joint, file_motor: the file's names, with its first leg in stance.
+        file_joint, file_motor: names in the file, with its first leg in stance.
     """
 
     joint: str
@@ -45,16 +45,16 @@ class MotorFacts:
 
 @dataclass(frozen=True, eq=False)
 class RobotFacts(Record):
-    """A robot, as the theory reads its file.
+    """A robot file in the terms of the theory.
 
     Attributes:
         coordinates: names of joints, in the order of q.
         underactuation: coordinates without a motor.
         torso, stance_foot, swing_foot: names; None without a torso.
-        hip_height_m: of a straight leg, from the centre of the foot sphere.
-        friction: of the feet [1].
-        written: the file that a changed copy was written to, and what is described; None if none.
-        changes: what was changed in it, one line each.
+        hip_height_m: hip height on a straight leg, from the centre of the foot sphere.
+        friction: friction coefficient of the feet [1].
+        written: file of the changed copy, which this record describes; None if there is none.
+        changes: changes in that copy, one line each.
     """
 
     robot: str

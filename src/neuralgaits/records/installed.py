@@ -1,4 +1,4 @@
-"""What comes with the package, and whether this machine is ready for it: `robots` and `doctor`."""
+"""Contents of the package, and readiness of this machine: results of `robots` and `doctor`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ class Named:
 
 @dataclass(frozen=True, eq=False)
 class BuiltIn(Record):
-    """Everything that exists by name.
+    """Built-in robots and specs by name.
 
-    Attributes: written: the file that a robot was written to; None if none was asked for.
+    Attributes: written: file that a robot was written to; None if none was.
     """
 
     robots: tuple[Named, ...]
@@ -28,13 +28,13 @@ class BuiltIn(Record):
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at.
+    """Finding about one item of the machine.
 
     Attributes:
-        ok: whether it is as it should be.
-        needed: False if only a part of the program wants it; `found` or `fix` says which.
-        found: what is there.
-        fix: what to do, or None if nothing.
+        ok: whether it works.
+        needed: False if only a part of the program needs it; `found` or `fix` says which.
+        found: state of the machine.
+        fix: line that fixes it, or None if nothing is wrong.
     """
 
     ok: bool
@@ -45,7 +45,7 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class Machine(Record):
-    """A machine. Attributes: ok: everything needed is there; neuralgaits: version."""
+    """A machine. Attributes: ok: whether everything needed works; neuralgaits: version."""
 
     ok: bool
     neuralgaits: str
@@ -63,5 +63,5 @@ class Machine(Record):
 
     @property
     def findings(self) -> Mapping[str, Finding]:
-        """By what was looked at."""
+        """Findings by the name of the item."""
         return {name: one for name, one in vars(self).items() if isinstance(one, Finding)}

@@ -1,20 +1,19 @@
-"""The levels of a proof: what each is about, in the words that its readers get."""
+"""The levels of a proof: what each is about, in words for readers."""
 
 from typing import NamedTuple
 
 
 class LevelWords(NamedTuple):
-    """One level in words.
+    """Words about one level.
 
     Attributes:
-        about: its name.
-        asks: what is to be proved, beside what the levels below ask.
-        states: what it states of a gait, as in docs/guarantees.md.
-        means: what it means, as the highest that is proved, for a reader who knows none of the
-            words.
-        states_told, means_told: the same of a gait that takes commands, where that differs.
-        one_gait: whether it is about one gait of one robot on the floor as meant, and so of no gait
-            with commands and no box of robots or floors.
+        about: name of the level.
+        asks: what must be proved in addition to the levels below.
+        states: statement about a gait, as in docs/guarantees.md.
+        means: meaning if it is the highest proved level, for a reader who knows none of the terms.
+        states_told, means_told: likewise for a gait that takes commands, where that differs.
+        one_gait: whether it is about a single gait of one robot on the intended floor, so that it
+            covers no gait with commands and no box of robots or floors.
     """
 
     about: str
@@ -78,6 +77,6 @@ WORDS = {
         one_gait=True,
     ),
 }
-"""By number."""
+"""Words by the number of the level."""
 HIGHEST_OF_MANY = max(number for number, words in WORDS.items() if not words.one_gait)
-"""The highest level that can be of a gait with commands, or of a box of robots or floors."""
+"""Highest level that covers gaits with commands, and boxes of robots or floors."""

@@ -1,8 +1,8 @@
-"""What a record is: named fields with kinds, which JSON data must have to become one.
+"""Records: named fields with types, which JSON data must match to become a record.
 
-The annotations of a record are its format. `float` is any number, `Count` a whole one that is not
-negative, `X | None` may be null, a field with a default may be missing, `Annotated[X, shape]` has
-another shape of `runs.shape`. Fields that a file has beyond those of its record are left aside.
+The annotations of a record are its format. `float` is any number, `Count` a whole number
+that is not negative, `X | None` may be null, a field with a default may be missing, and
+`Annotated[X, shape]` has another shape of `runs.shape`. Further fields of a file are ignored.
 """
 
 import dataclasses
@@ -19,7 +19,7 @@ Count = Annotated[int, shapes.COUNT]
 Texts = tuple[str, ...]
 Pair = tuple[float, float]
 Disturb = Annotated[Mapping[str, Any], shapes.table_of(shapes.may(shapes.NUMBER))]
-"""What of a plant was changed, by name: see `simulation.setup.disturbance`."""
+"""Changes of a plant, by name: see `simulation.setup.disturbance`."""
 _PLAIN = {
     float: shapes.NUMBER,
     int: shapes.kind("a whole number", int),
@@ -29,10 +29,10 @@ _PLAIN = {
 
 
 class Record(Mapping[str, Any]):
-    """A frozen dataclass that is, as a mapping, what `--json` prints of it."""
+    """A frozen dataclass that acts as a mapping of what `--json` prints."""
 
     def unsaid(self) -> Collection[str]:
-        """Fields that are not printed."""
+        """Return the names of fields that `--json` omits."""
         return ()
 
     def __getitem__(self, name: str) -> Any:
@@ -53,21 +53,21 @@ class Record(Mapping[str, Any]):
 
     @classmethod
     def of(cls, value: Any) -> Self:
-        """A record from JSON data. Raises: ValueError saying what is wrong with them."""
+        """Make a record from JSON data. Raises: ValueError that says what is wrong."""
         if wrong := shapes.complaint(value, shape_of(cls)):
             raise ValueError(wrong)
         return build(cls, value)
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """A record from a file. Raises: RunError if it is missing, damaged, or something else."""
+        """Read a record from a file. Raises: RunError if it is missing, damaged or another kind."""
         value = read_object(path)
         refuse_misshapen(value, shape_of(cls), path)
         return build(cls, value)
 
 
 def shape_of(kind: Any) -> shapes.Shape:
-    """What JSON data must look like to become a value of a type."""
+    """Return the shape that JSON data must have to become a value of a type."""
     origin, inner = get_origin(kind), get_args(kind)
     if origin is Annotated:
         return inner[1]
@@ -92,7 +92,7 @@ def shape_of(kind: Any) -> shapes.Shape:
 
 
 def build(kind: Any, value: Any) -> Any:
-    """A value of a type from JSON data of its shape."""
+    """Build a value of a type from JSON data of its shape."""
     origin, inner = get_origin(kind), get_args(kind)
     if value is None or kind is Any:
         return value

@@ -1,4 +1,4 @@
-"""What `report` wrote."""
+"""Result of `report`, as `--json` prints it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from neuralgaits.records.record import Record, Texts
 
 @dataclass(frozen=True)
 class Lack:
-    """What a run does not have yet, in words, and the command that makes it."""
+    """Part that a run does not have yet, in words, and the command that makes it."""
 
     what: str
     command: str
@@ -16,13 +16,13 @@ class Lack:
 
 @dataclass(frozen=True, eq=False)
 class Reported(Record):
-    """A page and what is in it.
+    """Result of writing a report.
 
     Attributes:
         run, report: the run and the page.
         bytes: size of the page.
-        figures: names of those that are drawn.
-        missing: what is not there.
+        figures: names of the drawn figures.
+        missing: parts that are missing.
         damaged: why a part could not be read, by file.
     """
 

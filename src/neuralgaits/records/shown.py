@@ -11,20 +11,20 @@ FILE = "report/walk.json"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ShownWalk(Record):
-    """A recorded walk. The scripts of the page read it too.
+    """A recorded walk. The page's scripts read it, too.
 
     Attributes:
-        key: changes with all that the walk follows from.
-        robot, plant, controller: names of the model, of what walked, and of the law.
-        origin: what asked for it, in words.
+        key: hash of everything that determines the walk.
+        robot, plant, controller: names of the model, of the robot that walked, and of the law.
+        origin: why this walk is shown, in words.
         start, push_n_s, disturb, seed, steps_asked: as in `simulate`.
-        steps_walked, fell, fall_reason: how it went.
-        frame_s, first_s: time between frames, and of the first.
-        leg_length_m, weight_n: of the plant.
-        shapes, contacts: of the robot, see `report.animation`.
-        poses, leg, floor_m, z: of each frame.
-        force_n: on the standing foot, of each frame; None if there was a push.
-        slope: of the floor.
+        steps_walked, fell, fall_reason: outcome of the walk.
+        frame_s, first_s: time between frames, and time of the first frame.
+        leg_length_m, weight_n: leg length and weight of the plant.
+        shapes, contacts: shapes of the robot and its feet, see `report.animation`.
+        poses, leg, floor_m, z: poses, stance leg, floor height and state z in each frame.
+        force_n: force on the stance foot in each frame; None if there was a push.
+        slope: slope of the floor.
         tube: both fences in the plane of z.
     """
 

@@ -1,4 +1,4 @@
-"""What `simulate` found: `simulation/summary.json` of a run."""
+"""Result of `simulate`: `simulation/summary.json` of a run."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -11,11 +11,11 @@ FOLDER = "simulation"
 SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER}/walk.csv"
 MUJOCO = "mujoco"
 STEPS_BEFORE = 5
-"""Touchdowns before a push of `simulate`, or half of a shorter walk: transients have died out."""
+"""Touchdowns before a push, or half of a shorter walk's: transients have died out by then."""
 LOCKSTEP = "lock-step"
-"""How a controller's process is reached where it is waited for."""
+"""Mode of the connection in which the simulation waits for the controller's process."""
 _OF_FLOOR = {"floor": "floor_height", "friction": "friction"}
-"""Kinds of a box that a walk has from its floor, and what they change there."""
+"""Parameters of a box that change a walk's floor, and the disturbances that they set."""
 _SHOWN = (
     ("speed_m_s", "speed", "m/s"),
     ("step_time_s", "time of a step", "s"),
@@ -32,12 +32,12 @@ _SHOWN = (
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModelOrbit(Record):
-    """The periodic orbit of the model's zero dynamics; Nones if there is none.
+    """The periodic orbit of the model's zero dynamics; fields are None if there is no orbit.
 
     Attributes:
         multiplier: slope of the Poincaré map [1].
-        period_s, step_length_m: of a step.
-        result: why there is none; None if it was found.
+        period_s, step_length_m: duration and length of a step.
+        result: why there is no orbit; None if there is one.
     """
 
     multiplier: float | None
@@ -46,13 +46,13 @@ class ModelOrbit(Record):
     result: str | None = None
 
     def unsaid(self) -> Collection[str]:
-        """No reason where there is an orbit."""
+        """Return the fields that `--json` omits: the reason, if there is an orbit."""
         return () if self.result is not None else ("result",)
 
 
 @dataclass(frozen=True)
 class Percentiles:
-    """Of many times, in microseconds."""
+    """Median and 99th percentile of measured times [us]."""
 
     p50: float
     p99: float
@@ -60,22 +60,22 @@ class Percentiles:
 
 @dataclass(frozen=True)
 class LinkTimes(Percentiles):
-    """The same of the messages of a link, and the largest."""
+    """Percentiles and largest of the times of a connection's messages [us]."""
 
     largest: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LinkFigures(Record):
-    """What the connection to a controller's process did.
+    """Statistics of the connection to a controller's process.
 
     Attributes:
-        law, mode: what it computes, and how it is reached.
-        loss, jitter_ms, blend_s: as asked.
+        law, mode: its control law, and the mode of the connection.
+        loss, jitter_ms, blend_s: as requested.
         ticks: control ticks.
         packets_sent, packets_lost, packets_late, deadline_misses, overruns: counts.
-        faults: of each controller.
-        round_trip_us, controller_step_us: times; None if there are none.
+        faults: faults of each controller.
+        round_trip_us, controller_step_us: percentiles of times; None if there are none.
     """
 
     law: str
@@ -95,18 +95,18 @@ class LinkFigures(Record):
 
     @property
     def missed_share(self) -> float:
-        """Return the share of ticks, of all walks, for which no answer was there in time."""
+        """Share of ticks, over all walks, without an answer in time."""
         ticks = self.ticks * max(1, len(self.faults))
         return self.deadline_misses / ticks if ticks else 0.0
 
 
 @dataclass(frozen=True)
 class Relaxed:
-    """Shares of ticks at which a law with a quadratic program gave something up.
+    """Shares of ticks at which a law with a quadratic program relaxed a constraint.
 
     Attributes:
-        decrease: of the ticks, those at which its Lyapunov function may fall too slowly.
-        contact: those at which it asks forces of the floor that this does not give.
+        decrease: share at which its Lyapunov function may fall too slowly.
+        contact: share at which it requires ground forces that the floor does not give.
     """
 
     decrease: float
@@ -115,11 +115,11 @@ class Relaxed:
 
 @dataclass(frozen=True)
 class CommandError:
-    """How far walks were from what they were told, in the unit of the command; None if unknown.
+    """Differences between walks and their commands, in the command's unit; None if unknown.
 
     Attributes:
-        mean: of walks (speed: of each one's mean) or of their steps (footholds).
-        worst: of the same.
+        mean: mean over walks (speed: of each walk's mean) or over their steps (footholds).
+        worst: largest of the same.
     """
 
     mean: float | None
@@ -128,22 +128,23 @@ class CommandError:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WalkFigures(Record):
-    """How walks went; see `simulation.metrics` for what is averaged over what.
+    """Results of walks; see `simulation.metrics` for how they are averaged.
 
     Attributes:
-        steps_walked, fell, fall_reasons: of each walk.
+        steps_walked, fell, fall_reasons: outcome of each walk.
         speed_m_s, step_time_s: means.
-        cost_of_transport: mechanical [1].
+        cost_of_transport: mechanical cost of transport [1].
         max_output_error_rad, peak_torque_nm, steady_peak_torque_nm, max_joint_rate_rad_s,
             min_normal_force_n: extremes.
         saturated_fraction: share of time at a torque limit.
-        relaxed: of a law that has a quadratic program; None of others.
-        poincare: None if it was not looked for.
-        sim_steps_per_s, real_time_factor: of the simulation itself.
-        command_error: of every command that can be measured; empty for a gait that takes none.
-        foothold_error_m: how far feet came down from the middle of their stones; None without.
-        hip_speed_error_m_s: rms, between the estimated forward speed of the hip that a torque is
-            for and the one that it meets; None where it is measured.
+        relaxed: relaxed constraints of a law with a quadratic program; None for other laws.
+        poincare: periodic orbit of the model; None if it was not computed.
+        sim_steps_per_s, real_time_factor: speed of the simulation itself.
+        command_error: errors of every command that can be measured; empty without commands.
+        foothold_error_m: distance of footholds from the middle of their stones; None without
+            stones.
+        hip_speed_error_m_s: rms error of the estimated forward speed of the hip at the time that
+            the torque acts; None if the speed is measured.
     """
 
     SAME_LENGTH = ("steps_walked", "fell", "fall_reasons")
@@ -170,44 +171,44 @@ class WalkFigures(Record):
 
     @property
     def stayed(self) -> int:
-        """Walks that stayed up to their last step."""
+        """Number of walks that stayed up to their last step."""
         return len(self.fell) - sum(self.fell)
 
     @property
     def shown(self) -> list[tuple[str, float | None, str]]:
-        """What a person sees of the figures that are known: words, number and unit."""
+        """Figures that are known, for a person: words, number and unit."""
         found = ((words, getattr(self, name), unit) for name, words, unit in _SHOWN)
         return [row for row in found if row[1] is not None]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WalkSettings(Record):
-    """What was asked of walks, so that they can be repeated.
+    """Settings of walks, with which they can be repeated.
 
     Attributes:
-        run: that walked.
+        run: run that walked.
         plant: name of the robot that walked.
-        controller, law: name, and numbers of it.
-        episodes: walks.
-        start: as in `simulate`.
+        controller, law: name of the control law, and its parameters.
+        episodes: number of walks.
+        start: initial states, as in `simulate`.
         push: forward impulse [N s]; None for none.
-        disturb: what was changed of the plant; see `simulation.setup.disturbance`.
+        disturb: changes of the plant; see `simulation.setup.disturbance`.
         sensing: `perfect` or `encoders`, whose numbers are in `disturb`.
-        seed: of starts and disturbances.
-        engine, engine_note: what walked, and why it is not what was asked for.
-        simulator: what stepped the plant; MuJoCo if the file is of a version that does not say.
-        steps: walking steps asked of each walk.
+        seed: seed of starts and disturbances.
+        engine, engine_note: engine that ran, and why it is not the requested one.
+        simulator: simulator of the plant; MuJoCo if the file's version does not record it.
+        steps: walking steps requested of each walk.
         logs: files of the walks.
-        sha256: of what the walks are about, by file.
-        plant_given: what to name to walk on the same plant: None for the run's own robot, empty
-            if the file is of a version that does not say.
-        link: None without a process for the controller.
-        command: told for ever, by name; None if it changed, or for a gait that takes none.
-        commands: file that was told, or `random`; None for neither.
-        terrain: that was walked on, as asked; None for a floor.
+        sha256: hashes of the files that determine the walks, by file.
+        plant_given: name that gives the same plant: None for the run's own robot, empty if the
+            file's version does not record it.
+        link: statistics of the connection; None without a process for the controller.
+        command: constant command, by name; None if it changed, or for a gait without commands.
+        commands: file of the commands, or `random`; None for neither.
+        terrain: requested terrain; None for a floor.
         parameters: half widths by kind of the box that each walk's robot was drawn from; empty for
             one robot.
-        errors: those of the robot of each walk, by what they are of.
+        errors: parameter errors of each walk's robot, by parameter.
     """
 
     run: str = ""
@@ -237,21 +238,21 @@ class WalkSettings(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Simulated(WalkFigures, WalkSettings):
-    """A simulation: what was asked, and how it went."""
+    """A simulation: its settings and results."""
 
     @property
     def stepped_by(self) -> str:
-        """The simulator as a sentence names it."""
+        """Name of the simulator in a sentence."""
         return {MUJOCO: "MuJoCo", "drake": "Drake"}.get(self.simulator, self.simulator)
 
     @property
     def touchdowns_before_push(self) -> int | None:
-        """How many touchdowns a walk has before its push; None if the file does not say."""
+        """Number of touchdowns before a walk's push; None if the file does not record it."""
         return None if self.steps is None else min(STEPS_BEFORE, self.steps // 2)
 
     @property
     def fell_after_push(self) -> tuple[int, ...]:
-        """Steps of each walk that fell once its push was due; empty without one."""
+        """Steps of each walk that fell once its push was due; empty without a push."""
         before = self.touchdowns_before_push
         if not self.push or before is None:
             return ()
@@ -260,17 +261,17 @@ class Simulated(WalkFigures, WalkSettings):
 
     @property
     def drawn_from(self) -> str | None:
-        """The box that the robot of each walk was drawn from, in words; None for one robot."""
+        """Box that the robot of each walk was drawn from, in words; None for one robot."""
         return box_in_words(self.parameters) or None
 
     @property
     def changed(self) -> dict[str, Any]:
-        """What was changed of the plant beside that: the floor of a box is said with the box."""
+        """Changes of the plant, without those of a floor that belongs to the box."""
         of_box = {_OF_FLOOR[kind] for kind in self.parameters if kind in _OF_FLOOR}
         return {name: value for name, value in (self.disturb or {}).items() if name not in of_box}
 
     def unsaid(self) -> Collection[str]:
-        """No link, commands, terrain, estimates and quadratic program where there were none."""
+        """Return the fields that `--json` omits: those of features that the walks did not use."""
         unsaid = ["link"] if self.link is None else []
         for name in ("command_error", "parameters", "errors"):
             unsaid += [] if getattr(self, name) else [name]

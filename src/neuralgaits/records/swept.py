@@ -1,4 +1,4 @@
-"""What a sweep was asked, what became of each of its rows, and of all of them."""
+"""Settings of a sweep, and the results of each of its rows and of all of them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,34 +10,34 @@ from neuralgaits.records.record import Count, Disturb, Record, Texts
 from neuralgaits.runs.shape import NUMBER, list_of, may, one_of, whole
 
 FORMAT = 1
-"""Version of the layout of a sweep's folder; others are refused."""
+"""Version of the layout of a sweep's folder; other versions are refused."""
 ASKED, SUMMARY = "sweep.json", "summary.json"
 TABLE, PAGE = "table.csv", "sweep.html"
 ROW = "row.json"
-"""Of a row, in its run folder."""
+"""File of a row, in its run folder."""
 UNDISTURBED = "none"
-"""What walks without a disturbance are called where others have the name of one."""
+"""Name of walks without a disturbance, used in place of a disturbance's name."""
 
 Speed = Annotated[tuple[float, ...] | None, may(list_of(NUMBER, 1, 2))]
-"""None for whatever comes, [V], or [LOW, HIGH] of a gait that is told (m/s)."""
+"""Requested speed: None (free), [V], or [LOW, HIGH] of a gait with speed commands (m/s)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SweepAsked(Record):
-    """What a sweep was asked: `sweep.json`.
+    """Settings of a sweep: `sweep.json`.
 
     Attributes:
         format: version of the layout.
         robots, specs: names; the folder `inputs` has copies of files.
-        speeds: to walk at.
-        seeds: the first, and the one after the last.
-        steps: gradient steps of each training; the recipe's if None.
+        speeds: speeds to walk at.
+        seeds: first seed, and the one after the last.
+        steps: gradient steps of each training; those of the recipe if None.
         certify: level to prove; None for no proof.
-        budget: seconds for each proof; None for as long as it takes.
-        controllers: that walk.
-        disturbances: of the plant, by what the table calls them.
-        walks, walk_steps: walks under each of them, and their steps.
-        sha256: of the files in `inputs`, by name.
+        budget: seconds for each proof; None for no limit.
+        controllers: names of the control laws to walk with.
+        disturbances: disturbances of the plant, by their names in the table.
+        walks, walk_steps: number of walks under each disturbance, and their steps.
+        sha256: hashes of the files in `inputs`, by name.
     """
 
     format: int
@@ -60,9 +60,9 @@ class RowWalks:
     """Walks of one gait under one disturbance.
 
     Attributes:
-        controller, disturbance: that walked, and under what: `UNDISTURBED` for nothing.
-        walks, stayed: how many there were, and how many of them stayed up.
-        fewest_steps: of any.
+        controller, disturbance: control law, and name of the disturbance, or `UNDISTURBED`.
+        walks, stayed: number of walks, and number of those that stayed up.
+        fewest_steps: least number of steps of any walk.
         speed_m_s, cost_of_transport: means; None if no walk was long enough.
         peak_torque_nm, min_normal_force_n: extremes.
     """
@@ -79,13 +79,13 @@ class RowWalks:
 
     @property
     def share(self) -> float:
-        """Of the walks, those that stayed up."""
+        """Share of the walks that stayed up."""
         return self.stayed / self.walks if self.walks else 0.0
 
 
 @dataclass(frozen=True)
 class RowTimes:
-    """Seconds that the parts of a row took; None for one that was not done."""
+    """Duration of each part of a row [s]; None for a part that was not done."""
 
     train: float | None = None
     prove: float | None = None
@@ -97,21 +97,21 @@ class SweepRow(Record):
     """One combination of a sweep: `row.json`.
 
     Attributes:
-        name: of the row, and of its run folder in `rows`.
-        robot, spec, speed, seed: that it is of.
-        failure: None; `refused` if a part said no and would again, `defect` for a mistake of the
-            program, `lost` if it could not be carried out. `--resume` tries the last two again.
-        reason: of a failure, in one line that begins with the part.
+        name: name of the row, and of its run folder in `rows`.
+        robot, spec, speed, seed: the combination.
+        failure: None; `refused` if a part refused and would do so again, `defect` for an internal
+            error, `lost` if it could not be carried out. `--resume` tries the last two again.
+        reason: reason of a failure, in one line that begins with the part.
         steps: gradient steps.
-        loss: on fresh samples.
-        conditions, broken: how many there are, and how many some fresh sample breaks.
-        verdict: of the certificate; None if none was asked for.
-        proved_level: the highest level that is proved with all below it.
-        margin: the least that is proved of all conditions, in scales; None if one has none.
-        boxes: of the certificate.
-        walks: under every disturbance.
-        tries: workers that began it.
-        wall_s: times.
+        loss: loss on fresh samples.
+        conditions, broken: number of conditions, and number that some fresh sample violates.
+        verdict: verdict of the certificate; None if none was requested.
+        proved_level: highest level that is proved with all below it.
+        margin: least proved margin of all conditions, in scales; None if a condition has none.
+        boxes: number of boxes of the certificate.
+        walks: results under every disturbance.
+        tries: number of workers that started it.
+        wall_s: duration of its parts.
     """
 
     name: str
@@ -134,38 +134,38 @@ class SweepRow(Record):
     wall_s: RowTimes = field(default_factory=RowTimes)
 
     def under(self, controller: str, disturbance: str) -> RowWalks | None:
-        """The walks under a disturbance; None if there were none."""
+        """Return the walks under a disturbance; None if there are none."""
         wanted = controller, disturbance
         return next((w for w in self.walks if (w.controller, w.disturbance) == wanted), None)
 
     @property
     def undisturbed(self) -> RowWalks | None:
-        """The walks of the first controller without a disturbance."""
+        """Walks of the first controller without a disturbance."""
         return next((w for w in self.walks if w.disturbance == UNDISTURBED), None)
 
     def proved(self, level: int) -> bool:
-        """Whether all is proved up to a level."""
+        """Return whether everything is proved up to a level."""
         return self.proved_level is not None and self.proved_level >= level
 
     @property
     def final(self) -> bool:
-        """Whether it would come out the same again."""
+        """Whether another try would give the same result."""
         return self.failure in (None, "refused")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Swept(Record):
-    """What became of a sweep: `summary.json` of its folder.
+    """Results of a sweep: `summary.json` of its folder.
 
     Attributes:
         sweep: the folder.
-        rows: combinations.
-        failed: those with a failure.
-        lost: of these, those that `--resume` tries again.
-        before: rows that were there when the command began.
-        table, page: files.
-        engine, workers: what carried it out.
-        wall_s: time of this command.
+        rows: number of combinations.
+        failed: number of rows with a failure.
+        lost: number of failed rows that `--resume` tries again.
+        before: number of rows that existed when the command started.
+        table, page: paths of the files.
+        engine, workers: engine that carried it out, and its number of workers.
+        wall_s: elapsed time of this command.
     """
 
     sweep: str

@@ -1,6 +1,6 @@
-"""What `train` and `refine` found: `summary.json` of a run, `nan.json` of one that failed.
+"""Result of `train` and `refine`: `summary.json` of a run, `nan.json` of one that failed.
 
-Of many seeds that were trained as one: `seeds.json` of the folder that holds their runs.
+The result of `train --seeds` is `seeds.json` of the folder that holds the runs.
 """
 
 from collections.abc import Collection, Mapping
@@ -16,12 +16,12 @@ from neuralgaits.runs.names import SUMMARY
 
 @dataclass(frozen=True)
 class Violations:
-    """What fresh samples say of a condition, in scales of it, like every margin that is shown.
+    """Violations of a condition on fresh samples, in its scales, like every margin that is shown.
 
     Attributes:
-        mean_violation, max_violation: of margin >= 0 (scales).
-        min_margin: the smallest margin seen (scales).
-        scale: the size of one scale, in the condition's own unit.
+        mean_violation, max_violation: mean and largest violation of margin >= 0 (scales).
+        min_margin: smallest margin of the samples (scales).
+        scale: size of one scale, in the condition's own unit.
     """
 
     mean_violation: float
@@ -31,22 +31,22 @@ class Violations:
 
     @property
     def broken(self) -> bool:
-        """Whether some sample breaks it."""
+        """Whether some sample violates the condition."""
         return self.max_violation > 0.0
 
 
 @dataclass(frozen=True)
 class TrainingProof:
-    """The last certificate of a training that was to be proved.
+    """Last certificate of a training that includes proofs.
 
     Attributes:
-        verdict: of level 1.
-        level: 1.
-        repairs, repair_steps: further trainings, and gradient steps of all of them.
-        smallest_margin: that is proved, in scales; None if a condition is not proved.
-        open_boxes: boxes on which some condition is not proved.
-        failing: such boxes by condition.
-        wall_s: of proofs and repairs.
+        verdict: verdict on level 1.
+        level: always 1.
+        repairs, repair_steps: number of further trainings, and of their gradient steps in all.
+        smallest_margin: smallest proved margin, in scales; None if a condition is not proved.
+        open_boxes: number of boxes on which some condition is not proved.
+        failing: number of open boxes by condition.
+        wall_s: elapsed time of proofs and repairs.
     """
 
     verdict: str
@@ -60,22 +60,22 @@ class TrainingProof:
 
     @property
     def proved(self) -> bool:
-        """Whether every condition is."""
+        """Whether every condition is proved at level 1."""
         return self.verdict == "proved"
 
 
 @dataclass(frozen=True)
 class ProofRound:
-    """What one certificate of a training found.
+    """Result of one certificate of a training.
 
     Attributes:
-        number: repairs before it.
-        steps: gradient steps before it.
-        verdict: of the certificate.
-        open_boxes: boxes on which some condition is not proved.
-        failing: such boxes by condition.
-        smallest_margin: that is proved, in scales; None if a condition is not.
-        wall_s: time that the certificate took.
+        number: number of repairs before it.
+        steps: number of gradient steps before it.
+        verdict: verdict of the certificate.
+        open_boxes: number of boxes on which some condition is not proved.
+        failing: number of open boxes by condition.
+        smallest_margin: smallest proved margin, in scales; None if a condition is not proved.
+        wall_s: elapsed time of the certificate.
     """
 
     number: Count
@@ -89,33 +89,35 @@ class ProofRound:
 
 @dataclass(frozen=True, eq=False)
 class ProofHistory(Record):
-    """The certificates of a training so far: `rounds.json`."""
+    """Certificates of a training so far: `rounds.json`."""
 
     rounds: tuple[ProofRound, ...]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trained(Record):
-    """What came of a training.
+    """Result of a training.
 
     Attributes:
-        run, robot, spec, seed: as asked.
+        run, robot, spec, seed: run folder, and its settings.
         steps: gradient steps taken, those of repairs included.
-        loss: on fresh samples; None if it is not finite.
-        conditions: what fresh samples say of each.
+        loss: loss on fresh samples; None if it is not finite.
+        conditions: violations on fresh samples, by condition.
         provable: whether there is a Program of the spec's conditions.
-        program_hash: of it.
-        after_impact: what the real impact leaves of the outputs, at worst (units in the names).
-        certificate: None if no proof was asked for.
-        commands: what the gait is told at each touchdown, by name.
-        aims: what fresh samples say of each.
+        program_hash: hash of the Program.
+        after_impact: largest errors that the real impact leaves in outputs, their rates and
+            the foot's height (units in the names).
+        certificate: last certificate; None if no proof was requested.
+        commands: ranges of the commands that the gait takes at each touchdown, by name.
+        aims: violations of the training's aims on fresh samples, by aim.
         orbit_speeds_m_s: mean speeds of the orbits at both ends of the range of `speed`, other
             commands in the middle of theirs; None without that command, or without an orbit.
-        speed_m_s, cost_of_transport, multiplier: of the orbit of a gait that was not trained: mean
-            speed, mechanical cost of transport on the zero dynamics [1], slope of the Poincare map.
-        step_size: share of the recipe's that the last step had, if it is less than all of it: where
-            steps turn to NaN, smaller ones go on from the best weights before that.
-        compile_s, train_s, wall_s: times; where many seeds were trained as one, of all of them.
+        speed_m_s, cost_of_transport, multiplier: mean speed, mechanical cost of transport on the
+            zero dynamics [1] and slope of the Poincaré map of the orbit, for a gait that was not
+            trained.
+        step_size: last step size, as a share of that of the recipe. It is below 1 if gradient steps
+            turned to NaN and smaller ones continued from the best weights before that.
+        compile_s, train_s, wall_s: durations; for seeds trained as one program, those of all seeds.
     """
 
     run: str = ""
@@ -141,30 +143,30 @@ class Trained(Record):
     wall_s: float
 
     def unsaid(self) -> Collection[str]:
-        """The size of steps, where it is the recipe's; figures of an orbit that was not given."""
+        """Return the fields that `--json` omits: a full step size, figures of a missing orbit."""
         orbit = ("speed_m_s", "cost_of_transport", "multiplier")
         silent = orbit if self.cost_of_transport is None else ()
         return (*silent, "step_size") if self.step_size == 1.0 else silent
 
     @property
     def broken(self) -> dict[str, Violations]:
-        """The conditions that some sample breaks."""
+        """Violated conditions on fresh samples, by name."""
         return {name: found for name, found in self.conditions.items() if found.broken}
 
     @property
     def proved(self) -> bool:
-        """Whether there is every proof that was asked for."""
+        """Whether the requested proof succeeded, or none was requested."""
         return self.certificate is None or self.certificate.proved
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EndedInNan(Record):
-    """Where a training ended.
+    """Place where a training ended in NaN.
 
     Attributes:
-        step: gradient steps by then.
-        kept_step: of the last good state.
-        conditions: that were not finite.
+        step: number of gradient steps by then.
+        kept_step: gradient step of the last good state.
+        conditions: names of the conditions that were not finite.
     """
 
     step: Count
@@ -174,13 +176,13 @@ class EndedInNan(Record):
 
 @dataclass(frozen=True)
 class TrainedSeed:
-    """What became of one seed of many.
+    """Result of one seed of many.
 
     Attributes:
         seed, run: its number and its run folder.
-        loss: on fresh samples; None if it is not finite, or refused.
-        broken: conditions that some fresh sample breaks; None if it is refused.
-        refused: why, in one line; None if it is trained.
+        loss: loss on fresh samples; None if it is not finite, or the seed is refused.
+        broken: conditions that some fresh sample violates; None if the seed is refused.
+        refused: why the seed was refused, in one line; None if it is trained.
     """
 
     seed: Seed
@@ -192,17 +194,17 @@ class TrainedSeed:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TrainedSeeds(Record):
-    """What came of `train --seeds`: `seeds.json` of the folder that holds the runs.
+    """Result of `train --seeds`: `seeds.json` of the folder that holds the runs.
 
     Attributes:
-        folder: of the runs.
+        folder: folder of the runs.
         robot, spec: names.
-        conditions: how many there are.
+        conditions: number of conditions.
         steps: gradient steps of each seed.
-        seeds: in order.
-        batch: seeds that were trained together.
-        devices: that shared a batch.
-        compile_s, train_s, wall_s: times of all of it.
+        seeds: results of the seeds, in order.
+        batch: number of seeds that were trained together.
+        devices: number of devices that shared a batch.
+        compile_s, train_s, wall_s: durations for all seeds.
     """
 
     folder: str
@@ -219,17 +221,17 @@ class TrainedSeeds(Record):
 
     @property
     def holding(self) -> list[TrainedSeed]:
-        """Those whose conditions all hold on fresh samples."""
+        """Seeds whose conditions all hold on fresh samples."""
         return [one for one in self.seeds if one.broken == ()]
 
     @property
     def refused(self) -> list[TrainedSeed]:
-        """Those that could not be trained."""
+        """Seeds that could not be trained."""
         return [one for one in self.seeds if one.refused is not None]
 
 
 def trained_of(run: Path) -> Trained:
-    """The summary of a finished training.
+    """Return the summary of a finished training.
 
     Raises: RunError if it is damaged; the last checkpoint can be finished again.
     """

@@ -1,4 +1,4 @@
-"""What rounds of episodes came to: the walks of a round, and the summary of all rounds."""
+"""Results of episodes: the walks of a round, and the summary of all rounds."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields
@@ -13,30 +13,30 @@ from neuralgaits.runs.shape import NUMBER, may, table_of, whole
 
 ASKED, SUMMARY = "episodes.json", "summary.json"
 WALKS = "walks"
-"""Folder of a round's run with `SUMMARY` and logs of its walks."""
+"""Folder in a round's run that holds `SUMMARY` and the logs of its walks."""
 
 
 @dataclass(frozen=True, eq=False)
 class Versioned(Record):
-    """What says its format, and may be of another one."""
+    """Record of a format's version, which may be another version than this program's."""
 
     format: Any = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EpisodesAsked(Record):
-    """What episodes were asked: `episodes.json`.
+    """Settings of episodes: `episodes.json`.
 
     Attributes:
         format: version of the layout.
         robot, plant: names of the model, and of the robot that walks in simulation.
-        disturb, controller: of the plant.
+        disturb, controller: disturbance and control law of the plant.
         logs: folder of a robot's own logs in place of a plant.
-        columns: file that says what the columns of these are.
-        rounds: of learning and refining.
-        seed: of everything random.
-        steps: gradient steps of each training; the recipe's if None.
-        start: run that they began with.
+        columns: file that describes the columns of these logs.
+        rounds: number of rounds of learning and refining.
+        seed: seed of everything random.
+        steps: gradient steps of each training; those of the recipe if None.
+        start: run that the episodes started from.
     """
 
     format: int
@@ -54,13 +54,13 @@ class EpisodesAsked(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class Shares:
-    """Of the judged rows of logs; see `logs.satisfaction`.
+    """Shares of the judged rows of logs; see `logs.satisfaction`.
 
     Attributes:
-        rows: that were judged.
-        tube: inside the tube.
-        all: there, with every condition that a log can judge held as well.
-        conditions: rows at the phases of a condition's region where it held.
+        rows: number of judged rows.
+        tube: share inside the tube.
+        all: share inside the tube where every condition that a log can judge also holds.
+        conditions: share of rows, at the phases of a condition's region, where it holds.
     """
 
     rows: int = 0
@@ -71,20 +71,20 @@ class Shares:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RoundWalks(Record):
-    """How the walks of a round went; Nones where a robot's own logs do not tell.
+    """Walks of a round; fields are None or empty if a robot's own logs do not show them.
 
     Attributes:
-        steps_walked, fall_reasons: of each walk from anywhere in the tube.
-        share_that_walks: of these, those that stayed up.
-        steps_walked_at: of each walk at a share of the nominal momentum.
-        share_of_speeds: of these, those that stayed up.
-        momentum_range: longest range of such shares that all walked.
-        speed_range_m_s: the same as speeds of the hip at mid-step.
-        speed_m_s: mean.
-        barriers: shares of the logged time.
+        steps_walked, fall_reasons: outcome of each walk from a random state of the tube.
+        share_that_walks: share of these walks that stayed up.
+        steps_walked_at: steps of each walk that starts at a share of the nominal momentum.
+        share_of_speeds: share of these walks, from 0.8 to 1.2, that stayed up.
+        momentum_range: longest range of such shares in which all walks stayed up.
+        speed_range_m_s: that range as speeds of the hip at mid-step.
+        speed_m_s: mean speed.
+        barriers: shares of the logged time at which barriers hold.
         walked_s: logged time.
-        logs_left_out: walks that nothing can be learned from.
-        engine, engine_note: what walked, and why it is not compiled code.
+        logs_left_out: number of walks that nothing can be learned from.
+        engine, engine_note: engine that ran, and why it is not compiled code.
     """
 
     steps_walked: tuple[Count, ...]
@@ -102,14 +102,14 @@ class RoundWalks(Record):
     engine_note: str | None = None
 
     def unsaid(self) -> Collection[str]:
-        """What a robot's own logs do not tell."""
+        """Return the fields that `--json` omits: those that a robot's own logs do not show."""
         told = ("fall_reasons", "steps_walked_at", "speed_m_s", "logs_left_out", "engine")
         return (*told, "engine_note") if self.engine is None else ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WalkedRound(RoundWalks):
-    """`walks/summary.json` of a round. Attributes: logs: to learn from; wall_s: time."""
+    """`walks/summary.json` of a round. Attributes: logs: to learn from; wall_s: elapsed time."""
 
     logs: Texts
     wall_s: float
@@ -117,7 +117,7 @@ class WalkedRound(RoundWalks):
 
 @dataclass(frozen=True)
 class RoundTimes:
-    """Seconds that the parts of a round took; None for one that was not done."""
+    """Duration of each part of a round [s]; None for a part that was not done."""
 
     train: float | None = None
     walk: float | None = None
@@ -139,7 +139,7 @@ class Round(RoundWalks, _RoundPolicy):
 
     Attributes:
         reason: why nothing was learned.
-        wall_s: times.
+        wall_s: duration of its parts.
     """
 
     heldout_error: float | None
@@ -154,7 +154,7 @@ class Round(RoundWalks, _RoundPolicy):
     def of_parts(
         cls, number: int, run: str, trained: Trained, walked: WalkedRound, learned: Fitted | str
     ) -> Self:
-        """A round of its training, its walks, and what was learned of them, or why nothing was."""
+        """Combine a round's training, its walks, and the fit, or the reason why there is none."""
         told = {part.name: getattr(walked, part.name) for part in fields(RoundWalks)}
         for name in ("heldout_error", "nominal_heldout_error", "binned_floor", "touchdowns"):
             told[name] = getattr(learned, name, None)
@@ -172,17 +172,17 @@ class Round(RoundWalks, _RoundPolicy):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EpisodesDone(Record):
-    """What became of the rounds: `summary.json` of episodes.
+    """Results of all rounds: `summary.json` of episodes.
 
     Attributes:
-        robot, plant, disturb, controller, logs, seed: as asked.
+        robot, plant, disturb, controller, logs, seed: as requested.
         episodes: the folder.
-        run: of the last policy.
-        rounds: that were walked.
-        waiting_for: folder of logs that are needed to go on.
+        run: run of the last policy.
+        rounds: rounds that were walked.
+        waiting_for: folder of the logs that are needed to continue.
         diverged: why a training stopped.
-        figure: file.
-        wall_s: time.
+        figure: path of the figure.
+        wall_s: elapsed time.
     """
 
     robot: str

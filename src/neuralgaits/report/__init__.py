@@ -1,1 +1,1 @@
-"""Figures from saved data; nothing is computed again here."""
+"""Figures and the page of a run, drawn from saved data."""

@@ -1,7 +1,7 @@
-"""Commands that do again what made a run, as far as its folder tells.
+"""Commands that reproduce a run, as far as its folder records how it was made.
 
 Robots and specs are named here and nowhere else: by a built-in's name if the run's copy is the
-built-in, else by the run's own copy, since the file that was given may have changed or gone.
+built-in, else by the run's own copy, since the original file may have changed or moved.
 """
 
 import math
@@ -24,7 +24,7 @@ CONTROLLERS = *LAWS, REMOTE
 
 
 def robot_word(folder: RunFolder) -> str:
-    """The run's robot as the command line takes it."""
+    """Return the run's robot as a word of the command line."""
     copy, name = folder.path / ROBOT, asked_of(folder).robot
     if name in registry.built_in() and copy.is_file():
         file = registry.model_file(name)
@@ -34,7 +34,7 @@ def robot_word(folder: RunFolder) -> str:
 
 
 def spec_word(folder: RunFolder) -> str | None:
-    """The run's spec as the command line takes it; None for one that no file defines."""
+    """Return the run's spec as a word of the command line; None if no file defines it."""
     name = asked_of(folder).spec
     if specs.is_built_in(name):
         return name
@@ -45,16 +45,16 @@ def spec_word(folder: RunFolder) -> str | None:
 def training(
     folder: RunFolder, out: Path | None = None, *, steps: int | None = None, seed: int | None = None
 ) -> str | None:
-    """Trains the same gait once more, or one with other steps or another seed.
+    """Return the command that trains the gait again, optionally with other steps or another seed.
 
     Args:
-        folder: of the run.
+        folder: folder of the run.
         out: new run folder; a fresh one below `runs` if None.
         steps: gradient steps, the run's own if None.
         seed: the run's own if None.
 
-    Returns: None if the run's spec is in no file, or the run it was refined from is gone. A gait
-        that was not trained is made as it was, whatever the steps and the seed.
+    Returns: the command, or None if the run's spec is in no file or its parent run is missing. For
+        a gait that was not trained, the command ignores steps and seed.
     """
     asked, spec = asked_of(folder), spec_word(folder)
     if asked.parent is not None:
@@ -84,7 +84,7 @@ def training(
 
 
 def _given(folder: RunFolder, given: Given) -> list[str]:
-    """Makes a run once more whose gait was not trained."""
+    """Return the words that recreate a run whose gait was not trained."""
     robot = robot_word(folder)
     if given.by == "optimise":
         return ["optimise", robot, f"--speed={given.speed!r}", "--degree", str(given.degree)]
@@ -92,19 +92,19 @@ def _given(folder: RunFolder, given: Given) -> list[str]:
 
 
 def another_seed(folder: RunFolder) -> str | None:
-    """Trains the same gait from other random numbers."""
+    """Return the command that trains the same gait with the next seed; see `training`."""
     return training(folder, seed=(asked_of(folder).seed + 1) % 2**31)
 
 
 def longer(folder: RunFolder) -> str:
-    """Trains the same gait twice as long; from the beginning, if its own beginning is gone."""
+    """Return the command that trains twice as long; a fresh one if `training` has none."""
     twice = 2 * asked_of(folder).steps
     anew = ("train", robot_word(folder), "--spec", spec_word(folder) or "walking")
     return training(folder, steps=twice) or command(*anew, "--steps", twice)
 
 
 def _told(asked: Asked) -> list[str]:
-    """Flags of a speed, of ranges of commands or of a box of robots."""
+    """Return the flags of a commanded speed, of ranges of commands, or of a box of robots."""
     if asked.speed is not None:
         return [f"--speed={asked.speed!r}"]
     words = [] if not asked.parameters else ["--parameters", box(asked.parameters)]
@@ -115,18 +115,18 @@ def _told(asked: Asked) -> list[str]:
 
 
 def _typed(name: str, value: float) -> float:
-    """A command as the command line takes it: slopes in degrees."""
+    """Convert a command to the unit of the command line: a slope to degrees."""
     return math.degrees(value) if name == "slope" else value
 
 
 def _parent(folder: RunFolder, told: str) -> Path | None:
-    """The run that this one was refined from; one that was moved with it is found beside it."""
+    """Find the parent run at its recorded path, or beside this run; None if it is in neither."""
     places = Path(told), folder.path.resolve().parent / Path(told).name
     return next((place for place in places if (place / "config.json").is_file()), None)
 
 
 def box(parameters: Mapping[str, float]) -> str:
-    """A box of robots as the command line takes it, every number exactly; `none` for no box."""
+    """Write a box of robots as the command line takes it, every number exactly; `none` if empty."""
     units = {"com": "m", "floor": "m"}
     sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
     return ",".join(sizes) or "none"
@@ -139,14 +139,14 @@ def certifying(
     within: Mapping[str, tuple[float, float]] | None = None,
     parameters: Mapping[str, float] | None = None,
 ) -> str:
-    """Proves a run up to a level.
+    """Return the command that proves a run up to a level.
 
     Args:
-        run: folder.
-        level: to prove.
-        disturbance: that it bears.
-        within: some ranges of its commands; all of them if None.
-        parameters: box of robots; the run's own if None.
+        run: folder of the run.
+        level: highest level to prove.
+        disturbance: bounds on the disturbance at level 2; empty for none.
+        within: narrower ranges of its commands; the full ranges if None.
+        parameters: box of robots; that of the run if None.
     """
     line: list[Any] = ["certify", named(run), "--level", level]
     if disturbance:
@@ -163,14 +163,14 @@ def certifying(
 
 
 def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
-    """Repeats a simulation.
+    """Return the command that repeats a simulation.
 
     Args:
-        folder: that holds the simulation.
-        done: its summary.
-        run: to walk.
+        folder: run folder that holds the simulation.
+        done: summary of the simulation.
+        run: folder of the run that walks.
 
-    Returns: None if what walked, or its controller, is in no file that the run has kept.
+    Returns: the command, or None if the run kept no file of the plant or of the controller.
     """
     plant = plant_word(folder, done)
     if done.controller not in CONTROLLERS or plant is None:
@@ -200,9 +200,9 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
 
 
 def plant_word(folder: RunFolder, done: Simulated) -> str | None:
-    """What a simulation walked on, as the command line takes it.
+    """Return the plant of a simulation as a word of the command line.
 
-    Returns: nothing ("") for the run's own robot, None if the run does not have it.
+    Returns: the empty string for the run's own robot; None if the run kept no file of the plant.
     """
     if done.plant_given == "":
         # Summaries of earlier versions have the name that the robot file gives itself.
@@ -215,7 +215,7 @@ def plant_word(folder: RunFolder, done: Simulated) -> str | None:
 
 
 def _link(link: LinkFigures) -> str:
-    """How the controller's process was reached, as `--link` takes it."""
+    """Return the settings of a controller's connection, as `--link` takes them."""
     asked = {"loss": link.loss, "jitter_ms": link.jitter_ms, "blend_s": link.blend_s}
     lockstep = ["lockstep=1"] if link.mode == LOCKSTEP else []
     numbers = (f"{name}={value!r}" for name, value in asked.items() if value)

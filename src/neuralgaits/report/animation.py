@@ -1,7 +1,7 @@
-"""A recorded walk as plain data for the page: shapes of the robot, and where they are when.
+"""A recorded walk as plain data for the page: the robot's shapes, and their poses over time.
 
-All motion is in one plane, so a body's pose is three numbers a frame: x, z and the angle about
-+y. Shapes carry the rest. The page interpolates between frames and computes nothing.
+All motion is in one plane, so a body's pose is three numbers in each frame: x, z and the angle
+about +y. Shapes carry the rest. The page interpolates between frames and computes nothing.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -16,7 +16,7 @@ import numpy as np
 from neuralgaits._types import Float
 
 FRAME_S = 0.02
-"""Time between two frames: the page interpolates, and 50 a second show an impact."""
+"""Time between two frames [s]; the page interpolates, and 50 frames a second show an impact."""
 _KINDS = {
     mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
     mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
@@ -30,24 +30,24 @@ _SHOWN_GROUPS = 3
 _STICK_RADIUS = 0.03
 _SHORTEST_STICK = 0.05
 _STICK_COLOURS = ((0.27, 0.31, 0.37), (0.95, 0.55, 0.16), (0.10, 0.42, 0.75))
-"""Root, first leg, second leg: the colours of the built-in robots."""
+"""Colours of root, first leg and second leg: those of the built-in robots."""
 
 
 class Motion(NamedTuple):
-    """Where the bodies of a robot are in a row of states; b bodies, world and floors left out."""
+    """Poses of a robot's b bodies over T states; world and floors are left out."""
 
     poses: Float[np.ndarray, "T b 3"]
-    """x, z [m] and the angle about +y since the first state [rad]."""
+    """x, z [m], and the angle about +y since the first state [rad]."""
     y: Float[np.ndarray, " b"]
-    """Across the plane of motion, which never changes [m]."""
+    """Positions across the plane of motion, which never change [m]."""
     first: Float[np.ndarray, "b 4"]
-    """Quaternions in the first state."""
+    """Quaternions of the bodies in the first state."""
     momenta: Float[np.ndarray, "T 2"]
     """Linear momentum of the robot [kg m/s], (x, z)."""
 
 
 def motion(model: mujoco.MjModel, states: Float[np.ndarray, "T s"]) -> Motion:
-    """Read a planar robot's poses off MuJoCo states (time, qpos, qvel), one a frame."""
+    """Convert MuJoCo states (time, qpos, qvel) into a planar robot's poses at each state."""
     data, own = mujoco.MjData(model), _bodies(model)
     places, turns, momenta = [], [], []
     for state in states:
@@ -68,10 +68,10 @@ def motion(model: mujoco.MjModel, states: Float[np.ndarray, "T s"]) -> Motion:
 def ground_force(
     momenta: Float[np.ndarray, "T 2"], weight: float, frame_s: float
 ) -> Float[np.ndarray, "T 2"]:
-    """Mean force of the ground from each frame to the next (N), (forward, up).
+    """Return the mean force of the ground between neighbouring frames (N), (forward, up).
 
-    Newton's law for the whole robot: change of momentum per time, and its weight. With no other
-    force on the robot, this is what the feet carry together.
+    The force follows from Newton's law for the whole robot: the rate of change of momentum, plus
+    the weight. If no other force acts on the robot, it is the total force on the feet.
     """
     rate = np.diff(momenta, axis=0, append=momenta[-1:]) / frame_s
     force = rate + np.array([0.0, weight])
@@ -86,15 +86,16 @@ def shapes(
     feet: Sequence[str],
     leg_length: float,
 ) -> list[dict[str, Any]]:
-    """The robot's shapes, placed in their bodies as those stand in the first state.
+    """Return the robot's shapes, placed in the frames of their bodies in the first state.
 
     Args:
-        model: compiled.
-        moved: poses of the model; the first counts.
+        model: compiled model.
+        moved: poses of the model; only the first set is used.
         feet: names of the two foot geoms.
-        leg_length: of the robot (m), for sticks.
+        leg_length: leg length of the robot (m), which scales the sticks.
 
-    Returns: one dict a shape with body (from 0), kind, size (m), pos (m), quat and colour.
+    Returns: one dict for each shape, with body (counted from 0), kind, size (m), pos (m), quat and
+        colour.
     """
     found = [_shape(model, geom, moved) for geom in range(model.ngeom) if _is_drawn(model, geom)]
     feet_ids = [model.geom(name).id for name in feet]
@@ -105,7 +106,7 @@ def shapes(
 
 
 def contacts(model: mujoco.MjModel, moved: Motion, feet: Sequence[str]) -> list[dict[str, Any]]:
-    """Where a ground force acts: the lowest point of each foot's sphere, in its body."""
+    """Return the centre and radius of each foot's sphere in its body, where ground forces act."""
     found = []
     for name in feet:
         geom = model.geom(name).id
@@ -115,12 +116,12 @@ def contacts(model: mujoco.MjModel, moved: Motion, feet: Sequence[str]) -> list[
 
 
 def _bodies(model: mujoco.MjModel) -> np.ndarray:
-    """Numbers of the robot's bodies; floors ride on mocap bodies."""
+    """Return the ids of the robot's bodies; floors are mocap bodies and left out."""
     return 1 + np.flatnonzero(model.body_mocapid[1:] < 0)
 
 
 def _is_drawn(model: mujoco.MjModel, geom: int) -> bool:
-    """Whether MuJoCo's viewer would show it on the robot."""
+    """Return whether MuJoCo's viewer would draw this geom as part of the robot."""
     plane = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE
     return bool(
         model.geom_bodyid[geom] > 0
@@ -159,7 +160,7 @@ def _placed(
     pos: np.ndarray,
     quat: np.ndarray,
 ) -> dict[str, Any]:
-    """A shape in the frame of its body at angle 0; the body's own y is put into the shape."""
+    """Place a shape in the frame of its body at angle 0; the shape takes over the body's y."""
     place, turn, number = np.zeros(3), np.zeros(4), int(_bodies(model).searchsorted(body))
     mujoco.mju_rotVecQuat(place, np.ascontiguousarray(pos), moved.first[number])
     mujoco.mju_mulQuat(turn, moved.first[number], np.ascontiguousarray(quat))
@@ -176,7 +177,7 @@ def _placed(
 def _sticks(
     model: mujoco.MjModel, moved: Motion, feet: Sequence[int], leg_length: float
 ) -> list[dict[str, Any]]:
-    """A capsule from every body's origin to each of its children's, and to its foot."""
+    """Return a capsule from each body's origin to those of its children, and to its foot."""
     ends = [
         (int(model.body_parentid[body]), model.body_pos[body])
         for body in range(2, model.nbody)
@@ -202,14 +203,14 @@ def _sticks(
 
 
 def _branch(model: mujoco.MjModel, body: int) -> int:
-    """The child of the root body that a body hangs from; the root itself for the root."""
+    """Return the child of the root body whose branch contains a body; the root for the root."""
     while body > 1 and int(model.body_parentid[body]) > 1:
         body = int(model.body_parentid[body])
     return body
 
 
 def _turn(first: np.ndarray, now: np.ndarray) -> np.ndarray:
-    """Angle about +y from one set of quaternions to another (rad). [b]."""
+    """Return the angle about +y between two sets of quaternions (rad). [b]."""
     w = np.sum(first * now, axis=1)
     # y of now times the conjugate of first.
     y = now[:, 2] * first[:, 0] - now[:, 0] * first[:, 2]

@@ -1,4 +1,4 @@
-"""A run's certificate read for its figures."""
+"""A run's certificate, read for its figures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,17 +19,17 @@ from neuralgaits.report.page.saved import ProvedOfSome
 
 @dataclass(frozen=True)
 class ProvedOfGait:
-    """What a run's certificate says, as far as figures show it.
+    """Results of a run's certificate that figures show.
 
     Attributes:
-        reason: why nothing is known to be proved; None if there is a certificate of this gait.
-        level: up to which all is proved; 0 if some condition is not.
+        reason: why no proof is available; None if there is a certificate of this gait.
+        level: highest level that is proved with all below it; 0 if some condition is not proved.
         margins: proved lower bound of each proved condition, in its scale.
-        orbit: of level 3; None if that is not proved.
-        full: the set of level 4; None likewise.
-        no_full: why there is none.
+        orbit: orbit of level 3; None if that is not proved.
+        full: set of level 4; None if that is not proved.
+        no_full: why there is no set of level 4.
         map_fits: whether the map of boxes was made with the proof.
-        of_a_box: whether it is about a box of robots or floors, and not the file's robot alone.
+        of_a_box: whether the proof is about a box of robots or floors, not the file's robot alone.
     """
 
     reason: str | None = None
@@ -43,7 +43,7 @@ class ProvedOfGait:
 
 
 def certificate_of(run: Run, found: CertificateReading | None = None) -> ProvedOfGait:
-    """Give what figures show of a run's certificate; it is read if it is None."""
+    """Return what figures show of a run's certificate, which is read if `found` is None."""
     found = found or read_certificate(run.folder)
     if found.summary is None:
         return ProvedOfGait(found.reason or "the run has no certificate")
@@ -71,7 +71,7 @@ def certificate_of(run: Run, found: CertificateReading | None = None) -> ProvedO
 
 
 def part_of(found: CertificateReading) -> ProvedOfSome | None:
-    """What is proved of some commands of a gait, for its page."""
+    """Return the proof for a part of the gait's commands, for its page; None if there is none."""
     part, proof, summary = found.part, found.proof, found.summary
     if part is None or proof is None or summary is None:
         return None
@@ -92,7 +92,7 @@ def part_of(found: CertificateReading) -> ProvedOfSome | None:
 
 
 def _orbit(run: Run, level: Conclusion | None, orbit: Orbit | None) -> Proved | None:
-    """The thin tube around the orbit where it passes z1 = 0, and bounds of the return map."""
+    """Return the proved tube around the orbit at z1 = 0, with the bounds of the return map."""
     if level is None or not level.proved or orbit is None or not orbit.lower:
         # Of a gait that takes commands: walks come together, around no one orbit.
         return None

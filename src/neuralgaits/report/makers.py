@@ -1,4 +1,4 @@
-"""Every figure of a run: what it is drawn from, or what is missing and which command makes it."""
+"""Every figure of a run: its data, or what is missing and which command makes it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -39,37 +39,37 @@ from neuralgaits.runs.names import MAP
 
 @dataclass(frozen=True)
 class Source:
-    """What figures are drawn from. Attributes: run: opened; certificate: what is proved of it."""
+    """Data source of the figures. Attributes: run: open run; certificate: its proved results."""
 
     run: Run
     certificate: ProvedOfGait
 
     @cached_property
     def data(self) -> GaitData:
-        """The gait in arrays."""
+        """Return the gait's data as arrays."""
         return gait_data(self.run)
 
     @cached_property
     def walk(self) -> MeasuredWalk | None:
-        """A logged walk, if the run has one."""
+        """Return a logged walk, or None if the run has none."""
         return measured_walk(self.run)
 
     @property
     def path(self) -> str:
-        """The run's folder as an argument."""
+        """Return the run's folder as a command-line argument."""
         return named(self.run.path)
 
 
 @dataclass(frozen=True)
 class Absent(Exception):
-    """Why a figure cannot be drawn, and the command that changes that."""
+    """Raised if a figure cannot be drawn; it names the reason and the command that helps."""
 
     reason: str
     command: str
 
 
 Made = tuple[str, Figure]
-"""Caption and figure."""
+"""Caption of a figure, and the figure."""
 
 
 def _phase_portrait(source: Source) -> Made:
@@ -138,7 +138,7 @@ def _full_order_set(source: Source) -> Made:
 
 
 def _of_a_box(source: Source, level: int, reason: str) -> Absent:
-    """What a proof for many robots or floors does not show, and what that of one would cost."""
+    """Return why the figure is missing, and whether a proof about a box is the cause."""
     if source.certificate.of_a_box:
         reason += (
             ", and the run's proof about a box of them; the command proves the file's robot alone, "
@@ -188,7 +188,7 @@ def _family(source: Source) -> Made:
 
 
 def _periodic(source: Source) -> GaitData:
-    """The data of a gait with a periodic orbit."""
+    """Return the data of a gait with a periodic orbit."""
     if not source.data.periodic:
         line = again.longer(source.run.folder)
         raise Absent("the gait has no periodic orbit between its fences: train longer", line)
@@ -196,7 +196,7 @@ def _periodic(source: Source) -> GaitData:
 
 
 Maker = tuple[str, str, Callable[[Source], Any]]
-"""Name, title and maker of a figure."""
+"""Name, title and drawing function of a figure."""
 MAKERS: tuple[Maker, ...] = (
     ("gait-tiles", gait_tiles.TITLE, _gait_tiles),
     ("walk-tiles", gait_tiles.MEASURED_TITLE, _walk_tiles),
@@ -212,8 +212,9 @@ MAKERS: tuple[Maker, ...] = (
     ("residual-field", residual_field.TITLE, _residual_field),
     ("rounds", rounds.TITLE, _rounds),
 )
-"""Every figure that any run can have, in the order of a report."""
+"""Every figure that a run can have, in the order of the report."""
 OF_TRAINING = ("loss",)
-"""Names of those that a gait without a training has not, and does not miss."""
+"""Names of the figures that a gait without training does not have; none of them counts as
+missing."""
 OF_FAMILIES: tuple[Maker, ...] = ((told.FIGURE, family.TITLE, _family),)
-"""Those of gaits that take commands: for others nothing is missing without them."""
+"""Figures of gaits that take commands; for other gaits they do not count as missing."""

@@ -1,7 +1,7 @@
-"""The walk a report shows: simulated in MuJoCo at full order, and kept in the run.
+"""The walk that a report shows: simulated in MuJoCo at full order, and kept in the run.
 
-If `simulate` was called, its last simulation is repeated, its first fall if one fell. Else the
-gait walks from the middle of its region, on the robot of its episodes if it comes from such.
+If `simulate` was called, its last simulation is repeated: its first fall, if there was one.
+Otherwise the gait walks from the middle of its region, on the robot of its episodes if it has any.
 """
 
 import hashlib
@@ -34,9 +34,9 @@ from neuralgaits.simulation.trained_walks import TrainedWalks
 from neuralgaits.simulation.walk import Walk
 
 STEPS = 12
-"""Steps shown where nothing asks for more: some six seconds."""
+"""Walking steps shown if nothing requests another number: some six seconds."""
 _LONGEST = 1500
-"""Frames: half a minute."""
+"""Most frames of a walk: half a minute."""
 _BEFORE_FALL = 400
 """Frames kept before a fall: eight seconds."""
 _FENCE_POINTS = 41
@@ -44,19 +44,19 @@ _FENCE_POINTS = 41
 
 @dataclass(frozen=True)
 class AskedWalk:
-    """What is to be walked.
+    """Settings of the walk to simulate.
 
     Attributes:
-        plant: robot that walks; the run's own if None.
+        plant: robot that walks; that of the run if None.
         law: name of a control law.
-        steps: walking steps.
-        start: as in `simulate`.
+        steps: number of walking steps.
+        start: initial state, as in `simulate`.
         push: forward impulse (N s).
-        disturbance: of the plant.
-        seed: of everything random.
-        episode: number of the walk, on which all that is drawn at random depends.
-        origin: what asked for it, in words.
-        command: what the gait is told; None for the middle of its ranges.
+        disturbance: disturbance of the plant.
+        seed: seed of everything random.
+        episode: number of the walk, on which all random draws depend.
+        origin: why this walk is shown, in words.
+        command: command of the gait; None for the middle of its ranges.
     """
 
     plant: PlanarBiped | None = None
@@ -72,7 +72,7 @@ class AskedWalk:
 
 
 def shown_walk(run: Run) -> ShownWalk:
-    """The recorded walk as data for the page; simulated only if it is not in the run yet.
+    """Return the recorded walk as data for the page; simulate it only if the run does not have it.
 
     Raises: InputError in one line if it cannot be simulated.
     """
@@ -90,7 +90,7 @@ def shown_walk(run: Run) -> ShownWalk:
 
 
 def asked_of(run: Run) -> AskedWalk:
-    """The simulation to repeat, or the one to make."""
+    """Return the settings of the simulation to repeat, or of the one to make."""
     try:
         done = Simulated.read(run.path / SUMMARY)
         if done.steps is None or done.disturb is None:
@@ -131,7 +131,7 @@ def asked_of(run: Run) -> AskedWalk:
 
 
 def _plant(run: Run, done: Simulated) -> PlanarBiped | None:
-    """What the simulation walked on. Raises: InputError if the run has kept no file of it."""
+    """Load the plant of a simulation. Raises: InputError if the run has kept no file of it."""
     word = plant_word(run.folder, done)
     if word is None:
         raise InputError(f"expected a file of plant {done.plant} in the run, found none")
@@ -139,7 +139,7 @@ def _plant(run: Run, done: Simulated) -> PlanarBiped | None:
 
 
 def _of_episodes(run: Run) -> AskedWalk:
-    """A walk on the robot whose logs the run was refined for, if it is known."""
+    """Return a walk on the robot whose logs the run was refined for, if that is recorded."""
     try:
         folder = EpisodeFolder.find(run.path.resolve().parent, run.path)
         if folder is None or folder.plant is None:
@@ -155,7 +155,7 @@ def _of_episodes(run: Run) -> AskedWalk:
 
 
 def _key(run: Run, asked: AskedWalk) -> str:
-    """Changes with the weights, the robot that walks and everything asked."""
+    """Return a hash of the weights, the robot that walks and all settings."""
     robot = (asked.plant or run.robot).layout.xml
     rest = plain(vars(replace(asked, plant=None)))
     if asked.command is None:
@@ -184,7 +184,7 @@ def _walked(run: Run, asked: AskedWalk) -> Walk:
 
 
 def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
-    """Frames of a walk with all that the page says of it."""
+    """Return the frames of a walk with everything that the page says about it."""
     episodes, plant = walked.episodes, walked.plant
     record = episodes.record
     if record is None or not len(episodes.states):
@@ -238,7 +238,7 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
 
 
 def _tube(run: Run) -> dict[str, Any]:
-    """The gait's region in the plane of z: both fences, from the start of a step to its end."""
+    """Return both fences of the gait's region in the plane of z, from start to end of a step."""
     phases = np.linspace(0.0, 1.0, _FENCE_POINTS)
     at = quick_jit(jax.vmap(run.gait.z))
     return {

@@ -1,4 +1,4 @@
-"""The commands of a gait for readers: what each one says, and its values, slopes in degrees."""
+"""Commands of a gait for readers: their names in words, and their values, slopes in degrees."""
 
 import math
 from typing import NamedTuple
@@ -9,18 +9,19 @@ FIGURE = "family"
 """Name of the figure of a gait that takes commands."""
 MINUS = "\u2212"
 DIGITS = 4
-"""Of a value that is shown: half a millimetre of a step, a hundredth of a degree."""
+"""Significant digits of a value on the page: half a millimetre of a step, a hundredth of a
+degree."""
 
 
 class Words(NamedTuple):
-    """A command in words."""
+    """Words that describe a command to readers."""
 
     short: str
-    """On an axis."""
+    """Label on an axis."""
     whole: str
-    """What the robot is told."""
+    """Meaning of the command for the robot."""
     unit: str
-    """Of values as they are shown; empty for a command of a spec's own."""
+    """Unit of the values as the page shows them; empty for a command of a spec's own."""
 
 
 _WORDS = {
@@ -34,36 +35,36 @@ _WORDS = {
 
 
 def words(name: str) -> Words:
-    """A command in words; one of a spec's own has its name for them."""
+    """Return a command in words; a command of a spec's own is described by its name."""
     return _WORDS.get(name, Words(name, name, ""))
 
 
 def value(name: str, command: float) -> float:
-    """A value as it is shown: degrees for the radians of a slope."""
+    """Convert a value to the unit of the page: radians of a slope to degrees."""
     return math.degrees(command) if name == "slope" else command
 
 
 def number(name: str, command: float) -> str:
-    """A value as it is shown, without its unit."""
+    """Format a value in the unit of the page, without the unit."""
     # Middles of ranges around zero are rounding errors.
     rounded = round(value(name, command), 9) + 0.0
     return f"{rounded:.{DIGITS}g}".replace("-", MINUS)
 
 
 def written(name: str, command: float) -> str:
-    """A value with its unit."""
+    """Format a value with its unit."""
     return _with_unit(name, number(name, command))
 
 
 def within(name: str, low: float, high: float) -> tuple[str, str]:
-    """Ends of an interval about which something is proved, never further apart than it is."""
+    """Format the ends of an interval with a proof; rounding never widens the interval."""
     ends = at_most(value(name, low), DIGITS), at_least(value(name, high), DIGITS)
     first, last = (_with_unit(name, end) for end in ends)
     return first, last
 
 
 def change_within(name: str, change: float) -> str:
-    """A change up to which something is proved, never more than it is."""
+    """Format a change of a command with a proof; rounding never increases it."""
     return _with_unit(name, at_least(value(name, change), DIGITS))
 
 

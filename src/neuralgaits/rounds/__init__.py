@@ -1,1 +1,1 @@
-"""Rounds of walking, learning and refining: their folder, and the walks of one round."""
+"""Folder of the rounds of walking, learning and refining, and the walks of one round."""

@@ -1,7 +1,7 @@
-"""Episodes on disk: what was asked, and one folder a round.
+"""Episodes on disk: their settings, and one folder for each round.
 
-episodes.json   what was asked        robot.xml, plant.xml   the models
-summary.json    what came out         start/                 a run to begin with, if any
+episodes.json   the settings          robot.xml, plant.xml   the models
+summary.json    the results           start/                 the initial run, if any
 round-K/        the run of the round's policy, with its residual
 round-K/walks/  summary.json and logs/*.csv of its walks
 """
@@ -25,21 +25,21 @@ from neuralgaits.runs.plain import to_json
 
 ROBOT, PLANT = "robot.xml", "plant.xml"
 FORMAT = 1
-"""Version of this layout; others are refused."""
+"""Version of this layout; folders of other versions are refused."""
 Kind = TypeVar("Kind", bound=Record)
 HOME = "episodes"
-"""Folder below the root of the runs."""
+"""Name of the episodes' folder below the root of the runs."""
 
 
 @dataclass(frozen=True)
 class EpisodeFolder:
-    """Episodes that have begun.
+    """Episodes that have been started.
 
     Attributes:
         path: the folder.
-        config: what was asked.
+        config: their settings.
         robot: the model.
-        plant: robot that walks in simulation; None if a real one's logs are given.
+        plant: robot that walks in simulation; None if the logs come from a real robot.
     """
 
     path: Path
@@ -56,11 +56,11 @@ class EpisodeFolder:
         out: str | Path | None,
         root: Path,
     ) -> "EpisodeFolder":
-        """Make a new folder; `episodes.json` comes last.
+        """Make a new folder; `episodes.json` is written last.
 
         Args:
-            asked: every setting; robots as such.
-            start: run to begin with, or None.
+            asked: every setting; robots as loaded objects.
+            start: run to start from, or None.
             out: the folder; `root/episodes/ROBOT/<UTC time>-<seed>` if None.
             root: folder of the runs.
 
@@ -83,7 +83,7 @@ class EpisodeFolder:
 
     @classmethod
     def find(cls, place: str | Path, root: Path) -> "EpisodeFolder | None":
-        """Open the episodes that a caller means, `latest` being those that began last.
+        """Open the episodes at `place`; `latest` means those that were started last.
 
         Returns: None if the place holds something else. Raises: RunError if they are damaged.
         """
@@ -108,13 +108,13 @@ class EpisodeFolder:
         return cls(path, config, robot, plant)
 
     def gone_on_with(self, asked: Mapping[str, Any], out: str | Path | None) -> "EpisodeFolder":
-        """The same episodes, with more rounds if so many are asked for.
+        """Return these episodes, extended to more rounds if `asked` requests more.
 
         Args:
-            asked: settings; None where the caller left them out.
+            asked: settings; None where the caller gave none.
             out: must be None.
 
-        Raises: InputError if a setting differs from the one they were begun with.
+        Raises: InputError if a setting differs from the one that the episodes started with.
         """
         if out is not None:
             raise InputError(f"expected --resume without --out, found {out}: drop one of the two")
@@ -140,25 +140,28 @@ class EpisodeFolder:
         return replace(self, config=config)
 
     def round(self, number: int) -> Path:
-        """Run folder of a round."""
+        """Return the run folder of a round."""
         return self.path / f"round-{number}"
 
     def walks(self, number: int) -> Path:
-        """Summary of a round's walks."""
+        """Return the path of the summary of a round's walks."""
         return self.round(number) / WALKS / SUMMARY
 
     def logs(self, number: int) -> Path:
-        """Folder of the logs of a round's walks on a plant."""
+        """Return the folder that holds the logs of a round's walks on a plant."""
         return self.round(number) / WALKS / "logs"
 
 
 def write(path: Path, value: Any) -> None:
-    """Save JSON, whole or not at all."""
+    """Save JSON atomically: the file is written whole or not at all."""
     write_text(path, to_json(value))
 
 
 def load_robot_of(path: Path, name: str) -> PlanarBiped:
-    """A robot of the episodes. Raises: RunError or RobotError if its file is gone or damaged."""
+    """Load a robot of the episodes.
+
+    Raises: RunError or RobotError if its file is missing or damaged.
+    """
     try:
         return robot_from_text(path.read_bytes().decode(), name)
     except (OSError, UnicodeDecodeError) as error:
@@ -168,7 +171,7 @@ def load_robot_of(path: Path, name: str) -> PlanarBiped:
 
 
 def read(path: Path, kind: type[Kind]) -> Kind:
-    """Read a record of `write`. Raises: RunError if it is damaged."""
+    """Read a record that `write` saved. Raises: RunError if it is damaged."""
     try:
         return kind.of(from_json(path.read_bytes()))
     except (OSError, ValueError) as error:
@@ -179,7 +182,7 @@ def read(path: Path, kind: type[Kind]) -> Kind:
 
 
 def _copy_run(source: Path, place: Path) -> None:
-    """Files of a trained run, without the folders of what was made of it later."""
+    """Copy the files of a trained run, without the folders that later verbs added."""
 
     def folders(folder: str, names: list[str]) -> list[str]:
         return [name for name in names if (Path(folder) / name).is_dir()]

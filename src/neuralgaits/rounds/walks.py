@@ -1,4 +1,4 @@
-"""What one round of episodes asks of a robot: walks that judge a policy, and logs to learn from.
+"""Walks of one round of episodes: they judge a policy and yield logs to learn from.
 
 Ten walks start anywhere in the tube, and one at each of several speeds at z1 = 0. The first
 seconds of all of them are logged, falls included; the outcome is judged over their whole length.
@@ -33,25 +33,26 @@ from neuralgaits.simulation.setup.starts import full_states, momentum_range, per
 from neuralgaits.simulation.walk import walk
 
 STARTS, STEPS = 10, 200
-"""Walks from anywhere in the tube, and the steps asked of each."""
+"""Number of walks that start anywhere in the tube, and walking steps requested of each."""
 SPEEDS = tuple(float(share) for share in np.linspace(0.8, 1.2, 10))
-"""z2 of starts at z1 = 0 that are asked for, in units of the nominal one."""
+"""z2 of the starts at z1 = 0 that are judged, in units of the nominal z2."""
 BEYOND = (0.5, 0.6, 0.7, 1.3, 1.4, 1.5)
-"""Further ones, which tell how far the range reaches."""
+"""Further values of z2 in the same units, which show how far the range reaches."""
 SPEED_STEPS = 50
-"""Steps asked of a walk from one of the speeds: its transient is long over."""
+"""Walking steps requested of a walk that starts at one of the speeds; its transient is long over
+by then."""
 LOGGED_S = 60.0
-"""Walking that a round may learn from [s]."""
+"""Length of walking that a round may learn from [s]."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """Where the walks are.
+    """Setting of the walks: plant, disturbance and controller.
 
     Attributes:
         plant: robot to simulate.
-        disturbance: of it.
-        controller: law by name.
+        disturbance: differences between the plant and the model.
+        controller: control law, or its name.
     """
 
     plant: PlanarBiped
@@ -60,7 +61,7 @@ class Field:
 
 
 def nominal_momentum(run: Run) -> float:
-    """z2 of the model's periodic orbit at z1 = 0; of the tube's middle if there is none."""
+    """Return z2 of the model's orbit at z1 = 0, or of the tube's middle if there is no orbit."""
     orbit = periodic_orbit(run.zero_dynamics, run.gait)
     if orbit.result == "found":
         return float(orbit.fixed_point[1])
@@ -69,14 +70,14 @@ def nominal_momentum(run: Run) -> float:
 
 
 def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Path) -> WalkedRound:
-    """Walk one policy, write the logs, and say what became of the walks.
+    """Walk one policy, write the logs, and summarise the walks.
 
     Args:
-        run: whose policy walks.
-        field: where.
-        momentum: z2 at z1 = 0 that speeds are in units of (kg m^2/s).
-        seed: of starts and noise.
-        folder: of the logs, one CSV file a walk.
+        run: run whose policy walks.
+        field: plant, disturbance and controller.
+        momentum: z2 at z1 = 0 that is the unit of the speeds (kg m^2/s).
+        seed: seed of starts and noise.
+        folder: folder for the logs, one CSV file for each walk.
     """
     began = time.perf_counter()
     shares = sorted({*SPEEDS, *BEYOND})
@@ -130,7 +131,7 @@ def _walk(
     seed: int,
     longest_s: float,
 ) -> tuple[WalkFigures, list[Log]]:
-    """Figures of walks, and the logs of the first seconds of each."""
+    """Return the figures of walks, and logs of the first seconds of each."""
     walked = walk(
         run.robot,
         run.gait.policy,
@@ -149,9 +150,9 @@ def _walk(
 
 
 def logged_round(run: Run, files: Sequence[Path], columns: str | Path | None = None) -> WalkedRound:
-    """The same of a robot's own logs: a walk is as long as its file, and nobody knows of falls.
+    """Summarise a robot's own logs as a round: each file counts as one walk, falls are unknown.
 
-    `columns` is a file that says what their columns are, see `logs.read`.
+    `columns` is a file that describes the columns of the logs, see `logs.read`.
     """
     began = time.perf_counter()
     read, _ = logs.read_all(files, run.robot, columns=columns, policy=run.gait.policy)
@@ -172,14 +173,14 @@ def _judged(run: Run, walks: Sequence[Log]) -> Shares:
 
 
 def _at_speeds(run: Run, momentum: float, shares: Sequence[float]) -> Float[np.ndarray, "k two_n"]:
-    """Full states of the model's zero dynamics at z1 = 0 with these shares of the momentum."""
+    """Return full states of the model's zero dynamics at z1 = 0, at shares of the momentum."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
     z = np.array([[0.0, share * momentum] for share in shares])
     return np.asarray(_phi_inv(zd, z))
 
 
 def _speeds(run: Run, momentum: float, shares: tuple[float, float]) -> tuple[float, float]:
-    """dz1 at z1 = 0 with these shares of the momentum (m/s)."""
+    """Return dz1 at z1 = 0 for two shares of the momentum (m/s)."""
     zd = ZeroDynamics(run.robot, run.gait.policy)
     z = np.array([[0.0, share * momentum] for share in shares])
     low, high = (float(speed) for speed in np.asarray(_zdot(zd, z))[:, 0])
@@ -197,7 +198,7 @@ def _zdot(zd: ZeroDynamics, z: Array) -> Array:
 
 
 def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, float] | None:
-    """First and last of the longest row of neighbouring speeds that all walked."""
+    """Return the ends of the longest run of neighbouring speeds that all walked, or None."""
     best: list[float] = []
     current: list[float] = []
     for share, stayed in zip(shares, up, strict=True):
@@ -207,10 +208,10 @@ def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, flo
 
 
 def _write(found: Sequence[Log], folder: Path, robot: PlanarBiped) -> list[Path]:
-    """Write the logs that can be learned from.
+    """Write the logs that can be learned from, and return their paths.
 
-    The others hold no complete stride, or a fall in which the foot moved so much that z2 is not
-    that of the robot any more.
+    The other logs hold no complete stride, or a fall in which the foot moved so far that z2 no
+    longer describes the robot.
     """
     files = []
     for number, log in enumerate(found):

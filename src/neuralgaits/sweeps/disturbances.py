@@ -1,6 +1,6 @@
-"""The disturbances of a sweep: the standard ones, or those of a file.
+"""Disturbances of a sweep: the standard set, or those of a file.
 
-TOML, a table for each, with the names of `simulate --disturb`:
+The file is TOML with one table for each disturbance; keys are those of `simulate --disturb`:
 
     ["floor +-1 cm"]
     floor_height = 0.01
@@ -21,11 +21,11 @@ STANDARD = "standard"
 
 
 def disturbances_of(asked: str | Path | Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """What is asked of plants, by name, as plain values.
+    """Return the requested disturbances of the plant by name, as plain values.
 
     Args:
         asked: `standard` for the eighteen of `simulation.setup.disturbance_set`, `none` for no
-            disturbance at all, a TOML file, or a mapping of names to disturbances.
+            disturbance, a TOML file, or a mapping of names to disturbances.
 
     Raises: InputError in one line.
     """

@@ -1,9 +1,9 @@
-"""A sweep on disk: what was asked, and a run folder for each row.
+"""A sweep on disk: its settings, and a run folder for each row.
 
-sweep.json      what was asked          inputs/            robots, and specs of files
+sweep.json      the settings            inputs/            robots, and specs of files
 rows/NAME/      the run of a row, which every other verb opens, with row.json
 failed/NAME.json                        rows that could not be carried out
-table.csv, sweep.html, summary.json     what came out
+table.csv, sweep.html, summary.json     the results
 """
 
 import contextlib
@@ -26,18 +26,18 @@ from neuralgaits.runs.atomic import destination
 from neuralgaits.runs.claim import claimed
 
 HOME = "sweeps"
-"""Folder below the root of the runs."""
+"""Name of the sweeps' folder below the root of the runs."""
 INPUTS, ROWS, FAILED = "inputs", "rows", "failed"
 _LOCK = ".lock"
 _UNFINISHED = "."
-"""What names of rows that are being written begin with."""
+"""Prefix of the names of rows that are still being written."""
 _SHOWN = 80
-"""Characters of a setting in a message."""
+"""Largest number of characters of a setting that a message shows."""
 
 
 @dataclass(frozen=True)
 class SweepFolder:
-    """A sweep that has begun. Attributes: path: its folder; asked: what of it."""
+    """A sweep that has been started. Attributes: path: its folder; asked: its settings."""
 
     path: Path
     asked: SweepAsked
@@ -46,7 +46,7 @@ class SweepFolder:
     def create(
         cls, asked: SweepAsked, inputs: Files, *, out: Path | None, root: Path
     ) -> "SweepFolder":
-        """Make a folder; `sweep.json` comes last. Raises: RunError if `out` is not empty."""
+        """Make a folder; `sweep.json` is written last. Raises: RunError if `out` is not empty."""
         seed, what = asked.seeds[0], "the sweep"
         with claimed(out, root, HOME, seed, what=what, config=ASKED) as path:
             for name, content in inputs.items():
@@ -56,7 +56,7 @@ class SweepFolder:
 
     @classmethod
     def there(cls, path: Path) -> bool:
-        """Whether a sweep has begun in a folder."""
+        """Return whether a folder holds a sweep."""
         return (path / ASKED).is_file()
 
     @classmethod
@@ -75,7 +75,7 @@ class SweepFolder:
         return cls(path, SweepAsked.read(path / ASKED))
 
     def input(self, name: str) -> bytes:
-        """A file that the sweep began with. Raises: RunError if it is not as it was."""
+        """Return an input file of the sweep. Raises: RunError if the file has changed since."""
         path = self.path / INPUTS / name
         content = path.read_bytes() if path.is_file() else b""
         if sha256(content) != self.asked.sha256[name]:
@@ -86,9 +86,9 @@ class SweepFolder:
 
     @contextlib.contextmanager
     def alone(self) -> Iterator["SweepFolder"]:
-        """The folder for one command at a time, without what was half written or failed.
+        """Reserve the folder for one command, and drop rows that are half written or failed.
 
-        One that is killed lets go of it. Raises: InputError if another has it.
+        A command that is killed releases it. Raises: InputError if another command holds it.
         """
         with self._locked():
             self._clear()
@@ -112,13 +112,13 @@ class SweepFolder:
             yield
 
     def _clear(self) -> None:
-        """Forget rows that were half written, and those that are to be tried again."""
+        """Delete rows that are half written, and failed rows, which are tried again."""
         for path in (self.path / ROWS).glob(f"{_UNFINISHED}*"):
             shutil.rmtree(path, ignore_errors=True)
         shutil.rmtree(self.path / FAILED, ignore_errors=True)
 
     def refuse_other(self, given: Mapping[str, Any]) -> None:
-        """Raises: InputError if what is given is not what the sweep was asked."""
+        """Refuse settings that differ from those of the sweep. Raises: InputError."""
         for name, value in given.items():
             asked = getattr(self.asked, name)
             if plain(asked) != plain(value):
@@ -129,15 +129,15 @@ class SweepFolder:
                 )
 
     def place(self, name: str) -> Path:
-        """The run folder of a row."""
+        """Return the run folder of a row."""
         return self.path / ROWS / name
 
     def has(self, name: str) -> bool:
-        """Whether a row is there, whole."""
+        """Return whether a row is complete in the folder."""
         return (self.place(name) / ROW).is_file()
 
     def row(self, name: str) -> SweepRow | None:
-        """A row that is there, or failed; None if it is still to be done. Raises: RunError."""
+        """Read a row that is done or failed; None if it is still to be done. Raises: RunError."""
         failed = self.path / FAILED / f"{name}.json"
         for path in (self.place(name) / ROW, failed):
             if path.is_file():
@@ -145,7 +145,7 @@ class SweepFolder:
         return None
 
     def rows(self, names: Iterable[str]) -> list[SweepRow]:
-        """All rows, in the order of their names. Raises: RunError if one has vanished."""
+        """Read all rows, in the order of `names`. Raises: RunError if one is missing."""
         found = [(name, self.row(name)) for name in names]
         for name, row in found:
             if row is None:
@@ -176,7 +176,7 @@ class SweepFolder:
 
 
 def sha256(content: bytes) -> str:
-    """Hash of a file's content."""
+    """Return the SHA-256 of a file's content, in hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()
 
 

@@ -11,7 +11,7 @@ from neuralgaits.records.swept import Speed, SweepAsked
 
 
 class Combination(NamedTuple):
-    """What one row is of. Attributes: name: of the row; robot, spec: their places in the sweep."""
+    """One row of a sweep. Attributes: name: of the row; robot, spec: their indices in the sweep."""
 
     name: str
     robot: int
@@ -21,7 +21,7 @@ class Combination(NamedTuple):
 
 
 def combinations(asked: SweepAsked) -> Iterator[Combination]:
-    """Every robot with every spec, speed and seed. Names differ, and are those of folders."""
+    """Combine every robot with every spec, speed and seed; names are unique and name folders."""
     robots, specs = short_names(asked.robots), short_names(asked.specs)
     seeds = range(*asked.seeds)
     for (i, robot), (j, spec), speed, seed in product(
@@ -32,19 +32,19 @@ def combinations(asked: SweepAsked) -> Iterator[Combination]:
 
 
 def count(asked: SweepAsked) -> int:
-    """How many combinations there are."""
+    """Return the number of combinations, without listing them."""
     first, end = asked.seeds
     return len(asked.robots) * len(asked.specs) * len(asked.speeds) * (end - first)
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """What robots and specs are called in names of rows: FILE.py:NAME is NAME, FILE.xml FILE."""
+    """Shorten names of robots and specs for rows: FILE.py:NAME to NAME, FILE.xml to FILE."""
     plain = (Path(name.rpartition(":")[2]).stem for name in names)
     return [re.sub(r"[^A-Za-z0-9_.]+", "_", name).strip("._") for name in plain]
 
 
 def refuse_same(what: str, names: Sequence[str]) -> None:
-    """Raises: InputError if rows of two of them would have one name."""
+    """Refuse names that would give two rows one name. Raises: InputError."""
     short = short_names(names)
     if twice := sorted({name for name in short if short.count(name) > 1}):
         raise InputError(
@@ -53,7 +53,7 @@ def refuse_same(what: str, names: Sequence[str]) -> None:
 
 
 def speed_of(speed: Speed | list[float]) -> float | tuple[float, float] | None:
-    """A row's speed as `train` takes it."""
+    """Return a row's speed in the form that `train` takes."""
     if speed is None:
         return None
     return speed[0] if len(speed) == 1 else (speed[0], speed[1])

@@ -1,4 +1,4 @@
-"""Files that a sweep keeps of what it was given: robots, and specs that stand in files."""
+"""Copies of the files that a sweep starts from: its robots, and the specs that are in files."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,7 +11,7 @@ from neuralgaits.sweeps.grid import refuse_same, speed_of
 
 
 def inputs_of(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, bytes]:
-    """Copies of robots, and of specs that stand in files, all of which can be read.
+    """Return copies of the robots and of the specs that are in files, each checked to load.
 
     Raises: InputError, RobotError or SpecError.
     """
@@ -38,10 +38,10 @@ def inputs_of(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, by
 
 
 def robot_file(number: int) -> str:
-    """Name of the copy of a robot."""
+    """Return the name of the copy of a robot."""
     return f"robot-{number}.xml"
 
 
 def spec_file(number: int) -> str:
-    """Name of the copy of a spec."""
+    """Return the name of the copy of a spec."""
     return f"spec-{number}.py"

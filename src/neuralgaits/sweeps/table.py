@@ -1,7 +1,7 @@
-"""The table of a sweep: a CSV row a combination.
+"""The table of a sweep: a CSV row for each combination.
 
-It holds no times: the same sweep gives the same table, bit for bit, whatever it was carried out
-on, in whatever order, and however often it was stopped. Times stand in each row's `row.json`.
+It holds no times, so the same sweep gives the same table, bit for bit, on any machine, in any
+order, and however often it was stopped. Each row's `row.json` holds its times.
 """
 
 import csv
@@ -29,11 +29,11 @@ _FIRST = (
     "boxes",
 )
 _GAIT = ("walked_speed[m/s]", "cost_of_transport", "peak_torque[N m]", "least_normal_force[N]")
-"""Of the walks of a controller without a disturbance."""
+"""Columns about the walks of a controller without a disturbance."""
 
 
 def header(asked: SweepAsked) -> list[str]:
-    """The columns. After `stays_up` stands the disturbance: the share of walks that stayed up."""
+    """Return the columns; `stays_up:DISTURBANCE` is the share of walks that stayed up under it."""
     names = [*_FIRST]
     for controller in asked.controllers:
         names += [f"{controller}:{name}" for name in _GAIT]
@@ -42,7 +42,7 @@ def header(asked: SweepAsked) -> list[str]:
 
 
 def to_csv(asked: SweepAsked, rows: Sequence[SweepRow]) -> str:
-    """The table as text; cells of what was not done are empty."""
+    """Return the table as text; cells of parts that were not done are empty."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(header(asked))
@@ -83,7 +83,7 @@ def _values(asked: SweepAsked, row: SweepRow) -> list[Any]:
 
 
 def _cell(value: Any) -> str:
-    """A float with all its digits; nothing for None."""
+    """Format a float with all its digits, and None as an empty cell."""
     if value is None:
         return ""
     return repr(value) if isinstance(value, float) else str(value)

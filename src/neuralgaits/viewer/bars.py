@@ -11,10 +11,10 @@ from neuralgaits.viewer.walker import Margins
 FULL = 1.0
 """Margin of a full bar, in scales of its condition."""
 TIGHT = 0.05
-"""Margin below which a bar warns: what training aims at."""
+"""Margin below which a bar warns; training aims at this margin."""
 _GOOD, _TIGHT, _BROKEN, _FADED = "#2e7d53", "#b06a00", "#c0392b", "#6b7780"
 _BRIGHT = {_GOOD: "#6fd09a", _TIGHT: "#f0b35b", _BROKEN: "#ff8f83", _FADED: "#a3b0bb"}
-"""The same on a dark background."""
+"""Colours of the bars on a dark background."""
 _ROW = (
     '<div style="display:flex;align-items:center;gap:6px;height:17px;opacity:{opacity}" '
     'title="{hint}">'
@@ -40,7 +40,7 @@ _NONE = (
 
 
 def render(names: Sequence[str], margins: Margins) -> str:
-    """Bars of all conditions, in the order of the spec; a sentence where none has a number."""
+    """Return bars of all conditions in the spec's order; a sentence if no margin is a number."""
     if not np.isfinite(margins.values).any():
         return _NONE
     rows = [

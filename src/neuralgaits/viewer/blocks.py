@@ -1,4 +1,4 @@
-"""Blocks that the robot walks on, in two colours in turn, moved under it all at once."""
+"""Blocks that the robot walks on, in two alternating colours, moved under it as one mesh."""
 
 import numpy as np
 import viser
@@ -6,27 +6,27 @@ import viser
 from neuralgaits._types import Float, Int
 
 _DEPTH, _SIDE = 0.25, 0.3
-"""How far they are drawn down and to each side [m]."""
+"""Drawn extent of the blocks downwards and to each side [m]."""
 _COLOURS = ((158, 166, 176), (118, 128, 140))
 _EDGES = ((0, 1), (1, 2), (2, 3), (3, 0))
 _ENDS = ((0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6))
 _ROUND = tuple(face for a, b in _EDGES for face in ((a, a + 4, b), (b, a + 4, b + 4)))
 _FACES = np.array(_ENDS + _ROUND)
-"""Of one block: its eight corners, those at the near side first."""
+"""Faces of one block, by its eight corners, those at the near side first."""
 
 
 class Blocks:
-    """What is drawn of a course; nothing of a floor."""
+    """Drawing of the blocks of a course; a floor has no blocks."""
 
     def __init__(self, server: viser.ViserServer):
-        """Nothing is drawn yet."""
+        """Prepare the scene; nothing is drawn yet."""
         self._server = server
         self._frame = server.scene.add_frame("/course", show_axes=False)
         self._nodes: list[viser.MeshHandle] = []
         self._drawn: Float[np.ndarray, "K 4"] | None = None
 
     def show(self, tops: Float[np.ndarray, "K 4"] | None, x: float, ground: float) -> None:
-        """Put a place of the course (m) to the middle of the scene."""
+        """Move the place `x` of the course (m) to the middle of the scene."""
         if tops is None:
             return
         if tops is not self._drawn:
@@ -51,7 +51,7 @@ class Blocks:
 
 
 def mesh(tops: Float[np.ndarray, "K 4"]) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]:
-    """Corners (m) and faces of blocks below these tops; outsides are counter-clockwise."""
+    """Return corners (m) and faces of blocks below these tops; outsides are counter-clockwise."""
     x0, z0, x1, z1 = tops.T
     # Around the side of a block, seen from -y.
     around = np.stack(

@@ -1,4 +1,4 @@
-"""The camera of each visitor: robot and board in view, whatever the shape of the window."""
+"""The camera of each visitor: robot and board in view, for any shape of the window."""
 
 import math
 from collections.abc import Sequence
@@ -8,18 +8,20 @@ import viser
 
 FOV = math.radians(40.0)
 _USUAL_ASPECT = 1.2
-"""Width by height of a window, where it is not known."""
+"""Aspect ratio, width by height, assumed for a window whose size is unknown."""
 _PHONE_PX, _PHONE_SHARE = 600, 0.4
-"""Windows narrower than this have the controls over their lower part; what is left of them."""
+"""Width below which the controls cover the lower part of a window, and the share left above
+them."""
 _SAME_M = 1e-3
-"""Two places of a camera that are one [m]: they come back in single precision."""
+"""Largest distance of two camera positions that count as equal [m]: they arrive in single
+precision."""
 
 Pose = tuple[tuple[float, float, float], tuple[float, float, float]]
-"""Position and target [m]."""
+"""Position and target of a camera [m]."""
 
 
 class Framing:
-    """Where a camera sees all of the scene.
+    """Camera poses that show the whole scene.
 
     Attributes:
         top: height of the scene [m].
@@ -30,7 +32,7 @@ class Framing:
         self.top, self.wide = top, wide
 
     def of_window(self, width: int, height: int) -> Pose:
-        """For a window in pixels; the usual one if its size is not known yet."""
+        """Return the pose for a window in pixels; for the usual one if its size is unknown."""
         known = width > 0 and height > 0
         aspect = width / height if known else _USUAL_ASPECT
         share = _PHONE_SHARE if known and width < _PHONE_PX else 1.0
@@ -42,7 +44,7 @@ class Framing:
         return position, (0.0, 0.0, middle - 0.5 * (1.0 - share) * tall)
 
     def follow(self, server: viser.ViserServer) -> None:
-        """Frame the scene for each visitor, and again when the window turns, until they move."""
+        """Frame the scene for each visitor and each new window size, until they move the camera."""
         first = self.of_window(0, 0)
         server.initial_camera.fov = FOV
         server.initial_camera.position, server.initial_camera.look_at = first

@@ -1,4 +1,4 @@
-"""A run's gait as a live page needs it: it walks, bears changes, jumps, and knows its margins."""
+"""The gait of a live page: it walks, responds to disturbances and jumps, and has margins."""
 
 import math
 from collections.abc import Mapping
@@ -20,35 +20,35 @@ from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.walker import Limits, Margins, Shown, Told
 
 CONTROLLER = "pd"
-"""Law that drives the robot: the one `simulate` takes if none is named."""
+"""Control law of the robot: the default of `simulate`."""
 MIDDLE = (0.5, 0.5)
-"""Phase and level of the start: the middle of the region."""
+"""Phase and level of the initial state: the middle of the region."""
 SLOPE_DEG, FRICTION, MASS_SCALE = (-6.0, 6.0), (0.05, 1.2), (0.5, 2.0)
-"""Reach of the sliders: well beyond what a gait bears."""
+"""Ranges of the sliders: well beyond what a gait tolerates."""
 _LEAST_TORQUE = 0.1
-"""Lowest torque limit, as a share of the robot's own."""
+"""Lowest torque limit, as a share of the robot's own limit."""
 
 
 class LiveGait:
-    """A `viewer.walker.Walker`.
+    """Live walk of a run's gait; implements `viewer.walker.Walker`.
 
     Attributes:
-        run: whose gait walks; of a family, at the command that walks begin with.
-        chart: of its tube.
+        run: run whose gait walks; for a family, at the initial command of its walks.
+        chart: chart of its tube.
         live: the walk.
     """
 
     period_s = PERIOD_S
 
     def __init__(self, run: Run, terrain: str | None = None):
-        """Put the robot into the middle of its region; nothing is compiled yet.
+        """Put the robot into the middle of its region, without compiling anything yet.
 
         Args:
-            run: of the gait.
+            run: run of the gait.
             terrain: blocks in place of the floor, as in `simulate`; a family of gaits is then
-                looked at where its walks begin.
+                shown at the initial command of its walks.
 
-        Raises: InputError if the gait cannot be told what the terrain asks.
+        Raises: InputError if the gait does not take the commands that the terrain needs.
         """
         ground = None
         self._on = terrain
@@ -79,12 +79,12 @@ class LiveGait:
         self._z = self._middle
 
     def look_with(self, look: Look) -> None:
-        """Have margins from now on."""
+        """Enable live evaluation of margins by this evaluator."""
         self._look = look
 
     @property
     def settings(self) -> Mapping[str, Limits]:
-        """What of the plant can be changed, and how far."""
+        """Return the settings of the plant that can be changed, with their limits."""
         robot = self.run.robot
         friction, torque = float(robot.friction), float(np.max(robot.torque_limit))
         turns = {"slope_deg": Limits(*SLOPE_DEG, 0.0)} if self._on is None else {}
@@ -96,7 +96,7 @@ class LiveGait:
 
     @property
     def commands(self) -> Mapping[str, Told]:
-        """What a visitor may tell the gait at each touchdown, and its range."""
+        """Return the commands that a visitor may give at each touchdown, with their ranges."""
         own = () if self._on is None else told_by(self._on)
         return {
             c.name: Told(Limits(c.low, c.high, 0.5 * (c.low + c.high)), c.unit)
@@ -106,25 +106,25 @@ class LiveGait:
 
     @property
     def sizes(self) -> Mapping[str, Told]:
-        """Sizes of the blocks ahead that a visitor may change, and their range."""
+        """Return the sizes of the blocks ahead that a visitor may change, with their ranges."""
         return {name: Told(Limits(*size), "m") for name, size in self.live.sizes.items()}
 
     def resize(self, name: str, size: float) -> None:
-        """Change a size of the blocks that the robot has not heard of yet (m)."""
+        """Change a size of the blocks that the robot has not seen yet (m)."""
         self.live.resize(name, size)
 
     def tell(self, name: str, value: float) -> None:
-        """Wish for a command from the next touchdown on."""
+        """Request a command, which takes effect at the next touchdown."""
         self.live.tell(**{name: value})
         if name == "slope":
             self.live.disturb(slope_deg=math.degrees(value))
 
     def tick(self) -> bool:
-        """Let one control tick pass. Returns: False once the robot has fallen."""
+        """Advance by one control tick. Returns: False once the robot has fallen."""
         return self.live.tick()
 
     def shown(self) -> Shown:
-        """The present moment."""
+        """Return the present moment of the walk."""
         live = self.live
         record, verdict = live.record, live.verdict
         if record is not None:
@@ -148,9 +148,9 @@ class LiveGait:
         )
 
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
-        """Margins of all conditions at a state, or at the nearest one where they apply.
+        """Return margins of all conditions at a state, or at the nearest state where they apply.
 
-        Of a family: of the gait that is drawn, and none while the robot is told something else.
+        For a family, they belong to the gait on the board; there are none at other commands.
         """
         conditions = self.run.spec.conditions
         with np.errstate(all="ignore"):
@@ -176,7 +176,7 @@ class LiveGait:
 
     @property
     def _elsewhere(self) -> bool:
-        """Whether the robot is told something else than what is drawn."""
+        """Return whether the robot's command differs from that of the gait on the board."""
         return not np.allclose(self.live.told, self._first, atol=1e-9)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
@@ -184,13 +184,13 @@ class LiveGait:
         self.live.push(impulse)
 
     def disturb(self, name: str, value: float) -> None:
-        """Change the plant. A value out of range changes nothing."""
+        """Change a setting of the plant; a value out of range changes nothing."""
         self.live.disturb(**{name: value})
 
     def jump(self, z: Float[np.ndarray, "2"]) -> str | None:
         """Put the robot onto the zero dynamics at z, standing on leg 0.
 
-        Returns: why not, if z is outside of the region or has no pose; None if it is there.
+        Returns: the reason, if z is outside of the region or has no pose; None on success.
         """
         z = np.asarray(z, dtype=np.float64)
         if not np.all(np.isfinite(z)):
@@ -207,15 +207,15 @@ class LiveGait:
         return None
 
     def reset(self) -> None:
-        """Back to the middle of the region; the plant stays as it is."""
+        """Put the robot back into the middle of the region; the plant keeps its settings."""
         self._restart(self._middle)
 
     def _state(self, z: Float[np.ndarray, "2"]) -> Float[np.ndarray, " two_n"]:
-        """Full state on the zero dynamics (rad, rad/s). [2n]."""
+        """Return the full state on the zero dynamics (rad, rad/s). [2n]."""
         return self._onto(z[None])["x"][0]
 
     def _restart(self, z: Float[np.ndarray, "2"]) -> bool:
-        """Returns: False, and nothing changes, if there is no pose to stand in."""
+        """Put the robot onto z. Returns: False, with nothing changed, if z has no pose."""
         try:
             self.live.place(self._state(z))
         except InputError:
@@ -225,7 +225,7 @@ class LiveGait:
 
 
 def _nearest(here: np.ndarray, boxes) -> tuple[float, float]:
-    """Nearest (phase, level) of a region's boxes; an axis that a box spans is left alone."""
+    """Return the nearest (phase, level) in a region's boxes; an axis that a box spans is kept."""
 
     def within(box) -> tuple[float, float]:
         place = []

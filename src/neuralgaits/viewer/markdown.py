@@ -6,12 +6,12 @@ _MARKS = re.compile(r"([\\`*_{}\[\]()<>#|~!&])")
 
 
 def text(words: str) -> str:
-    """Words as they are: every mark of Markdown is escaped."""
+    """Escape every mark of Markdown in a text."""
     return _MARKS.sub(r"\\\1", _one_line(words))
 
 
 def code(words: str) -> str:
-    """Words as code; a backtick would end it, and becomes an apostrophe."""
+    """Return words as inline code; a backtick would end it, so it becomes an apostrophe."""
     return f"`{_one_line(words).replace('`', chr(39))}`"
 
 

@@ -1,4 +1,4 @@
-"""The server of a live page: on loopback unless told otherwise, on a port of its own."""
+"""The server of a live page: on loopback by default, on a port of its own."""
 
 import contextlib
 import errno
@@ -15,20 +15,20 @@ import viser
 from neuralgaits.errors import InputError
 
 PORT = 8080
-"""First port that is tried where none was asked for."""
+"""First port that is tried if none was requested."""
 _TRIES = 100
 _PANEL_PX = 370
-"""Width of the controls beside the scene."""
+"""Width of the controls beside the scene [px]."""
 _LARGEST_PORT = 65535
 LOOPBACK = "127.0.0.1"
 _EVERYWHERE = ("0.0.0.0", "::", "")
 
 
 class LocalServer(viser.ViserServer):
-    """A server that no visitor can publish: viser offers to, over a relay on the internet."""
+    """A server that visitors cannot publish; viser offers to, over a relay on the internet."""
 
     def request_share_url(self, verbose: bool = True) -> str | None:
-        """Refuse. Returns: None."""
+        """Refuse to publish the page. Returns: None."""
         return None
 
 
@@ -36,11 +36,11 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
     """Serve an empty page.
 
     Args:
-        label: of the page.
+        label: title of the page.
         host: address to bind to.
         port: exactly this one; None takes the first free one from `PORT` on.
 
-    Raises: InputError if host or port cannot be had.
+    Raises: InputError if host or port is not available.
     """
     found = _free_port(host, port)
     # A visitor may leave, or the page end, while an answer is on its way; viser warns of it on
@@ -61,7 +61,7 @@ _REMEDY = "leave --port away to have a free one chosen, or name another"
 
 
 def refuse_no_port(port: int | None) -> None:
-    """Refuse a port that there cannot be, before anything is opened. Raises: InputError."""
+    """Refuse an impossible port before anything is opened. Raises: InputError."""
     if port is not None and not 1 <= port <= _LARGEST_PORT:
         raise InputError(f"expected --port from 1 to {_LARGEST_PORT}, found {port}: {_REMEDY}")
 
@@ -80,7 +80,10 @@ def _free_port(host: str, port: int | None) -> int:
 
 
 def _is_free(host: str, port: int) -> bool:
-    """Whether a server could listen there. Raises: InputError for a host that is not ours."""
+    """Return whether a server could listen there.
+
+    Raises: InputError for a host that is not an address of this machine.
+    """
     try:
         known = socket.getaddrinfo(host or None, port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
@@ -105,7 +108,7 @@ def _is_free(host: str, port: int) -> bool:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches a server bound to this address."""
+    """Return whether only this machine reaches a server bound to this address."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -113,7 +116,7 @@ def is_loopback(host: str) -> bool:
 
 
 def url(host: str, port: int) -> str:
-    """Address of the page for a browser on this machine."""
+    """Return the address of the page for a browser on this machine."""
     name = LOOPBACK if host in _EVERYWHERE else host
     return f"http://[{name}]:{port}" if ":" in name else f"http://{name}:{port}"
 
@@ -121,7 +124,7 @@ def url(host: str, port: int) -> str:
 def show_in_browser(address: str) -> bool:
     """Open the page in a window. Returns: False if there is no browser with a window.
 
-    A browser that lives in the terminal would take the terminal away.
+    A browser inside the terminal does not count: it would take over the terminal.
     """
     try:
         browser = webbrowser.get()
@@ -137,6 +140,6 @@ def show_in_browser(address: str) -> bool:
 
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
-    """Drop what a server prints as it starts and ends: stdout is for answers."""
+    """Suppress the output of a server as it starts and ends; stdout is for answers."""
     with contextlib.redirect_stdout(io.StringIO()):
         yield

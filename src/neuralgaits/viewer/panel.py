@@ -1,4 +1,4 @@
-"""The controls beside the scene. What a visitor sets is a number within limits, or a button."""
+"""The controls beside the scene. A visitor sets numbers within limits, or presses buttons."""
 
 import html
 import time
@@ -22,7 +22,7 @@ WAYS = {
     "up": (0.0, 1.0),
     "down": (0.0, -1.0),
 }
-"""Directions of a push, along x and z."""
+"""Directions of a push along x and z."""
 AFTER_FALL = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
 _SETTINGS = {
     "slope_deg": ("slope [deg]", 0.5, "uphill positive; the floor turns about the stance foot"),
@@ -32,21 +32,21 @@ _SETTINGS = {
 }
 Key = Literal["U", "J", "I", "K", "O", "L"]
 KEYS: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
-"""Up and down, of the sliders of commands and stones in their order: keys below each other."""
+"""Keys that move a slider up and down, for the sliders of commands and stones in their order."""
 _A_KEY = 0.1
-"""How far a key moves a slider, as a share of it."""
+"""Distance that a key moves a slider, as a share of its range."""
 _ANSWER_FRAMES = 240
-"""How long an answer stands: six seconds."""
+"""Frames for which a message stays visible: six seconds."""
 TYPED_S = 1.0
-"""Time without a keystroke after which a number is taken for typed [s]."""
+"""Time without a keystroke after which a number counts as typed [s]."""
 _QUIET, _GOOD = scheme.colour("#5b6770", "#a3b0bb"), scheme.colour("#2e7d53", "#6fd09a")
 _BAD, _SAID = scheme.colour("#c0392b", "#ff8f83"), scheme.colour("#7a3e9d", "#cf9df0")
 _STATUS_EVERY = 10
-"""Frames from one line of status to the next."""
+"""Frames between two updates of the status line."""
 
 
 class Panel:
-    """Buttons, sliders and bars."""
+    """Buttons, sliders and bars beside the scene."""
 
     def __init__(
         self,
@@ -63,14 +63,15 @@ class Panel:
         """Build the panel.
 
         Args:
-            server: of the page.
-            player: that the controls speak to.
+            server: server of the page.
+            player: player that the controls act on.
             title: one line of Markdown.
-            settings: limits of what can be changed of the plant.
-            conditions: names, in the order of the margins; empty if there are none.
-            restarted: called, in the player's thread, when the robot was put back.
-            commands: that the gait takes at each touchdown, by name.
-            sizes: of the blocks ahead, by name.
+            settings: limits of the plant's adjustable settings, by name.
+            conditions: names of the conditions, in the order of the margins; empty if there are
+                none.
+            restarted: called in the player's thread after the robot was put back.
+            commands: ranges of the commands that the gait takes at each touchdown, by name.
+            sizes: ranges of the sizes of the blocks ahead, by name.
         """
         self._player, self._conditions, self._restarted = player, conditions, restarted
         self._answer, self._answer_left, self._count = "", 0, 0
@@ -102,7 +103,7 @@ class Panel:
                 self._statements = gui.add_markdown("")
 
     def show(self, picture: Picture) -> None:
-        """Bring status and bars up to date."""
+        """Update the status and the bars."""
         self._count += 1
         answer = self._of_lap(picture) or picture.answer
         if answer is not None:
@@ -119,13 +120,13 @@ class Panel:
         self._answer, self._answer_left = answer, _ANSWER_FRAMES
 
     def tell_how_sure(self, words: str, theorem: str = "") -> None:
-        """Say what is known of the gait, in Markdown; folded, the theorem's own words."""
+        """Show the evidence for the gait, in Markdown, with the theorem's own words folded."""
         self._sure.content = words
         self._statements.content = theorem
         self._theorem.visible = bool(theorem)
 
     def explain_margins(self, why: str) -> None:
-        """Say why there are no bars."""
+        """Show why there are no bars."""
         self._conditions = ()
         self._bars.content = _note(why)
 
@@ -165,7 +166,7 @@ class Panel:
             player.reset_after = AFTER_FALL.get(fall.value)
 
     def reset(self) -> None:
-        """Put the robot back; the plant stays as it is."""
+        """Put the robot back; the plant keeps its settings."""
 
         def back(walker: Walker) -> None:
             walker.reset()
@@ -192,7 +193,7 @@ class Panel:
         hint: str,
         tell: Callable[[Walker, str, float], None],
     ) -> None:
-        """A slider for each, and two keys while there are any left."""
+        """Add a slider for each entry, with two keys as long as keys are left."""
         with gui.add_folder(title):
             for name, (limits, unit) in told.items():
                 stride = notch(limits)
@@ -235,9 +236,9 @@ class Panel:
         return slider
 
     def _put_back(self) -> None:
-        """Show the number that counts where one beyond the limits was typed.
+        """Correct a slider if a number beyond its limits was typed.
 
-        Not at once: half of a number may be beyond them.
+        It waits until the number is complete: a part of it may be beyond the limits.
         """
         for slider, limits in self._limited:
             value = limits.clip(slider.value)
@@ -266,7 +267,7 @@ class Panel:
         return lines + said
 
     def _of_lap(self, picture: Picture) -> str | None:
-        """That the ground has come to its end, once for each time that it has."""
+        """Return a message when the robot has reached the end of the ground, once for each time."""
         laps = picture.shown.laps
         if len(laps) == self._laps:
             return None
@@ -278,7 +279,7 @@ class Panel:
 
 
 def _moved(slider: viser.GuiSliderHandle, limits: Limits, step: float) -> float | None:
-    """The number of a slider, once it is moved by a step; None if it is none."""
+    """Return a slider's number, after moving it by a step; None if it is no number."""
     value = limits.clip(slider.value)
     if value is not None and step:
         slider.value = value = min(max(value + step, limits.low), limits.high)

@@ -1,4 +1,4 @@
-"""What the live page's board shows: flow, fences and orbit of a gait, and where it is proved."""
+"""The board of the live page: flow, fences and orbit of a gait, and where it is proved."""
 
 import numpy as np
 
@@ -14,18 +14,18 @@ from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
 
 COLUMNS, ROWS, FENCE_POINTS = 41, 31, 61
 PHASES, LEVELS = 41, 21
-"""Cells whose least margin is shown where there is no certificate."""
+"""Grid of the cells whose least margin is shown if there is no certificate."""
 ASIDE, ABOVE = 0.14, 0.22
-"""How far the picture reaches beyond the tube, in its length and its height."""
+"""Margins of the picture around the tube, in lengths of a step and heights of the tube."""
 
 
 def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
-    """Compute the plane.
+    """Compute the phase portrait of a run's gait.
 
     Args:
-        run: whose gait it is.
-        look: everything about states.
-        certified: whether the map of the run's certificate is about this very gait.
+        run: run whose gait is drawn.
+        look: evaluator of the quantities at states.
+        certified: whether the map of the run's certificate is about exactly this gait.
     """
     chart = PlaneChart(run.gait, run.spec)
     motion = Motion(*look.each(*Motion._fields))
@@ -54,7 +54,7 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
 
 
 def _proved(run: Run) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Boxes of the certificate with an area; None if its map is not there or damaged."""
+    """Return the certificate's boxes that have an area; None if its map is missing or damaged."""
     try:
         arrays, _ = read_arrays(run.path / MAP)
         corners, answer, margin = (arrays[name] for name in ("corners", "answer", "margin"))
@@ -65,7 +65,7 @@ def _proved(run: Run) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
 
 
 def _sampled(chart: PlaneChart, look: Look) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cells of the tube, coloured by the least margin in their middles."""
+    """Return the tube's cells, with the least margin at the middle of each."""
     phases, levels = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
     edges = chart.z(*np.meshgrid(phases, levels))
     corners = np.stack([edges[:-1, :-1], edges[:-1, 1:], edges[1:, 1:], edges[1:, :-1]], axis=2)

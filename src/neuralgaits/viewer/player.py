@@ -1,7 +1,7 @@
-"""The loop of a live page: wishes in, time forward at the pace asked for, pictures out.
+"""The loop of a live page: it takes requests, advances time at the chosen pace, and sends pictures.
 
-One thread owns the robot. Callbacks of the page only leave wishes, which are carried out
-between two frames, and set how to play: single values, so nothing needs a lock.
+One thread owns the robot. Callbacks of the page only leave requests, which are carried out
+between two frames, and set single values of the playback, so nothing needs a lock.
 """
 
 import queue
@@ -13,49 +13,49 @@ from typing import NamedTuple
 from neuralgaits.viewer.walker import Limits, Margins, Shown, Walker
 
 FRAMES_PER_S = 40.0
-"""Pictures a second that are aimed at."""
+"""Target number of pictures a second."""
 MARGINS_PER_S = 5.0
-"""Bars a second."""
+"""Updates of the bars a second."""
 SPEED = Limits(0.1, 2.0, 1.0)
-"""Playback, simulated seconds a second."""
+"""Range of the playback speed, simulated seconds a second."""
 STEP_S = 0.02
-"""Simulated time of a single step."""
+"""Simulated time of a single step [s]."""
 _LONGEST_FRAME_S = 0.1
-"""What is owed beyond this is forgotten: a slow machine plays in slow motion."""
+"""Largest lag that playback catches up with [s]; a slow machine plays in slow motion."""
 _SHARE = 0.8
-"""Of a frame's time that may go into ticks."""
+"""Share of a frame's time that ticks may take."""
 
 Wish = Callable[[Walker], str | None]
-"""Something to do to the robot; an answer is shown to the visitor."""
+"""Request to do something to the robot; an answer is shown to the visitor."""
 
 
 class Picture(NamedTuple):
-    """What the page shows of a frame."""
+    """A frame as the page shows it."""
 
     shown: Shown
     margins: Margins | None
-    """None if they are not due."""
+    """Margins of the conditions; None if they are not due."""
     paused: bool
     pace: float
-    """Simulated seconds a second that are reached."""
+    """Playback speed that is reached, simulated seconds a second."""
     reset_in: float | None
-    """Time to the automatic reset [s]."""
+    """Time to the automatic reset [s]; None if none is planned."""
     answer: str | None
-    """To the last wish, if it had one."""
+    """Answer to the last request, if it had one."""
 
 
 class Player:
-    """Plays a walker.
+    """Thread that plays a walker and hands out pictures.
 
     Attributes:
-        frames: pictures so far.
+        frames: number of pictures so far.
         paused: whether time stands still.
-        speed: playback.
-        reset_after: from a fall to the reset [s]; None waits for the visitor.
+        speed: playback speed, simulated seconds a second.
+        reset_after: time from a fall to the reset [s]; None waits for the visitor.
     """
 
     def __init__(self, walker: Walker, show: Callable[[Picture], None]):
-        """`show` gets every picture, from the player's thread."""
+        """Prepare playback; `show` gets every picture, from the player's thread."""
         self.frames = 0
         self.paused = False
         self.speed = SPEED.first
@@ -72,33 +72,33 @@ class Player:
         self.failure: BaseException | None = None
 
     def start(self) -> None:
-        """Begin to play."""
+        """Start to play, in the player's own thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Stop playing, and wait until nothing moves."""
+        """Stop playing, and wait until the thread has ended."""
         self._stop.set()
         if self._thread.is_alive():
             self._thread.join()
 
     def wait(self) -> None:
-        """Until something fails or Ctrl-C. Raises: what failed in the player's thread."""
+        """Wait until something fails or Ctrl-C. Raises: the failure of the player's thread."""
         while not self._stop.wait(0.2):
             pass
         if self.failure is not None:
             raise self.failure
 
     def fail(self, error: BaseException) -> None:
-        """Stop, and let `wait` raise this."""
+        """Stop playing, and let `wait` raise this error."""
         self.failure = error
         self._stop.set()
 
     def ask(self, wish: Wish) -> None:
-        """Have something done to the robot before the next frame."""
+        """Queue a request, which is carried out before the next frame."""
         self._wishes.put(wish)
 
     def step(self) -> None:
-        """Stand still, and go on by `STEP_S`."""
+        """Pause, and advance by `STEP_S` once."""
 
         def one_more(_: Walker) -> None:
             self._steps += 1
@@ -119,7 +119,7 @@ class Player:
             self.fail(error)
 
     def _frame(self, now: float, elapsed: float) -> None:
-        """One picture: `elapsed` is the time since the last (s)."""
+        """Make one picture; `elapsed` is the time since the last one (s)."""
         answer = self._grant()
         played = self._play(now, elapsed)
         share = min(1.0, 2.0 * elapsed)
@@ -140,7 +140,7 @@ class Player:
         return answer
 
     def _play(self, now: float, elapsed: float) -> float:
-        """Let the time of a frame pass. Returns: simulated time (s)."""
+        """Advance by the time of a frame. Returns: simulated time (s)."""
         period = self._walker.period_s
         if self.paused:
             count, self._owed = round(STEP_S / period) * self._steps, 0.0
@@ -157,7 +157,7 @@ class Player:
         return done * period
 
     def _after_fall(self, now: float, shown: Shown) -> float | None:
-        """Reset when it is time. Returns: time that is left (s); None if nothing is planned."""
+        """Reset when it is due. Returns: time left until then (s); None if no reset is planned."""
         if shown.fall is None:
             self._fallen_at = None
             return None

@@ -1,4 +1,4 @@
-"""Phase portrait of the zero dynamics as a picture whose pixels are states."""
+"""Phase portrait of the zero dynamics as a picture in which each pixel is a state."""
 
 from dataclasses import dataclass
 
@@ -7,30 +7,30 @@ import numpy as np
 from neuralgaits._types import Float, Int
 
 WIDTH_PX, HEIGHT_PX, DPI = 1320, 760, 150
-"""Of the picture."""
+"""Size and resolution of the picture."""
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.08, 0.99, 0.145, 0.895
 """Edges of the plane, as shares of the picture."""
 _GREENS = ("#e3f2e1", "#a5d6a0", "#4f9d63")
 _OPEN, _BROKEN = "#fdc788", "#d0664c"
 _FLOW, _INK, _ORBIT, _GUARD = "#5b6770", "#1f2a33", "#0b57a4", "#7a3e9d"
 PROVED, UNDECIDED, REFUTED = 0, 1, 2
-"""States of a box, as in a certificate's map."""
+"""Answers about a box, as in a certificate's map."""
 
 
 @dataclass(frozen=True)
 class Portrait:
-    """What is known of the plane before the robot moves.
+    """Data of the phase plane, complete before the robot moves.
 
     Attributes:
         z1, z2: grid of the flow [m], [kg m^2/s]. [A], [B]
-        dz: rates on it (m/s, N m). [B, A, 2]
-        fence_z1: along both fences [m]. [P]
+        dz: rates on the grid (m/s, N m). [B, A, 2]
+        fence_z1: z1 along both fences [m]. [P]
         fence_z2: lower and upper fence [kg m^2/s]. [2, P]
-        orbit: from landing to landing; no rows if none was found. [T, 2]
-        corners: of boxes, in order around each. [N, 4, 2]
+        orbit: orbit from landing to landing; no rows if there is none. [T, 2]
+        corners: corners of the boxes, in order around each. [N, 4, 2]
         answer: PROVED, UNDECIDED or REFUTED of each box. [N]
         margin: least margin of each box, in scales. [N]
-        title: one line that says how the margins are known.
+        title: one line that says where the margins are from.
     """
 
     z1: Float[np.ndarray, " A"]
@@ -46,29 +46,29 @@ class Portrait:
 
     @property
     def low(self) -> Float[np.ndarray, "2"]:
-        """Least z in view. [2]."""
+        """Return the least z in view. [2]."""
         return np.array([self.z1[0], self.z2[0]])
 
     @property
     def high(self) -> Float[np.ndarray, "2"]:
-        """Largest z in view. [2]."""
+        """Return the largest z in view. [2]."""
         return np.array([self.z1[-1], self.z2[-1]])
 
     def place(self, z: Float[np.ndarray, "... 2"]) -> Float[np.ndarray, "... 2"]:
-        """Where states lie in the picture, as shares of it from its lower left corner."""
+        """Return places of states in the picture, as shares of it from its lower left corner."""
         share = (z - self.low) / (self.high - self.low)
         return _CORNER + share * _SIZE
 
     def state(self, place: Float[np.ndarray, "2"]) -> Float[np.ndarray, "2"]:
-        """The state at a place of the picture: inverse of `place`."""
+        """Return the state at a place of the picture; the inverse of `place`."""
         return self.low + (place - _CORNER) / _SIZE * (self.high - self.low)
 
     def clip(self, z: Float[np.ndarray, "... 2"]) -> Float[np.ndarray, "... 2"]:
-        """The nearest states in view."""
+        """Return the nearest states in view."""
         return np.clip(z, self.low, self.high)
 
     def draw(self) -> np.ndarray:
-        """The picture. [HEIGHT_PX, WIDTH_PX, 3]."""
+        """Draw the picture. [HEIGHT_PX, WIDTH_PX, 3]."""
         # Half a second of imports that the first frame does not wait for.
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure

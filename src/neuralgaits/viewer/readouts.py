@@ -1,17 +1,17 @@
-"""How numbers and endings are written beside the scene."""
+"""Text of numbers and endings beside the scene."""
 
 import math
 
 from neuralgaits.viewer.walker import Limits, Shown
 
 _NOTCHES = 70
-"""Of the slider of a command: half a centimetre a second of the usual range of speeds."""
+"""Steps of a command's slider: half a centimetre a second over the usual range of speeds."""
 _DIGITS = 3
-"""Of a number beside a slider: the page cuts longer ones off."""
+"""Digits of a number beside a slider: the page cuts longer ones off."""
 
 
 def ended(shown: Shown, left: float | None) -> str:
-    """Say why a walk ended, and what to do next.
+    """Say why a walk ended, and what the visitor can do next.
 
     Args:
         shown: last moment of the walk.
@@ -24,9 +24,9 @@ def ended(shown: Shown, left: float | None) -> str:
 
 
 def notch(limits: Limits) -> float:
-    """Return the step of a slider: 1, 2 or 5 of a decimal place, about a share of its range.
+    """Return the step of a slider: 1, 2 or 5 times a power of ten, about a share of its range.
 
-    Any other one has digits that the number beside the slider has no room for.
+    Other steps have more digits than the number beside the slider has room for.
     """
     share = (limits.high - limits.low) / _NOTCHES * (1.0 + 1e-9)
     place = 10.0 ** math.floor(math.log10(share))
@@ -34,5 +34,5 @@ def notch(limits: Limits) -> float:
 
 
 def few_digits(value: float) -> float:
-    """Round a number to those digits that a slider shows."""
+    """Round a number to the digits that a slider shows."""
     return float(f"{value:.{_DIGITS}g}")

@@ -1,4 +1,4 @@
-"""Light or dark as the visitor's browser is set to."""
+"""Light or dark scheme, as the visitor's browser is set."""
 
 FOLLOW = (
     '<img src="data:," alt="" hidden onerror="'
@@ -9,13 +9,13 @@ FOLLOW = (
     "window.location.replace(here)}"
     '">'
 )
-"""HTML that loads the page again with viser's `?darkMode` where the browser asks for dark.
+"""HTML that reloads the page with viser's `?darkMode` if the browser prefers dark.
 
-The server does not learn what a browser is set to, and viser has no setting that follows it. The
-image is no image, so that the browser runs what stands in `onerror`; nothing is fetched.
+The server does not learn a browser's preference, and viser has no setting that follows it. The
+image is invalid on purpose, so that the browser runs the code in `onerror`; nothing is fetched.
 """
 
 
 def colour(light: str, dark: str) -> str:
-    """CSS of a text colour: the first declaration is for browsers that do not know the second."""
+    """Return CSS of a text colour; browsers without `light-dark` use the first declaration."""
     return f"color:{light};color:light-dark({light},{dark})"

@@ -1,7 +1,7 @@
 """The scene: robot, floor or blocks, push, and the phase portrait on a board above them.
 
-The robot stays in the middle and the ground moves under it, down as the robot climbs, so the camera
-is the visitor's own and the board hangs still.
+The robot stays in the middle and the ground moves under it, down as the robot climbs. So the
+visitor controls the camera, and the board does not move.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -25,26 +25,26 @@ from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
 from neuralgaits.viewer.walker import Shown
 
 _TILE, _SECTION = 0.25, 1.0
-"""Lines of the floor [m]."""
+"""Distances between the thin and the thick lines of the floor [m]."""
 _CELLS, _SECTIONS, _PLANE = (190, 196, 202), (140, 148, 156), (128, 136, 146)
 _TRAIL = 40
-"""Points of the trail: some steps."""
+"""Number of points of the trail: some steps."""
 _TRAIL_EVERY = 4
-"""Pictures from one point of the trail to the next: lines are slow to draw anew."""
+"""Pictures between two points of the trail: lines are slow to redraw."""
 _ARROW_S = 0.5
-"""How long a push is shown [s]: it lasts a fifth of that."""
+"""Time for which a push is shown [s]; the push itself lasts a fifth of it."""
 _ARROW_M_N = 0.0022
-"""Length of the arrow for each newton [m/N]."""
+"""Length of the push's arrow for each newton [m/N]."""
 _POINT, _LINE, _PUSH = (214, 39, 40), (240, 120, 40), (214, 39, 40)
 _LIFT = 0.004
-"""Point and trail before the board, so that they are seen [m]."""
+"""Distance of point and trail in front of the board, so that they are visible [m]."""
 
 
 class Stage:
-    """Everything in the scene."""
+    """Robot, ground, push and board in the scene."""
 
     def __init__(self, server: viser.ViserServer, robot: PlanarBiped):
-        """Put the robot on the floor."""
+        """Put the robot on the floor of the scene."""
         self._server = server
         self._leg = float(robot.leg_length)
         self._model = _alone(robot)
@@ -89,7 +89,7 @@ class Stage:
         Framing(1.12 * (self._board_bottom + board), 1.1 * self._board_width).follow(server)
 
     def hang(self, portrait: Portrait, clicked: Callable[[viser.ClientHandle, np.ndarray], None]):
-        """Hang the portrait on the board; `clicked` gets who clicked and the state."""
+        """Hang the portrait on the board; `clicked` gets the client that clicked and the state."""
         self._board = _Board(self._server, portrait, self._board_width, self._board_bottom, clicked)
 
     def show(self, shown: Shown) -> None:
@@ -110,7 +110,7 @@ class Stage:
         self._server.flush()
 
     def restart(self) -> None:
-        """Forget the trail: the robot was put elsewhere. For the thread that calls `show`."""
+        """Clear the trail after the robot was moved; call it in the thread that calls `show`."""
         if self._board is not None:
             self._board.forget()
         self._arrow.visible = False
@@ -123,7 +123,7 @@ class Stage:
         self._robot.update_from_arrays(moved[None], turned)
 
     def _show_floor(self, shown: Shown, x: float) -> None:
-        """The floor goes through the origin; its lines stay on the ground that they mark."""
+        """Place the floor through the origin, with its lines fixed to the ground."""
         self._floor.visible = shown.tops is None
         long = math.hypot(1.0, shown.slope)
         behind = math.fmod(x * long, _SECTION)
@@ -199,7 +199,7 @@ class _Board:
             clicked(event.client, portrait.state(place))
 
     def show(self, z: Float[np.ndarray, "2"]) -> None:
-        """Move the point."""
+        """Move the point to a state, and extend the trail."""
         if not np.all(np.isfinite(z)):
             return
         place = self._portrait.place(self._portrait.clip(z))
@@ -219,12 +219,12 @@ class _Board:
             self._line.points = ends[np.isfinite(ends).all(axis=(1, 2))]
 
     def forget(self) -> None:
-        """Begin a new trail."""
+        """Clear the trail of the point."""
         self._trail.clear()
 
 
 def _alone(robot: PlanarBiped):
-    """The robot's file without its floor: the page has one of its own."""
+    """Return the robot's model without its floor: the page has a floor of its own."""
     spec = mujoco.MjSpec.from_string(robot.layout.xml)
     for geom in list(spec.geoms):
         if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:

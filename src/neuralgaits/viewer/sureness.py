@@ -1,4 +1,4 @@
-"""How sure we are of a run's gait, in the report's words, and whether its proof is its own."""
+"""Evidence for a run's gait, in the report's words, and whether its proof is about this gait."""
 
 from typing import NamedTuple
 
@@ -12,22 +12,22 @@ from neuralgaits.viewer import markdown
 
 
 class Sureness(NamedTuple):
-    """What is known of a gait."""
+    """Evidence for a gait, as shown on the page."""
 
     certified: bool
-    """Whether there is a certificate of this very gait."""
+    """Whether there is a certificate of exactly this gait."""
     words: str
-    """Markdown."""
+    """Summary in Markdown."""
     map_fits: bool = False
     """Whether the map of boxes was made with the proof."""
     theorem: str = ""
-    """Markdown: the statements of its proof file word by word; empty if there are none."""
+    """Statements of the proof file, word by word, in Markdown; empty if there are none."""
 
 
 def how_sure(run: Run) -> Sureness:
-    """Read the certificate's answer as far as the run's proof files bear it out.
+    """Read the certificate's answer, as far as the run's proof files support it.
 
-    The boxes are not bounded again here: `check-proof` does that.
+    It does not bound the boxes again; `check-proof` does.
     """
     again = markdown.code(command("certify", named(run.path)))
     found = read_certificate(run.folder)
@@ -52,11 +52,11 @@ _OF_PART = {
     "each other",
     3: "any two walks under the same of these commands converge",
 }
-"""Levels 2 and 3 of a gait with commands, for readers."""
+"""Statements of levels 2 and 3 about a gait with commands, for readers."""
 
 
 def _of_part(part: ProvedPart, count: int) -> str:
-    """What is proved of some of the commands; `count` conditions the gait has."""
+    """Describe the proof for a part of the commands; the gait has `count` conditions."""
     said = f"{len(part.conditions)} of {count} conditions hold at every state of their regions"
     levels = (_OF_PART[entry.level] for entry in part.levels if entry.level in _OF_PART)
     told = markdown.text("; ".join((said, *levels)))
@@ -65,7 +65,7 @@ def _of_part(part: ProvedPart, count: int) -> str:
 
 
 def _lines(run: Run, answer: Certified, part: ProvedPart | None) -> list[str]:
-    """The report's words; what is seen here is another matter."""
+    """Return the report's words, and how they relate to the simulation on the page."""
     level = answer.proved_level
     told = in_plain_words.proved(answer, bool(run.asked.commands)) if level else _not_proved(answer)
     lines = [markdown.text(told)]
@@ -97,7 +97,7 @@ def _not_proved(answer: Certified) -> str:
 
 
 def _theorem(answer: Certified) -> str:
-    """The statements of the levels as the proof file has them, a list."""
+    """Return the levels' statements from the proof file, as a list."""
     return "\n".join(
         f"- Level {entry.level}: {markdown.text(sentence)}."
         for entry in answer.levels

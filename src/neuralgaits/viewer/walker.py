@@ -1,4 +1,4 @@
-"""What the page needs of a walking robot: the only view that this room has of the simulation."""
+"""The interface of a walking robot for the page: its only access to the simulation."""
 
 from typing import NamedTuple, Protocol
 
@@ -8,18 +8,18 @@ from neuralgaits._types import Bool, Float
 
 
 class Shown(NamedTuple):
-    """One moment of the walk."""
+    """State of the walk at one moment."""
 
     time: float
-    """Simulated [s]."""
+    """Simulated time [s]."""
     qpos: Float[np.ndarray, " q"]
-    """Of MuJoCo."""
+    """Generalised coordinates of MuJoCo."""
     hip: Float[np.ndarray, "2"]
     """Pitch axis of the root, (x, z) [m]."""
     slope: float
     """Rise of the floor per metre forward."""
     ground: float
-    """Height below the hip of the floor, or of the line between footholds [m]."""
+    """Height of the hip above the floor, or above the line between footholds [m]."""
     z: Float[np.ndarray, "2"]
     """Measured state of the zero dynamics (m, kg m^2/s)."""
     steps: int
@@ -29,35 +29,36 @@ class Shown(NamedTuple):
     force: Float[np.ndarray, "2"]
     """Push under way, along x and z [N]."""
     fall: str | None
-    """Why the robot fell or stopped; None while it walks."""
+    """Reason why the robot fell or stopped; None while it walks."""
     upright: bool = False
-    """Whether it stands, though its walk has ended."""
+    """Whether the robot stands upright although its walk has ended."""
     tops: Float[np.ndarray, "K 4"] | None = None
-    """Of the blocks that it walks on, back ends (x, z) and front ends [m]; None on a floor. The
-    array is another one where they have changed."""
+    """Tops of the blocks that it walks on, back ends (x, z) and front ends [m]; None on a floor.
+    The array is a new object whenever the blocks change."""
     laps: tuple[int, ...] = ()
-    """Touchdowns of each time that it came to the end of its ground, and was put back to the
-    beginning."""
+    """Touchdowns at each time that the robot reached the end of its ground and was put back to
+    the start."""
 
 
 class Margins(NamedTuple):
-    """How much is left of every condition at one state."""
+    """Margins of every condition at one state."""
 
     values: Float[np.ndarray, " c"]
-    """In scales of the conditions; NaN where there is no number."""
+    """Margins in scales of the conditions; NaN if there is no number."""
     inside: Bool[np.ndarray, " c"]
-    """Whether the state is in the condition's region; else the nearest state of it was read."""
+    """Whether the state is in each condition's region; otherwise the margin is of the nearest
+    state."""
 
 
 class Limits(NamedTuple):
-    """Reach of a slider, and where it stands at first."""
+    """Range of a slider, and its initial value."""
 
     low: float
     high: float
     first: float
 
     def clip(self, value: object) -> float | None:
-        """A number from the page inside the limits; None if it is none."""
+        """Clip a number from the page to the limits; None if it is no number."""
         if isinstance(value, bool) or not isinstance(value, int | float):
             return None
         number = float(value)
@@ -68,27 +69,27 @@ class Told(NamedTuple):
     """A command that a visitor may give."""
 
     limits: Limits
-    """Its range, and the value at first."""
+    """Range of the command, and its initial value."""
     unit: str
-    """Of its values."""
+    """Unit of the command's values."""
 
 
 class Walker(Protocol):
-    """A robot that walks and bears what a visitor does to it."""
+    """Interface of a robot that walks and responds to a visitor."""
 
     period_s: float
-    """Time that passes in a tick [s]."""
+    """Duration of a control tick [s]."""
 
     def tick(self) -> bool:
-        """Let one control tick pass. Returns: False once the robot has fallen."""
+        """Advance by one control tick. Returns: False once the robot has fallen."""
         ...
 
     def shown(self) -> Shown:
-        """The present moment."""
+        """Return the present moment of the walk."""
         ...
 
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
-        """Margins of all conditions at a state."""
+        """Return margins of all conditions at a state."""
         ...
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
@@ -96,11 +97,11 @@ class Walker(Protocol):
         ...
 
     def disturb(self, name: str, value: float) -> None:
-        """Change the plant."""
+        """Change a setting of the plant by name."""
         ...
 
     def tell(self, name: str, value: float) -> None:
-        """Wish for a command from the next touchdown on."""
+        """Request a command, which takes effect at the next touchdown."""
         ...
 
     def resize(self, name: str, size: float) -> None:
@@ -108,9 +109,9 @@ class Walker(Protocol):
         ...
 
     def jump(self, z: Float[np.ndarray, "2"]) -> str | None:
-        """Put the robot into a state. Returns: why not; None if it is there."""
+        """Put the robot into a state. Returns: the reason if that fails; None on success."""
         ...
 
     def reset(self) -> None:
-        """Back to the first state."""
+        """Put the robot back into its first state."""
         ...

@@ -1,1 +1,1 @@
-"""One file a verb: each composes the rooms above into something a user asks for."""
+"""One file for each verb: it combines the rooms above into what a user requests."""

@@ -59,18 +59,18 @@ from neuralgaits.runs.names import MAP, MAP_FIGURE
 from neuralgaits.runs.plain import to_json
 
 _TIGHTEST = 5
-"""Conditions that a notebook shows."""
+"""Number of conditions that a notebook shows."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was proved. Attributes: summary: what `certify --json` prints."""
+    """Result of a proof. Attributes: summary: what `certify --json` prints."""
 
     summary: Certified
 
     def __repr__(self) -> str:
-        """One line: the verdict, what it is about, and what is proved with how much room."""
+        """Summarise in one line: subject, verdict, proved level and least margin."""
         found = self.summary
         about = f"{found.robot}, spec {found.spec}"
         level, least = found.proved_level, found.least_margin
@@ -81,7 +81,7 @@ class Certificate:
         return f"<Certificate of {about}: {', '.join(said)}>"
 
     def _repr_html_(self) -> str:
-        """The same for a notebook: each level, then the conditions with the least room."""
+        """Return a table for a notebook: each level, then the conditions with the least margins."""
         found = self.summary
         rows = [("level 1", found.of_conditions, "")]
         rows += [(f"level {one.level}", one.verdict, one.reason or "") for one in self.conclusions]
@@ -98,23 +98,23 @@ class Certificate:
 
     @property
     def verdict(self) -> Verdict:
-        """Of the whole: refuted if a condition is, proved if all are and all levels."""
+        """Overall verdict: refuted if a condition is, proved if all conditions and levels are."""
         return self.summary.verdict
 
     @property
     def conditions(self) -> Mapping[str, ConditionVerdict]:
-        """The verdict on each (level 1)."""
+        """Verdict on each condition (level 1)."""
         return self.summary.conditions
 
     @property
     def conclusions(self) -> Sequence[Conclusion]:
-        """The answers of the levels above 1, as far as they were asked for."""
+        """Conclusions of the requested levels above 1."""
         return self.summary.levels
 
 
 @dataclass(frozen=True)
 class _Task:
-    """What is to be proved of a run, with the sets and the Program that it speaks of."""
+    """Subject of a proof: a run, with the sets and the Program that the proof is about."""
 
     run: Run
     scope: Scope
@@ -140,28 +140,29 @@ def certify(
 
     Args:
         run: a run, its folder, or `latest`.
-        level: 1: every condition holds on its region, or a state that breaks it is found; 2: and
-            the walking set is invariant; 3: and one orbit attracts all of it; 4: and the
-            robot walks on at full order, with outputs off zero, in continuous time; 5: and under
-            torques that are not exact, up to a bound that is found. None for 3, which is the most
-            with parameters or commands.
-        disturbance: bound on what may be added to dz at level 2 (m/s, N m).
-        budget: seconds after which what is proved so far is kept and reported.
-        resume: go on with the boxes of the run's last certificate.
+        level: 1: every condition holds on its region, or a state that violates it is returned; 2:
+            the walking set is also invariant; 3: one orbit attracts all of it; 4: the robot walks
+            on at full order, with nonzero outputs, in continuous time; 5: also under inexact
+            torques, up to a bound that the search determines. None for 3, the highest with
+            parameters or commands.
+        disturbance: bounds on the disturbance of dz at level 2 (m/s, N m).
+        budget: seconds after which the search stops; the result so far is kept and reported.
+        resume: continue with the boxes of the run's last certificate.
         progress: called with (proved share, boxes) now and then.
-        workers: processes of this machine that bound boxes, in place of this one; in a script,
-            call this below `if __name__ == "__main__":`.
-        ray: `local`, `auto` or HOST:PORT of a Ray cluster that does.
-        within: narrower ranges of commands, by name: what is proved is about those, and the run
-            counts as undecided.
+        workers: number of processes on this machine that bound boxes, in place of this one; in a
+            script, call this below `if __name__ == "__main__":`.
+        ray: `local`, `auto` or HOST:PORT of a Ray cluster that bounds boxes.
+        within: narrower ranges of commands, by name: the proof is about those, and the run counts
+            as undecided.
         parameters: levels 1 to 3 are proved for every robot of this box, half widths by kind (see
-            `robots.parameter_box`); None for the run's own, empty for the robot of the file alone.
-        bandwidth: double pole of the outputs [rad/s] at levels 4 and 5, of which level 4 is then
-            about the largest set found; None for that of `control.Fblin`, and the usual set.
+            `robots.parameter_box`); None for that of the run, empty for the robot of the file
+                alone.
+        bandwidth: double pole of the outputs [rad/s] at levels 4 and 5; level 4 is then about the
+            largest set that the search yields. None for that of `control.Fblin`, and the usual set.
 
     Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
-    Raises: InputError on bad settings; RunError if there are no such boxes to go on with;
-        SearchInterrupted for KeyboardInterrupt, with everything found by then in the folder.
+    Raises: InputError on bad settings; RunError if there are no boxes to resume from;
+        SearchInterrupted for KeyboardInterrupt, with the results so far in the folder.
     """
     began = time.perf_counter()
     level = LEVEL if level is None else level
@@ -209,7 +210,7 @@ def certify(
 
 @contextmanager
 def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]:
-    """What bounds boxes: workers if there are to be any, None for this process."""
+    """Yield the function that bounds boxes on workers; None bounds them in this process."""
     if workers is None and ray is None:
         yield None
         return
@@ -218,7 +219,7 @@ def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]
 
 
 def _refuse(level: int, disturbance: tuple[float, float], bandwidth: float | None) -> None:
-    """Raises: InputError on a level, disturbance or bandwidth that makes no statement."""
+    """Refuse a level, disturbance or bandwidth that makes no statement. Raises: InputError."""
     if level not in LEVELS:
         *below, highest = (f"{number} ({about})" for number, about in LEVELS.items())
         raise InputError(f"expected level {', '.join(below)} or {highest}, found {level}")
@@ -245,7 +246,7 @@ def _written(
     began: float,
     ended: str | None,
 ) -> Certificate:
-    """Save everything and give the verdicts. `ended` says what cut the search short, if it was."""
+    """Save everything and return the verdicts; `ended` says why a search stopped early."""
     run, scope = task.run, task.scope
     searched = list(zip(problems, states, strict=True))
     for number, pair in enumerate(searched):
@@ -303,7 +304,7 @@ def _map(task: _Task, searched: Sequence[level_one.Searched]) -> dict[str, bytes
 
 
 def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
-    """The answers of the levels above 1 that were asked for."""
+    """Return the conclusions of the requested levels above 1."""
     sets, scope = task.sets, task.scope
     boxes = condition_boxes(scope.spec)
     concluded = conclude(sets.parameters, boxes, proved_bounds(statements), scope.chart)
@@ -326,7 +327,7 @@ def _finish(
     reason: str | None = None,
     full_order: bool = False,
 ) -> Certificate:
-    """Write the certificate: `files` by name, without those of an older one, and the summary."""
+    """Write the certificate: `files` by name and the summary; files of an older one are removed."""
     proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
     summary = Certified(
         run=str(run.path),

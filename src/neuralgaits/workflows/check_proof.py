@@ -1,9 +1,9 @@
-"""Check a proof file again, with balls, and compare it with the run it should be about.
+"""Check a proof file again, with balls, and compare it with the run that it should be about.
 
-Without a run no JAX is imported, and the best verdict is `consistent`: nothing ties the Program
-in the file to a robot. With one, the file's boxes are checked first; then the Program is traced
-again from the run's own robot, spec and weights, in a process of its own: the same hash means that
-the statements are about these conditions, and each of the spec's boxes must have one.
+Without a run, no JAX is imported, and the best verdict is `consistent`: nothing ties the Program
+in the file to a robot. With a run, the file's boxes are checked first. Then a separate process
+traces the Program again from the run's own robot, spec and weights. If the hash is the same, the
+statements are about these conditions; each of the spec's boxes must have one.
 """
 
 import time
@@ -40,17 +40,17 @@ def check_proof(
     """Check a proof file.
 
     Args:
-        file: the proof file, or the run folder or `latest` that has one; `runs/latest` in a path
-            stands for the run that it names.
-        run: a run folder or `latest`, which the proof must be about. A run's own spec is code, and
-            is run in a process of its own.
+        file: the proof file, or a run folder or `latest` that has one; `runs/latest` in a path
+            means the run that it names.
+        run: a run folder or `latest`, which the proof must be about. The run's own spec is
+            code, which a separate process executes.
         progress: called with (leaves done, leaves) now and then.
 
     Returns: `Checked`, a mapping of what `check-proof --json` prints: verdict ("proved" with a run,
         "consistent" without; "rejected" or "undecided"), reason (None if proved), statements (in
         words), levels, unclaimed, boxes, wall_s, assumptions, proof, run, robot, spec,
         weights_sha256.
-    Raises: InputError in one line if the file is no proof file; RunError if there is no such run.
+    Raises: InputError in one line if the file is no proof file; RunError if the run does not exist.
     """
     began = time.perf_counter()
     file = proof_file_at(file)
@@ -77,9 +77,9 @@ def check_proof(
 
 
 def proof_file_at(place: str | Path) -> Path:
-    """Find the proof file that a caller means: a file, the folder of a run, or `latest`.
+    """Find the proof file at a place: a file, the folder of a run, or `latest`.
 
-    Raises: RunError if there is no such run, or the run has no proof file.
+    Raises: RunError if the run does not exist, or has no proof file.
     """
     path = Path(place)
     if str(place) == LATEST and not path.exists():
@@ -96,7 +96,7 @@ def proof_file_at(place: str | Path) -> Path:
 
 
 def against(claims: Claims, folder: Path, report: Report) -> Report:
-    """A file whose statements hold, compared with a run whose files are those it names.
+    """Compare a file whose statements hold with a run, and report whether it is about that run.
 
     Raises: InputError if the run cannot be opened or traced.
     """
@@ -108,7 +108,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
 
 
 def _of_part(report: Report, claims: Claims) -> Report:
-    """The answer about a run whose gait is told more than the file is about."""
+    """Return the report about a file that covers only a part of the run's commands."""
     axes = " and ".join(claims.chart.intervals())
     reason = f"every statement holds, for {axes} only: part of what the gait is told"
     levels = tuple(replace(one, verdict="consistent") for one in report.levels)
@@ -118,5 +118,5 @@ def _of_part(report: Report, claims: Claims) -> Report:
 
 
 def _rejected(claims: Claims, wrong: list[str]) -> Report:
-    """A file that is not about the run."""
+    """Return the report about a file that is not about the run."""
     return Report("rejected", "; ".join(wrong), all_in_words(claims), (), (), 0)

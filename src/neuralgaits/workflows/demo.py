@@ -1,4 +1,4 @@
-"""Gaits that came with the package: something to see without training."""
+"""Gaits that come with the package, to watch without training."""
 
 from pathlib import Path
 
@@ -9,13 +9,13 @@ from neuralgaits.viewer import page
 from neuralgaits.workflows.view import LiveView, view
 
 FOLDER = Path(__file__).parents[1] / "demo_run"
-"""A run folder like any other, to be read only; `tools/make_demo.py` makes it."""
+"""Shipped run folder, read-only; `tools/make_demo.py` makes it."""
 TOLD = FOLDER.with_name("demo_speed_run")
-"""The same of a gait that is told its speed; its proof lies packed."""
+"""Shipped run folder of a gait that takes speed commands; its proof is compressed."""
 
 
 def demo(*, speed: bool = False, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
-    """Serve a live page of a shipped run; see `view`. With `speed`, that of a gait told its own."""
+    """Serve a live page of a shipped run; see `view`. With `speed`, its gait takes commands."""
     folder = TOLD if speed else FOLDER
     if not (folder / ROBOT).is_file():
         raise RunError(

@@ -1,4 +1,4 @@
-"""Is this machine ready? One finding and, where something is wrong, one line that mends it."""
+"""Check of this machine: one finding each and, where something is wrong, one line that fixes it."""
 
 import importlib.util
 import os
@@ -11,7 +11,7 @@ from neuralgaits._version import __version__
 from neuralgaits.records.installed import Finding, Machine
 
 _RENDER = "from neuralgaits.simulation.video import trial; trial()"
-"""What `simulate --video` does first."""
+"""Code that does the first part of `simulate --video`."""
 _RENDER_TIMEOUT_S = 60.0
 _WITHOUT_SCREEN = ("egl", "osmesa")
 """Values of MUJOCO_GL that need no window."""
@@ -23,13 +23,13 @@ _EXTRAS = {
     "gym": ("gymnasium", "Gymnasium", "`neuralgaits.gym_env`"),
     "ray": ("ray", "Ray", "`--ray`"),
 }
-"""Extras that only some verbs want: the module that they bring, its name, and what for."""
+"""Extras that only some verbs need: the module that each brings, its name, and its purpose."""
 
 
 def doctor() -> Machine:
-    """Look at the machine.
+    """Check the machine.
 
-    Returns: a mapping of what `doctor --json` prints: `ok` (everything needed is there),
+    Returns: a mapping of what `doctor --json` prints: `ok` (everything needed is available),
         `neuralgaits` (version) and python, device, x64, opengl, video, compiler, hzd, drake, onnx,
         gym, ray: {ok, needed, found, fix} each.
     """
@@ -70,7 +70,7 @@ def _double_precision() -> Finding:
 
 
 def _opengl() -> Finding:
-    """Whether pictures can be rendered; where they cannot, what would make it so."""
+    """Check whether pictures can be rendered; if not, suggest what would allow it."""
     found = f"MUJOCO_GL={os.environ.get('MUJOCO_GL', 'default')}"
     if _renders():
         return _finding(True, f"{found}: renders", "", needed=False)
@@ -84,7 +84,7 @@ def _opengl() -> Finding:
 
 
 def _renders(backend: str | None = None) -> bool:
-    """Try in a process of its own: a missing display can take the process down."""
+    """Try to render in a separate process, since a missing display can crash it."""
     environment = dict(os.environ) | ({} if backend is None else {"MUJOCO_GL": backend})
     try:
         trial = subprocess.run(

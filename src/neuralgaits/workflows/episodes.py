@@ -1,7 +1,7 @@
-"""Episodes: walk, learn what the model misses, refine the policy, and walk again.
+"""Episodes: walk, learn the model's error, refine the policy, and walk again.
 
-Round 0 is the policy trained on the model alone. Every step of a round leaves a file, and a step
-whose file is there is not done again, so what was interrupted goes on where it stopped.
+Round 0 is the policy trained on the model alone. Every stage of a round leaves a file, and a stage
+whose file exists is not repeated, so interrupted episodes resume where they stopped.
 """
 
 import shutil
@@ -35,27 +35,27 @@ from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
 ENOUGH = 0.9
-"""Share of walks that must stay up for a policy to be said to walk."""
+"""Share of walks that must stay up for a policy to count as walking."""
 Tell = Callable[[int, str], None]
-"""(round, what begins)."""
+"""Callback that gets the round and the stage that begins."""
 
 
 class Stopped(NamedTuple):
-    """Why the rounds stopped before the last, if they did."""
+    """Reason why the rounds stopped before the last one, if they did."""
 
     waiting_for: str | None = None
-    """Folder of logs."""
+    """Folder of the logs that are missing."""
     diverged: str | None = None
-    """What a training says."""
+    """Message of a training that diverged."""
 
 
 @dataclass(frozen=True)
 class Episodes:
-    """What became of the rounds.
+    """Result of the rounds.
 
     Attributes:
         path: folder with everything.
-        run: of the last policy.
+        run: run of the last policy.
         summary: what `episodes --json` prints.
     """
 
@@ -65,7 +65,7 @@ class Episodes:
 
     @property
     def walks(self) -> bool | None:
-        """Whether the last policy walks; None if only the robot's own logs tell."""
+        """Return whether the last policy walks; None if only the robot's own logs could tell."""
         if self.summary.diverged is not None:
             return False
         share = self.summary.rounds[-1].share_that_walks
@@ -92,21 +92,21 @@ def episodes(
     """Train on the model, then learn and refine for some rounds.
 
     Args:
-        robot: the model; with `resume` it need not be given, what goes on has its own.
+        robot: the model; optional with `resume`, since resumed episodes have their own.
         plant: robot that walks, in simulation.
-        disturb: of the plant, see `simulation.setup.disturbance`.
+        disturb: disturbance of the plant, see `simulation.setup.disturbance`.
         controller: `pd` (if None) or `fblin`, with the nominal model.
         logs: folder of a real robot's logs in place of a plant: `round-0/*.csv`, and so on. The
-            rounds stop where the next logs are missing, and go on once they are there.
-        columns: with `logs`: file that says what their columns are, see docs/logs.md.
-        rounds: of learning and refining; 2 if None.
-        seed: of everything random; 0 if None.
-        resume: episodes to go on with (their folder, or `latest`) under their own settings, or a
-            trained run to begin with.
+            rounds stop at the first missing logs, and continue once those exist.
+        columns: with `logs`: file that describes their columns, see docs/logs.md.
+        rounds: number of rounds of learning and refining; 2 if None.
+        seed: seed of everything random; 0 if None.
+        resume: episodes to resume (their folder, or `latest`) under their own settings, or a
+            trained run to start from.
         out: folder to make; `runs/episodes/ROBOT/<UTC time>-<seed>` if None.
-        steps: gradient steps of training and of each refinement; the recipe's if None.
+        steps: gradient steps of training and of each refinement; those of the recipe if None.
         progress: called with (step, steps, loss) now and then.
-        tell: called when a step of a round begins.
+        tell: called when a stage of a round begins.
         root: folder of the runs.
 
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
@@ -154,7 +154,7 @@ def episodes(
 def _begin(
     asked: dict[str, Any], resume: str | Path | None, *, out: str | Path | None, root: Path
 ) -> EpisodeFolder:
-    """Check what is asked, and make the folder."""
+    """Check the settings, and make the folder."""
     usual: dict[str, Any] = {
         "disturb": plain(vars(Disturbance())),
         "controller": "pd",
@@ -218,7 +218,7 @@ def _start(run: str | Path, robot: PlanarBiped | None) -> Run:
 
 
 def logs_of(logs: Path, number: int) -> list[Path]:
-    """Logs of a round. Raises: InputError if there are none."""
+    """Return the logs of a round. Raises: InputError if there are none."""
     place = logs / f"round-{number}"
     if number == 0 and not place.is_dir():
         place = logs
@@ -231,7 +231,7 @@ def logs_of(logs: Path, number: int) -> list[Path]:
 
 @dataclass(frozen=True)
 class _Session:
-    """The rounds of one folder."""
+    """Runner for the rounds of one folder."""
 
     folder: EpisodeFolder
     progress: Progress | None
@@ -239,7 +239,7 @@ class _Session:
     root: Path
 
     def run(self) -> tuple[list[Round], Run, Stopped]:
-        """Go through all rounds. Returns: entries, the last run, and why the rounds stopped."""
+        """Carry out all rounds. Returns: entries, the last run, and why the rounds stopped."""
         entries: list[Round] = []
         run, momentum = self._policy(0, None), None
         for number in range(self.folder.config.rounds + 1):
@@ -269,7 +269,7 @@ class _Session:
         return None
 
     def _policy(self, number: int, before: Run | None) -> Run:
-        """The policy of a round: trained, refined, or what a killed command left of it."""
+        """Return the policy of a round: trained, refined, or resumed after a killed command."""
         place, config = self.folder.round(number), self.folder.config
         if (place / SUMMARY).is_file():
             return open_run(place)
@@ -307,7 +307,7 @@ class _Session:
         return found
 
     def _learn(self, number: int, run: Run, walked: WalkedRound) -> Fitted | str:
-        """What was learned, or why nothing was."""
+        """Return the learned residual's summary, or the reason why nothing was learned."""
         summary = run.path / FIT
         if summary.is_file():
             return read(summary, Fitted)

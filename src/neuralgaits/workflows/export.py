@@ -34,13 +34,13 @@ Told = Callable[..., Exported]
 
 @dataclass(frozen=True)
 class Export:
-    """What was written. Attributes: summary: what `export --json` prints."""
+    """Written export. Attributes: summary: what `export --json` prints."""
 
     summary: Exported
 
     @property
     def checked(self) -> bool:
-        """False if there was no compiler to check it with."""
+        """Return whether the result was compared with Python; false without a compiler."""
         return self.summary.checked
 
 
@@ -62,8 +62,8 @@ def export_controller(
         states: random states on which C and Python are compared.
 
     Returns: `Export`.
-    Raises: InputError, SpecError or RunError with one line for bad input; MismatchError if what
-        was written does not compile or is not what Python computes: then nothing is written.
+    Raises: InputError, SpecError or RunError with one line for bad input; MismatchError if the code
+        does not compile or differs from Python, and nothing is written.
     """
     if format not in WRITERS:
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
@@ -85,11 +85,11 @@ def export_controller(
 
 
 def design_of(trained: Run, certificate: CertificateReading | None = None) -> Design:
-    """Everything the exported controller of a run is made of.
+    """Return everything that the exported controller of a run is made of.
 
     Args:
         trained: the run.
-        certificate: what is known of it; read if None.
+        certificate: its certificate; read if None.
     """
     certificate = certificate or read_certificate(trained.folder)
     gait = trained.trained
@@ -104,7 +104,7 @@ def design_of(trained: Run, certificate: CertificateReading | None = None) -> De
 
 
 def controller_files(design: Design, reference: Reference) -> dict[str, str]:
-    """The files that are this gait's own."""
+    """Return the files that are specific to this gait."""
     return gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
 
 
@@ -124,7 +124,7 @@ def _origin(trained: Run, found: CertificateReading) -> Origin:
 
 
 def _warnings(found: CertificateReading) -> list[str]:
-    """What stands against putting this gait on a robot: that it agrees with Python says nothing."""
+    """List what is not proved of this gait; agreement with Python says nothing about that."""
     if found.summary is None:
         why = found.reason or "it has no certificate"
         return [f"nothing is proved of this gait: {why}"]
@@ -144,7 +144,7 @@ def _warnings(found: CertificateReading) -> list[str]:
 
 
 def _c(design: Design, states: int) -> tuple[dict[str, str], Told]:
-    """Files of the controller, and what is known of them."""
+    """Return the files of the controller, and the factory of its record."""
     reference = Reference(design)
     files = writing.shipped() | controller_files(design, reference)
     compilers = build.compilers()
@@ -155,7 +155,10 @@ def _c(design: Design, states: int) -> tuple[dict[str, str], Told]:
 
 
 def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], Told]:
-    """Models of the policy, and what is known of them. Raises: InputError without the extra."""
+    """Return the models of the policy, and the factory of their record.
+
+    Raises: InputError without the extra.
+    """
     try:
         from neuralgaits.export.onnx_check import check_models
         from neuralgaits.export.onnx_model import model_files
@@ -169,4 +172,5 @@ WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], Told
     "c": _c,
     "onnx": _onnx,
 }
-"""By format: of a design and a number of states to compare on, files and what is known of them."""
+"""Writer of each format: takes a design and a number of test states, returns files and a record
+factory."""

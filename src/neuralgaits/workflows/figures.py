@@ -1,4 +1,4 @@
-"""All figures of a run, drawn from what lies in its folder."""
+"""All figures of a run, drawn from the files in its folder."""
 
 from pathlib import Path
 
@@ -22,7 +22,8 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
         run: a run, its folder, or `latest`.
         out: folder for the files; `figures` in the run's folder if None.
 
-    Returns: one entry a figure, always in the same order; `Missing` names what makes the figure.
+    Returns: one entry for each figure, always in the same order; `Missing` names the command that
+        makes the figure.
     Raises: RunError with one line if the run is missing or damaged, InputError if `out` is a file.
     """
     return draw(open_run(run), out)
@@ -31,7 +32,7 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
 def draw(
     run: Run, out: str | Path | None = None, certificate: CertificateReading | None = None
 ) -> list[Drawn | Missing]:
-    """Do what `figures` does for an open run whose certificate may have been read before."""
+    """Draw the figures of an open run, whose certificate may already have been read."""
     folder = run.path / FOLDER if out is None else Path(out)
     if folder.exists() and not folder.is_dir():
         raise InputError(

@@ -1,4 +1,4 @@
-"""Learn what a robot does beyond the model, from logs of its walks."""
+"""Learn a robot's deviation from the model from logs of its walks."""
 
 import hashlib
 import time
@@ -28,18 +28,18 @@ from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import FIT, FITTED
 
 SAMPLES, STEP_S = 3, 0.01
-"""Windows that are learned from: three samples 10 ms apart (as in the paper's code)."""
+"""Samples and spacing [s] of the windows that are learned from (as in the paper's code)."""
 JUDGED_SAMPLES = 11
-"""Windows that errors are reported on: 0.1 s."""
+"""Samples of the windows on which errors are reported: 0.1 s."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """What was learned.
+    """Result of a fit.
 
     Attributes:
-        residual: file of it.
-        learned: its content.
+        residual: file of the residual.
+        learned: content of the file.
         summary: what `fit --json` prints.
     """
 
@@ -60,21 +60,21 @@ def fit(
 ) -> Fit:
     """Learn residuals of the flow and of the reset map from logs of a run's policy.
 
-    Strides are dealt to learning, validation and report before windows are cut. The residual is
-    what is missing from the rigid model; one that the run was trained with is left aside.
+    Strides are split into training, validation and test sets before windows are cut. The residual
+    is relative to the rigid model; a residual that the run was trained with is ignored.
 
     Args:
-        run: whose policy walked: a run, its folder, or `latest`.
+        run: run whose policy walked, its folder, or `latest`.
         logs: CSV files.
-        columns: file that says what the columns of a robot's own logs are, see docs/logs.md; None
-            for logs of the project's own format or that of AMBER-3M.
+        columns: file that describes the columns of a robot's own logs, see docs/logs.md; None for
+            logs in the project's format or that of AMBER-3M.
         optimizer: adam, adamw or nero.
-        seed: of the deal, the weights and the batches.
-        config: further settings of the fit; they win over `optimizer`.
+        seed: seed of the split, the weights and the batches.
+        config: further settings of the fit; they take precedence over `optimizer`.
         progress: called with (step, steps, validation loss) now and then.
 
     Returns: `Fit`. Residual and summary are in the run's folder.
-    Raises: InputError naming file, row, column and remedy; nothing is written then.
+    Raises: InputError with file, row, column and remedy; then nothing is written.
     """
     began = time.perf_counter()
     config = FitConfig(optimizer=optimizer) if config is None else config
@@ -127,7 +127,7 @@ def _pair(values: Float[np.ndarray, "2"] | Array) -> tuple[float, float]:
 
 
 def _long_enough(strides: Sequence[Stride]) -> tuple[list[Stride], int]:
-    """Strides that errors can be reported on, and the number of rows of the others."""
+    """Return the strides that errors can be reported on, and the number of rows of the others."""
     long = [stride for stride in strides if len(_judged([stride]).z)]
     return long, sum(stride.t.size for stride in strides) - sum(stride.t.size for stride in long)
 
@@ -162,7 +162,7 @@ def _judged(strides: Sequence[Stride]) -> Windows:
 
 
 def _scale(run: Run, strides: Sequence[Stride]) -> Float[np.ndarray, "2"]:
-    """Units of errors: length of a step and usual momentum (m, kg m^2/s)."""
+    """Return the units of errors: step length and median momentum (m, kg m^2/s)."""
     start, guard = (float(end) for end in run.gait.span)
     momenta = np.concatenate([stride.z[:, 1] for stride in strides])
     return np.array([guard - start, np.median(np.abs(momenta))])
@@ -175,7 +175,7 @@ def _errors(
     parts: Split,
     scale: Float[np.ndarray, "2"],
 ) -> dict[str, float]:
-    """Root mean square errors over 0.1 s in scaled z."""
+    """Return root mean square errors over 0.1 s in scaled z, by name."""
     nothing = Residual.like(config.hidden)
 
     def error(residual: Residual, judged: Windows) -> float:

@@ -1,4 +1,4 @@
-"""Make a run of a gait that was found elsewhere: Bezier outputs, and a tube around their orbit."""
+"""Make a run of a gait from elsewhere: Bézier outputs, and a tube around their orbit."""
 
 import time
 from pathlib import Path
@@ -22,13 +22,13 @@ def import_gait(
     """Make a run of a published gait, which every other verb takes.
 
     Args:
-        file: of the gait, see `hzd.gait_file`.
-        robot: that it walks on, of `load_robot`.
-        name: of the gait, where the file has several.
+        file: file of the gait, see `hzd.gait_file`.
+        robot: robot that it walks on, of `load_robot`.
+        name: name of the gait, if the file has several.
         out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
         root: folder of the runs.
 
-    Raises: InputError on a file that is not of this robot, or a gait without an attracting orbit.
+    Raises: InputError on a file for another robot, or a gait without an attracting orbit.
     """
     began = time.perf_counter()
     gait = read_gait(Path(file), robot, name)

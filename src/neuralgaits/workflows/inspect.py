@@ -1,4 +1,4 @@
-"""What a robot file holds, as the theory reads it."""
+"""Contents of a robot file in the terms of the theory."""
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
 
 
 def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
-    """The links of leg 0 upwards, the torso, those of leg 1 downwards."""
+    """Return the links of leg 0 upwards, the torso, then those of leg 1 downwards."""
     xml = robot.layout.xml
     leg, torso = links_from_text(xml, robot.name)
     first, second, trunk = bodies_from_text(xml, robot.name)
@@ -60,7 +60,7 @@ def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
 
 
 def _actuators(robot: PlanarBiped) -> tuple[MotorFacts, ...]:
-    """The joints in the order of q, with leg 0 in stance."""
+    """Return the joints in the order of q, with leg 0 in stance."""
     layout, torques = robot.layout, np.asarray(robot.torque_limit)
     joints = list(zip(layout.leg_joints[0], layout.actuators[0], strict=True))
     other = list(zip(layout.leg_joints[1], layout.actuators[1], strict=True))

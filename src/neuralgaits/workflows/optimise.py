@@ -1,4 +1,4 @@
-"""Optimise a gait of Bezier outputs at one speed, by collocation, and make a run of it."""
+"""Optimise a gait of Bézier outputs at one speed, by collocation, and make a run of it."""
 
 import time
 from pathlib import Path
@@ -13,7 +13,7 @@ from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.workflows.parts.given_run import given_run
 
 LOWEST_DEGREE = 3
-"""Rates at both ends are fixed by the impact: fewer control points leave nothing to choose."""
+"""Least degree: the impact fixes the rates at both ends, so lower degrees leave no freedom."""
 
 
 def optimise(
@@ -26,18 +26,18 @@ def optimise(
 ) -> Run:
     """Make a run of the gait with the least mechanical cost of transport at a speed.
 
-    Along its orbit hold the conditions of spec `walking`: contact, friction, torques, joint rates
+    The conditions of spec `walking` hold along its orbit: contact, friction, torques, joint rates
     and ranges, clearance of the swing foot, a clean impact.
 
     Args:
-        robot: of `load_robot`.
-        speed: mean, over a step (m/s).
-        degree: of the polynomials.
+        robot: robot of `load_robot`.
+        speed: mean speed over a step (m/s).
+        degree: degree of the polynomials.
         out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
         root: folder of the runs.
 
     Raises: InputError without CasADi (extra `hzd`) or on bad settings; ConvergenceError if the
-        solver finds no such gait.
+        solver finds no gait.
     """
     began = time.perf_counter()
     if not speed > 0.0:

@@ -1,4 +1,4 @@
-"""A robot file that can be treated, from one that cannot yet."""
+"""Make a robot file that the theory covers from one that it does not cover yet."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -32,7 +32,7 @@ def planarise_file(source: str | Path, out: Path) -> RobotFacts:
 
 
 def load_or_advise(source: str | Path) -> PlanarBiped:
-    """`load_robot`, which says of a file it refuses whether `planarise_file` would mend it.
+    """Load a robot; the error for a file that `planarise_file` could fix says so.
 
     Raises: RobotError, as `load_robot`.
     """
@@ -51,7 +51,7 @@ def load_or_advise(source: str | Path) -> PlanarBiped:
 
 
 def _resolved(source: str | Path, text: str) -> tuple[str, ...]:
-    """One line if the text is not the file's own word for word."""
+    """Return one line of explanation if the text differs from the file's own."""
     if str(source) in registry.built_in() or Path(source).read_text(encoding="utf-8") == text:
         return ()
     return ("includes put in place, files of meshes and textures named by their full paths",)

@@ -1,4 +1,4 @@
-"""Train a gait on, from where it stands, on the zero dynamics that logs have corrected."""
+"""Continue training a gait on zero dynamics that logs have corrected."""
 
 import time
 from dataclasses import replace
@@ -23,9 +23,9 @@ from neuralgaits.workflows.parts.proof_rounds import Watch
 from neuralgaits.workflows.train import train_to_the_end
 
 STEPS_SHARE = 0.7
-"""Gradient steps, as a share of the recipe's: the gait is nearly there."""
+"""Gradient steps, as a share of those of the recipe: the gait is nearly trained."""
 RATE = 0.5
-"""Share of the recipe's learning rate."""
+"""Learning rate, as a share of that of the recipe."""
 
 
 def refine(
@@ -42,22 +42,22 @@ def refine(
     watch: Watch | None = None,
     root: Path = RUNS_ROOT,
 ) -> Run:
-    """Train a run's policy on, on zero dynamics with residuals.
+    """Continue training a run's policy, on zero dynamics with residuals.
 
     Args:
-        run: whose policy and tube training starts from: a run, its folder, or `latest`.
-        residual: file of `fit`; the run's own if None.
-        seed: of samples.
-        steps: gradient steps; a share of the recipe's if None.
+        run: run whose policy and tube training starts from, its folder, or `latest`.
+        residual: file of `fit`; that of the run if None.
+        seed: seed of samples.
+        steps: gradient steps; a share of those of the recipe if None.
         out: the new run's folder; `runs/ROBOT/<UTC time>-<seed>` if None.
-        disturbance: bounds on what may be added to dz beside the residual (m/s, N m): training
-            lets every sample meet a corner of them. "learned": what the residual may still be
-            off by on held-out strides, see `fit`.
-        certify: prove the conditions on the corrected dynamics (level 1), and train on where
-            that fails, as `train` does.
-        budget: seconds for proofs and further training; None for as long as it takes.
+        disturbance: bounds on the disturbance of dz besides the residual (m/s, N m); training lets
+            every sample meet a corner of them. "learned": the remaining error of the residual on
+            held-out strides, see `fit`.
+        certify: prove the conditions on the corrected dynamics (level 1), and continue training
+            where that fails, as `train` does.
+        budget: seconds for proofs and further training; None for no limit.
         progress: called with (step, steps, loss) now and then.
-        watch: told how the proof goes on.
+        watch: callbacks about the progress of the proof.
         root: folder of the runs.
 
     Returns: the new run, which carries the residual and the weights it started from.

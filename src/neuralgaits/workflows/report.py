@@ -1,4 +1,4 @@
-"""Everything about a run in one file: read it, show a walk, draw the figures, write the page."""
+"""Report of a run in one file: read it, show a walk, draw the figures, write the page."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -31,11 +31,11 @@ FILE = "report.html"
 
 @dataclass(frozen=True)
 class Report:
-    """A page and what is in it.
+    """Written report of a run.
 
     Attributes:
-        path: of the page.
-        figures: drawn and missing.
+        path: path of the page.
+        figures: figures, drawn and missing.
         summary: what `report --json` prints.
     """
 
@@ -51,7 +51,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
         run: a run, its folder, or `latest`.
         out: the file; `report.html` in the run if None.
 
-    Raises: RunError if there is no such run or it is broken; InputError if the file cannot be
+    Raises: RunError if the run does not exist or is damaged; InputError if the file cannot be
         written.
     """
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
@@ -91,7 +91,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
 
 
 def saved_of(folder: RunFolder, found: CertificateReading | None = None) -> Saved:
-    """Read a run as its files say; its certificate, too, if that is None."""
+    """Read a run's files; its certificate, too, if `found` is None."""
     found = found or read_certificate(folder)
     disturbance: tuple[float, ...] = ()
     if found.proof is not None and 2 in found.proof.theorems.claimed:
@@ -102,7 +102,7 @@ def saved_of(folder: RunFolder, found: CertificateReading | None = None) -> Save
 
 
 def _walk(run: Run | str | Path, folder: RunFolder) -> tuple[ShownWalk | None, str | None]:
-    """The walk to show, or why there is none."""
+    """Return the walk to show, or the reason why there is none."""
     if not folder.finished:
         return None, "There is no gait to show before the training has ended."
     try:

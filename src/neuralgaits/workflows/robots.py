@@ -13,7 +13,7 @@ from neuralgaits.runs.commands import command
 
 
 def robots() -> BuiltIn:
-    """List what exists by name."""
+    """List the built-in robots and specs by name."""
     return BuiltIn(
         robots=tuple(Named(name, registry.describe(name)) for name in registry.built_in()),
         specs=tuple(Named(name, about) for name, about in specs.DESCRIPTIONS.items()),
@@ -21,11 +21,11 @@ def robots() -> BuiltIn:
 
 
 def write_built_in(name: str, out: Path | None) -> BuiltIn:
-    """Write the file of a built-in robot, to start from.
+    """Write the file of a built-in robot, as a starting point.
 
-    Returns: that robot alone, with `written`.
-    Raises: RobotError if there is no such robot, InputError if there is a file at `out`, or none
-        is named.
+    Returns: a record of that robot alone, with `written`.
+    Raises: RobotError if the robot does not exist; InputError if a file exists at `out`, or `out`
+        is None.
     """
     if name not in registry.built_in() and Path(name).exists():
         raise InputError(f"expected the name of a built-in robot, found the file {name}: copy it")

@@ -48,7 +48,7 @@ from neuralgaits.simulation.walk import Walk
 from neuralgaits.workflows.export import design_of
 
 _ALL = 2**31 - 1
-"""Ticks of a log: all there are."""
+"""Number of ticks of a log that means all ticks."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Simulation:
     """A simulation and its figures.
 
     Attributes:
-        walk: everything that happened.
+        walk: complete record of the simulation.
         summary: what `simulate --json` prints.
     """
 
@@ -65,11 +65,11 @@ class Simulation:
 
     @property
     def plant_note(self) -> str | None:
-        """Say that another robot walked than the gait's own; None if none did."""
+        """Return a note if another robot walked than the gait's own; None otherwise."""
         return about_other_robot(self.walk.robot, self.walk.plant.robot)
 
     def __repr__(self) -> str:
-        """One line: how many walks stayed up, and how far they came."""
+        """Summarise in one line how many walks stayed up, and how far they came."""
         done = self.summary
         steps = " to ".join(
             str(n) for n in sorted({min(done.steps_walked), max(done.steps_walked)})
@@ -108,35 +108,36 @@ def simulate(
 
     Args:
         run: a run, its folder, or `latest`.
-        plant: robot to simulate, by name or path; the run's own if None.
+        plant: robot to simulate, by name or path; that of the run if None.
         controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), `clf-qp` (see
-            docs/control.md), a law, or `c`: the exported controller, compiled, as a process of its
-            own.
-        steps: walking steps of an episode.
-        start: `centre` of the gait's region, `region` (anywhere in it), or `fixed-point`.
+            docs/control.md), a law, or `c`: the exported controller, compiled, as a separate
+                process.
+        steps: walking steps of each episode.
+        start: `centre` of the gait's region, `region` (random in it), or `fixed-point`.
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
             built-in robot (N s), at a random moment after the fifth step.
         disturb: `NAME=VALUE,...` or a mapping; see `simulation.setup.disturbance`.
-        sensing: `perfect`, what it is if None: the controller is told the plant's own rates and
-            velocity; or `encoders,NAME=VALUE,...`; see `simulation.setup.sensing`.
-        seed: of starts and disturbances.
+        sensing: `perfect` (if None): the controller gets the plant's true rates and velocity; or
+            `encoders,NAME=VALUE,...`; see `simulation.setup.sensing`.
+        seed: seed of starts and disturbances.
         episodes: number of walks.
-        log: CSV file for the first walk; of further walks, FILE-1.csv, FILE-2.csv, ... beside it.
+        log: CSV file for the first walk; further walks get FILE-1.csv, FILE-2.csv, ... beside it.
         video: MP4 file for the first walk; needs the `video` extra.
         engine: `native` to insist on compiled code, `jax` for the reference loop, None for native
-            where it works; `engine` of the summary says which it was.
-        link: to the controller `c`: `NAME=VALUE,...` or a mapping; see `simulation.linked.config`.
-        command: told for ever, `NAME=VALUE,...` with slopes in degrees, or a mapping in SI units;
-            the middle of the ranges where none is named. Walks start at the first command.
-        commands: CSV file with a row a step, `step,speed[m/s],...`, or `random`: a new command
-            that may follow the last one at each touchdown.
-        terrain: blocks in place of the floor, that the robot sees one step ahead and is told by:
-            `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV file of
-            stones; see `simulation.setup.terrains`.
-        parameters: each walk is of another robot, drawn from this box around the run's own, half
-            widths by kind (see `robots.parameter_box`), and on its floor.
-        workers: processes of this machine that walk, in place of threads of this one; in a
-            script, call this below `if __name__ == "__main__":`.
+            if possible; `engine` of the summary says which one ran.
+        link: connection to the controller `c`: `NAME=VALUE,...` or a mapping; see
+            `simulation.linked.config`.
+        command: constant command, `NAME=VALUE,...` with slopes in degrees, or a mapping in SI
+            units; the middle of each range that is not named. Walks start at the first command.
+        commands: CSV file with a row a step, `step,speed[m/s],...`, or `random`: a new admissible
+            command at each touchdown.
+        terrain: blocks in place of the floor, which the robot sees one step ahead and which set its
+            commands: `stones`, `stairs` or `slopes`, with `,NAME=VALUE` for their sizes, or a CSV
+            file of stones; see `simulation.setup.terrains`.
+        parameters: box around the run's robot from which each walk's robot and floor are drawn,
+            half widths by kind (see `robots.parameter_box`).
+        workers: number of processes on this machine that walk, in place of threads of this one; in
+            a script, call this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster that walks.
         simulator: `mujoco`, or `drake` in its place, with its own dynamics and contact; needs the
             `drake` extra.
@@ -241,7 +242,7 @@ def simulate(
 
 
 def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
-    """Errors of every walk's robot, by name."""
+    """Return the parameter errors of every walk's robot, by name."""
     columns = drawn.errors(0, episodes).T.tolist()
     return {name: tuple(column) for name, column in zip(drawn.names, columns, strict=True)}
 
@@ -249,7 +250,7 @@ def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
 def _engine(
     trained: Run, controller: str | AbstractLaw, choice: Choice | None, simulator: Simulator
 ) -> Engine:
-    """What walks. Raises: InputError if native was insisted on where it cannot be."""
+    """Choose the engine. Raises: InputError if native code was requested but is not possible."""
     if controller != REMOTE:
         return engine_for(trained, controller, choice, simulator)
     if choice == "native":
@@ -261,7 +262,7 @@ def _engine(
 
 
 def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | None:
-    """What to name to walk on the same plant: a built-in robot, or a copy that the run keeps."""
+    """Return the name that gives the same plant: a built-in robot, or a copy that the run keeps."""
     if plant is None or str(plant) in registry.built_in():
         return None if plant is None else str(plant)
     write_text(trained.path / PLANT, walked.plant.robot.layout.xml)
@@ -273,13 +274,13 @@ def _text(path: str | Path | None) -> str | None:
 
 
 def log_files(first: Path, episodes: int) -> list[Path]:
-    """Where the logs of all walks go: a file each, since each has a clock of its own."""
+    """Return the paths of all walks' logs; each has its own file, since each has its own clock."""
     more = (first.with_stem(f"{first.stem}-{number}") for number in range(1, episodes))
     return [first, *more]
 
 
 def _fields(law: AbstractLaw) -> dict[str, Any]:
-    """A law's numbers by name, by joint in a list; what is no number is shown as text."""
+    """Return a law's parameters by name, tuples as lists; anything that is no number as text."""
     values = {field.name: getattr(law, field.name) for field in fields(law)}
     numbers = (bool, int, float, np.generic, np.ndarray, jax.Array, type(None))
     return {

@@ -1,7 +1,7 @@
 """Sweeps: train, prove and walk every combination of robots, specs, speeds and seeds.
 
 Each row is a task of its own, on processes of this machine or on a Ray cluster. A finished row is
-a run folder, whole; what was stopped goes on with the rows that are missing.
+a complete run folder; a stopped sweep resumes with the missing rows.
 """
 
 import time
@@ -41,20 +41,21 @@ from neuralgaits.sweeps.table import to_csv
 from neuralgaits.workflows.parts.sweep_row import carry_out, row_of
 
 WALKS, WALK_STEPS = 4, 25
-"""Walks under each disturbance, from anywhere in the region, and the steps asked of each."""
+"""Walks under each disturbance, from random states of the region, and the steps requested of
+each."""
 MOST_ROWS = 1_000_000
-"""What is more is a slip of the finger."""
+"""Most rows of a sweep; a larger number is taken for a typing error."""
 Tell = Callable[[SweepRow, int, int], None]
-"""(a row that is done, rows that are, all rows)."""
+"""Callback that gets a finished row, the number of finished rows, and that of all rows."""
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """A sweep and what came of it.
+    """A sweep and its results.
 
     Attributes:
         path: its folder.
-        rows: in the order of the table.
+        rows: rows in the order of the table.
         summary: what `sweep --json` prints.
     """
 
@@ -88,23 +89,23 @@ def sweep(
     Args:
         robots: names or paths.
         specs: as in `train`; `walking` if None.
-        speeds: as in `train`: None for whatever comes, a speed, or a range of them (m/s).
-        seeds: the first, and the one after the last; seed 0 alone if None.
-        steps: gradient steps of each training; the recipe's if None.
+        speeds: as in `train`: None for no requested speed, a speed, or a range (m/s).
+        seeds: first seed, and the one after the last; seed 0 alone if None.
+        steps: gradient steps of each training; those of the recipe if None.
         certify: level to prove; None for no proof.
-        budget: seconds for each proof; with one, what is proved depends on the machine.
-        controllers: laws to walk under, by name; `pd` if None.
+        budget: seconds for each proof; with a budget, the result depends on the machine.
+        controllers: names of the control laws to walk with; `pd` if None.
         disturbances: `standard` (if None), `none`, a TOML file, or a mapping of names to
             disturbances; see `sweeps.disturbances`.
-        walks: under each disturbance; 4 if None.
-        workers: processes of this machine, one a core if None; in a script, call this below
-            `if __name__ == "__main__":`.
+        walks: number of walks under each disturbance; 4 if None.
+        workers: number of processes on this machine, one for each core if None; in a script, call
+            this below `if __name__ == "__main__":`.
         ray: `local`, `auto` or HOST:PORT of a Ray cluster, in place of processes.
-        engine: to use instead of those two.
+        engine: engine to use instead of those two.
         out: folder of the sweep; `runs/sweeps/<UTC time>-<first seed>` if None.
-        resume: go on with the sweep in `out`, if there is one. What else is given must be what
-            it was asked.
-        tell: called when a row is done.
+        resume: continue the sweep in `out`, if there is one. Other settings must equal those of the
+            sweep.
+        tell: called when a row is finished.
         root: folder of the runs.
 
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt, with every
@@ -156,7 +157,7 @@ def _given(
     disturbances: str | Path | Mapping[str, Any] | None,
     walks: int | None,
 ) -> dict[str, Any]:
-    """What was given of a `SweepAsked`, checked as far as it can be without a robot."""
+    """Return the settings of a `SweepAsked` that are not None, checked as far as possible."""
     if seeds is not None:
         check_seeds(seeds)
     check_steps(steps)
@@ -196,7 +197,7 @@ def _folder(
     resume: bool,
     root: Path,
 ) -> Callable[[], SweepFolder]:
-    """What opens the sweep that is there, or makes a new one, everything being checked."""
+    """Return the function that opens the existing sweep or makes a new one, after all checks."""
     if resume and out is None:
         raise InputError("expected --out DIR with --resume, found none: name the sweep's folder")
     names = tuple(map(str, robots))
@@ -240,7 +241,7 @@ def _folder(
 
 
 def _job(folder: SweepFolder, one: Combination) -> Job:
-    """The task of a row: all it needs, and nothing of this machine's disk."""
+    """Return the task of a row: all that it needs, with no reference to this machine's disk."""
     asked = folder.asked
     spec = asked.specs[one.spec]
     own = spec_file(one.spec) in asked.sha256
@@ -269,7 +270,7 @@ def _job(folder: SweepFolder, one: Combination) -> Job:
 def _kept(
     folder: SweepFolder, done: Iterator[Done], every: Sequence[Combination]
 ) -> Iterator[SweepRow]:
-    """Put rows into the folder as they come."""
+    """Put rows into the folder as they arrive, and yield them."""
     by_name = {one.name: one for one in every}
     for one in done:
         files = dict(one.files)

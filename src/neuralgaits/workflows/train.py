@@ -1,4 +1,4 @@
-"""Train a gait and leave a run folder that can be continued, checked and simulated."""
+"""Train a gait and leave a run folder that can be resumed, checked and simulated."""
 
 import time
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ from neuralgaits.workflows.parts.new_training import new_training
 from neuralgaits.workflows.parts.proof_rounds import ProofRounds, Watch
 
 FRESH_SAMPLES_SEED = 2**31
-"""Seed of the samples the summary is measured on; no run can have it."""
+"""Seed of the samples on which the summary is measured; no run can have it."""
 
 
 def train(
@@ -59,27 +59,28 @@ def train(
     """Train a policy for a robot.
 
     Args:
-        robot: of `load_robot`; with `resume` it need not be given, the run has its own.
-        spec: of `specs.DESCRIPTIONS` by name, FILE.py:NAME, or a `GaitSpec`. A run of a `GaitSpec`
+        robot: robot of `load_robot`; optional with `resume`, since the run has its own.
+        spec: name from `specs.DESCRIPTIONS`, FILE.py:NAME, or a `GaitSpec`. A run of a `GaitSpec`
             that no file defines can be opened again only if a built-in of its name has the
             same conditions.
-        seed: of weights and samples.
+        seed: seed of weights and samples.
         init: "posture" or "random".
-        hidden: widths of the hidden layers; the spec's if None.
-        steps: gradient steps; the recipe's if None.
+        hidden: widths of the hidden layers; those of the spec if None.
+        steps: gradient steps; those of the recipe if None.
         out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
         resume: continue this run, or the `latest` unfinished one; other settings come from it.
-        certify: after training, prove the conditions (level 1); where that fails, train on with
-            samples of the boxes that are left, until the proof stands.
-        budget: seconds for proofs and further training; None for as long as it takes.
-        speed: mean speed to walk at (m/s), or a range of them: one policy, told at each touchdown.
-        step_length: range of footholds' distances to be told (m).
-        step_height: range of their heights above the stance foot (m).
-        slope: range of slopes of the ground (rad).
+        certify: prove the conditions (level 1) after training; if that fails, continue training
+            with samples of the boxes that are left, until the proof succeeds.
+        budget: seconds for proofs and further training; None for no limit.
+        speed: mean speed (m/s), or a range of speeds that one policy is commanded at each
+            touchdown.
+        step_length: range of the commanded distances of footholds (m).
+        step_height: range of the commanded heights of footholds above the stance foot (m).
+        slope: range of the commanded slopes of the ground (rad).
         parameters: box of robots that the gait is meant for, half widths by kind: shares of the
             file's mass, inertia and rotor, metres of com.
         progress: called with (step, steps, loss) now and then.
-        watch: told how the proof goes on, and of a speed that no gait is likely to have.
+        watch: callbacks about the progress of the proof, and about a speed that is likely too hard.
         root: folder of the runs.
 
     Returns: `Run`.
@@ -129,15 +130,15 @@ def train_to_the_end(
     began: float,
     trainer: Trainer | None = None,
 ) -> Run:
-    """Train from the last checkpoint, or from the untrained gait of a run, and finish its folder.
+    """Train from the last checkpoint, or from a run's untrained gait, and finish its folder.
 
     Args:
-        run: unfinished; its gait is the untrained one.
-        progress: of `train`.
-        watch: of `train`.
+        run: unfinished run; its gait is the untrained one.
+        progress: as in `train`.
+        watch: as in `train`.
         root: folder of the runs.
-        began: when the command, or this seed of many, did (s, of `time.perf_counter`).
-        trainer: of `take_all_steps`.
+        began: start time of the command, or of this seed of many (s, of `time.perf_counter`).
+        trainer: as in `take_all_steps`.
 
     Raises: NonFiniteError; Interrupted for KeyboardInterrupt.
     """
@@ -181,18 +182,18 @@ def summary_of(
     began: float,
     proof: TrainingProof | None = None,
 ) -> Trained:
-    """What a training says of itself, with the hash of its conditions as a Program.
+    """Return the summary of a training, with the hash of its conditions as a Program.
 
     Args:
-        run: with its trained gait.
-        report: of that gait.
-        aimed: the same before calibration: aims are those of the middle of the tubes, which
-            calibration leaves for the orbit.
-        state: at the last step.
-        compile_s: time that compiling took.
-        train_s: time of the steps.
-        began: when the command, or this seed of many, did (s, of `time.perf_counter`).
-        proof: that was asked for.
+        run: run with its trained gait.
+        report: margins of that gait on fresh samples.
+        aimed: margins before calibration, for the aims: these concern the middle of the tubes,
+            which calibration replaces by the orbit.
+        state: training state at the last gradient step.
+        compile_s: duration of compiling (s).
+        train_s: duration of the gradient steps (s).
+        began: start time of the command, or of this seed of many (s, of `time.perf_counter`).
+        proof: result of the requested proof; None without one.
     """
     asked = run.asked
     aims = {aim.name: violations(aimed.margins[aim.name], aim.scale) for aim in run.spec.aims}
@@ -226,7 +227,7 @@ def summary_of(
 
 
 def _orbit_speeds(run: Run) -> tuple[float, float] | None:
-    """Mean speeds of the orbits at both ends of the range of `speed` (m/s)."""
+    """Return the orbits' mean speeds at both ends of the range of `speed` (m/s), or None."""
     told = run.asked.commands
     if "speed" not in told:
         return None
@@ -239,7 +240,7 @@ def _orbit_speeds(run: Run) -> tuple[float, float] | None:
 
 
 def violations(margins: np.ndarray, scale: float) -> Violations:
-    """What margins of samples, in the unit of a condition with this scale, say of it."""
+    """Summarise the margins of samples, given in the unit of a condition with this scale."""
     shares = np.asarray(margins) / scale
     below = np.maximum(-shares, 0.0)
     least = float(np.min(shares))
@@ -249,7 +250,7 @@ def violations(margins: np.ndarray, scale: float) -> Violations:
 def _resumed(
     run: str | Path, robot: PlanarBiped | None, root: Path
 ) -> tuple[RunFolder, PlanarBiped, GaitSpec]:
-    """An unfinished run with the robot and spec it started with."""
+    """Open an unfinished run, with the robot and spec it started with."""
     folder = resolve_unfinished(run, root)
     asked_of(folder)
     refuse_unwritable(*(folder.path / file for file in (STATE, WEIGHTS, SUMMARY)), root / LATEST)

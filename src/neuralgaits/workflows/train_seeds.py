@@ -1,4 +1,4 @@
-"""Train many seeds in one command, and leave an ordinary run folder of each."""
+"""Train many seeds in one command, and leave an ordinary run folder for each."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -28,16 +28,16 @@ from neuralgaits.workflows.parts.seed_batches import SeedBatches
 from neuralgaits.workflows.parts.side_by_side import SideBySide
 
 SUMMARY = "seeds.json"
-"""Table of the seeds, in the folder that holds their runs."""
+"""Name of the table of seeds, in the folder that holds their runs."""
 
 
 @dataclass(frozen=True)
 class Seeds:
-    """Many seeds and what came of them.
+    """Results of training many seeds.
 
     Attributes:
         path: the folder that holds their runs.
-        runs: of those that are trained, in order.
+        runs: runs of the trained seeds, in order.
         summary: what `train --seeds --json` prints.
     """
 
@@ -66,30 +66,30 @@ def train_seeds(
 ) -> Seeds:
     """Train a policy for each of many seeds, with programs that are compiled once.
 
-    On a processor each comes to the weights that `train` comes to, bit for bit. Accelerators train
-    batches of seeds as one program, and come to them up to rounding.
+    On a processor, each seed reaches the same weights as `train`, bit for bit. Accelerators train
+    batches of seeds as one program, and reach the same weights up to rounding.
 
     Args:
-        robot: of `load_robot`.
-        spec: as in `train`, with all that follows but `seeds`, `out` and `progress`.
-        seeds: the first, and the one after the last.
+        robot: robot of `load_robot`.
+        spec: as in `train`, like all following arguments except `seeds`, `out` and `progress`.
+        seeds: first seed, and the one after the last.
         init: "posture" or "random".
-        hidden: widths of the hidden layers; the spec's if None.
-        steps: gradient steps of each seed; the recipe's if None.
+        hidden: widths of the hidden layers; those of the spec if None.
+        steps: gradient steps of each seed; those of the recipe if None.
         out: folder that holds a run folder for each seed, named after its number;
             `runs/seeds/ROBOT/<UTC time>-<first seed>` if None.
-        speed: mean speed to walk at (m/s), or a range of them.
-        step_length: range of footholds' distances to be told (m).
-        step_height: range of their heights above the stance foot (m).
-        slope: range of slopes of the ground (rad).
+        speed: mean speed (m/s), or a range of commanded speeds.
+        step_length: range of the commanded distances of footholds (m).
+        step_height: range of the commanded heights of footholds above the stance foot (m).
+        slope: range of the commanded slopes of the ground (rad).
         parameters: box of robots that the gaits are meant for.
         progress: called with (steps of all seeds done, in all, mean loss) now and then, from one
             thread at a time, which need not be the caller's.
-        doubted: called with one line, before the training, where no gait at that speed is likely.
+        doubted: called with one line, before the training, if no gait at that speed is likely.
         root: folder of the runs.
 
-    Returns: `Seeds`; a seed whose training ends in NaN, or which a later part refuses, is among
-        its `summary.refused`.
+    Returns: `Seeds`; a seed whose training ends in NaN, or that a later stage refuses, is in
+        `summary.refused`.
 
     Raises: InputError on bad settings; Interrupted for KeyboardInterrupt.
     """
@@ -135,7 +135,7 @@ def train_seeds(
 
 
 def as_one_program() -> bool:
-    """Whether there are accelerators, or several devices to share a batch."""
+    """Return whether to train batches as one program: on accelerators, or on several devices."""
     return jax.default_backend() != "cpu" or len(jax.devices()) > 1
 
 
@@ -165,7 +165,7 @@ def _row(many: ManySeeds, number: int) -> TrainedSeed:
 
 
 def _stopped(many: ManySeeds, numbers: range) -> Interrupted:
-    """What can be gone on with: runs that were begun, and the seeds that were not."""
+    """Return the interruption, which names runs to resume and seeds that were not started."""
     left = [one for one in many.begun if one.asked.seed not in many.done | many.refused]
     later = numbers[len(many.begun) :]
     rest = [f"and so with each of {len(left) - 1} more"] if len(left) > 1 else []

@@ -1,4 +1,4 @@
-"""A live page of a run: the robot walks in MuJoCo and bears what visitors do to it."""
+"""A live page of a run: the robot walks in MuJoCo, and visitors can disturb it."""
 
 import threading
 from pathlib import Path
@@ -20,18 +20,18 @@ from neuralgaits.viewer.walker import Walker
 
 
 class LiveView:
-    """A page that is being served.
+    """A live page that is being served.
 
     Attributes:
-        gait: that walks.
-        player: that moves it.
-        url: of the page.
-        port: it listens on.
-        host: it is bound to.
+        gait: gait that walks.
+        player: player that moves the gait.
+        url: address of the page.
+        port: port that the server listens on.
+        host: address that the server is bound to.
     """
 
     def __init__(self, run: Run, host: str, port: int | None, terrain: str | None = None):
-        """Serve the page, with the robot standing; `_bring_to_life` does the rest."""
+        """Serve the page with the robot standing, and start the threads that complete it."""
         self._terrain = terrain
         self._closed = threading.Event()
         self._showing = threading.Lock()
@@ -54,16 +54,16 @@ class LiveView:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What `view --json` prints."""
+        """Address and run of the page, as `view --json` prints them."""
         about = {"url": self.url, "port": self.port, "run": str(self._run.path)}
         return about | {"terrain": self._terrain}
 
     def wait(self) -> None:
-        """Until Ctrl-C. Raises: what failed while the robot walked."""
+        """Wait until Ctrl-C. Raises: any failure while the robot walked."""
         self.player.wait()
 
     def close(self) -> None:
-        """Stop walking and serving."""
+        """Stop the walk and the server."""
         with self._showing:
             # What is being put onto the page gets there; nothing is begun any more.
             self._closed.set()
@@ -73,7 +73,7 @@ class LiveView:
             self._server.stop()
 
     def ready(self, timeout: float | None = None) -> bool:
-        """Wait for portrait and margins (s). Returns: whether they are there."""
+        """Wait for portrait and margins (s). Returns: whether they are available."""
         self._alive.join(timeout)
         return not self._alive.is_alive()
 
@@ -98,7 +98,7 @@ class LiveView:
         )
 
     def _bring_to_life(self) -> None:
-        """Certificate, margins and portrait: the robot walks meanwhile."""
+        """Add certificate, margins and portrait to the page, while the robot walks."""
         # Its imports would hold up the first frame.
         from neuralgaits.viewer.sureness import how_sure
 
@@ -146,11 +146,12 @@ def view(
 
     Args:
         run: a run, its folder, or `latest`.
-        host: address to bind to; other than loopback, other machines reach the page.
-        port: exactly this one; None takes a free one.
+        host: address to bind to; with any other than loopback, other machines reach the page.
+        port: port to listen on; None takes a free one.
         terrain: blocks in place of the floor, as in `simulate`.
 
-    Returns: `LiveView`, serving; `wait` until it ends, then `close` it, or use it as a context.
+    Returns: `LiveView`, already serving. `wait` until it ends, then `close` it, or use it as a
+        context manager.
     Raises: InputError, RobotError or RunError with one line.
     """
     page.refuse_no_port(port)

@@ -1,1 +1,1 @@
-"""What all figures share: their look, the robot in lines, files, and who writes them."""
+"""Shared parts of all figures: their style, the robot as a line drawing, and their files."""

@@ -1,4 +1,4 @@
-"""What becomes of a figure: two files and words, or the reason why it is missing."""
+"""The outcome of a figure: two files with a caption, or the reason why it is missing."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,9 +9,9 @@ class Drawn:
     """A figure on disk.
 
     Attributes:
-        name: of the figure, the same for every run; also of its files.
+        name: name of the figure and of its files, the same for every run.
         title: a few words.
-        caption: what is to be seen and why it matters, in plain words.
+        caption: what the figure shows and why it matters, in plain words.
         path_png, path_svg: the files.
     """
 
@@ -22,7 +22,7 @@ class Drawn:
     path_svg: Path
 
     def _repr_png_(self) -> bytes:
-        """Itself, for a notebook. Raises: OSError if its file is gone."""
+        """Return the PNG file, for a notebook. Raises: OSError if the file is missing."""
         return self.path_png.read_bytes()
 
 
@@ -31,9 +31,9 @@ class Missing:
     """A figure that cannot be drawn yet.
 
     Attributes:
-        name, title: as of the figure.
-        reason: what is not there.
-        command: what to type to get it.
+        name, title: those of the figure.
+        reason: what is missing.
+        command: command that makes it.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A drawn figure as files."""
+"""A drawn figure as PNG and SVG files."""
 
 from io import BytesIO
 from pathlib import Path
@@ -12,7 +12,7 @@ from neuralgaits.runs import write_bytes
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as a PNG file."""
+    """Return the figure as a PNG file."""
     buffer = BytesIO()
     with style.settings():
         FigureCanvasAgg(figure).print_png(buffer)
@@ -20,7 +20,7 @@ def png(figure: Figure) -> bytes:
 
 
 def svg(figure: Figure) -> bytes:
-    """The figure as an SVG file of nothing but the drawing: no time, no addresses."""
+    """Return the figure as an SVG file that holds only the drawing: no time, no addresses."""
     buffer = BytesIO()
     with style.settings():
         FigureCanvasSVG(figure).print_svg(
@@ -30,7 +30,7 @@ def svg(figure: Figure) -> bytes:
 
 
 def paths_of(folder: Path, name: str) -> tuple[Path, Path]:
-    """The PNG and the SVG file that a figure becomes."""
+    """Return the paths of a figure's PNG and SVG files."""
     return folder / f"{name}.png", folder / f"{name}.svg"
 
 

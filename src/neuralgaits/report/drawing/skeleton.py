@@ -22,12 +22,12 @@ def draw(
     """Draw one pose: stance leg and torso dark, swing leg lighter.
 
     Args:
-        axes: to draw on, x forward and y up [m].
-        points: of `skeleton`.
+        axes: axes to draw on, x forward and y up [m].
+        points: points of `skeleton`.
         torso: whether the robot has one.
-        shift: of the stance foot [m].
+        shift: forward position of the stance foot [m].
         faint: draw it in the background.
-        colour: of all links, for poses that lie over each other; None for dark and lighter.
+        colour: one colour for all links, for overlapping poses; None for dark and lighter links.
     """
     hip = hip_index(len(points), torso)
     x, y = points[:, 0] + shift, points[:, 1]

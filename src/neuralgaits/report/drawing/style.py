@@ -1,7 +1,7 @@
-"""One look for all figures: sizes, and colours that never stand alone.
+"""One style for all figures: sizes, and colours that are never the only distinction.
 
-Colours are those of Okabe and Ito (2008), which colour-blind readers tell apart. Printed in grey
-some fall together, so every series has a line style or a marker of its own too.
+Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish. In grey
+some of them coincide, so each series also has a line style or a marker of its own.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,9 +23,9 @@ BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
     "#cc79a7",
 )
 DPI = 110
-"""Of PNG files and of rasterised layers: 880 pixels across, sharp where a page shows 700."""
+"""Resolution of PNG files and rasterised layers: 880 pixels across, sharp on a page at 700."""
 WIDTH = 8.0
-"""Of a figure [in]: text of 10 points is 12 pixels high where a page shows 700."""
+"""Width of a figure [in]; text of 10 points is 12 pixels high where a page shows 700."""
 
 _SETTINGS: dict[Any, Any] = {
     "font.size": 10.0,
@@ -64,13 +64,13 @@ R = TypeVar("R")
 
 @contextmanager
 def settings() -> Iterator[None]:
-    """The look, for as long as it is needed: matplotlib's own settings come back."""
+    """Apply the common style within the context, and restore matplotlib's settings afterwards."""
     with mpl.rc_context(_SETTINGS):
         yield
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Let a function draw in the common look."""
+    """Wrap a function so that it draws in the common style."""
 
     @wraps(draw)
     def wrapped(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -81,12 +81,12 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def new_figure(height: float) -> Figure:
-    """An empty figure of a height [in]; labels and legends make room for one another."""
+    """Return an empty figure of a height [in], with a layout that keeps labels apart."""
     return Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
 
 
 def series(number: int) -> dict[str, Any]:
-    """Colour and line style of the number-th series of a plot; together they do not repeat."""
+    """Return colour and line style of the number-th series; the pairs do not repeat."""
     shift = number // len(_COLOURS)
     return {
         "color": _COLOURS[number % len(_COLOURS)],
@@ -95,10 +95,10 @@ def series(number: int) -> dict[str, Any]:
 
 
 def marker(number: int) -> str:
-    """Marker of the number-th series."""
+    """Return the marker of the number-th series."""
     return _MARKERS[number % len(_MARKERS)]
 
 
 def panel(axes: Axes, letter: str, title: str) -> None:
-    """Name a panel, above its left edge."""
+    """Write a panel's letter and title above its left edge."""
     axes.set_title(f"{letter})  {title}", loc="left")

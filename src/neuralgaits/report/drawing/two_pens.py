@@ -1,4 +1,4 @@
-"""Figures written by two processes at once: most of what a report takes is drawing its files."""
+"""Write figures in two processes at once, since drawing files takes most of a report's time."""
 
 import contextlib
 import pickle
@@ -15,11 +15,11 @@ from neuralgaits._own_process import command_of, environment_of
 from neuralgaits.report.drawing.figure import paths_of, write
 
 PATIENCE_S = 300.0
-"""A process that has not written its half by then is given up [s]."""
+"""Time after which a process that has not written its half is abandoned [s]."""
 
 
 class Sheet(NamedTuple):
-    """A figure and the files it becomes, `folder/name.png` and `folder/name.svg`."""
+    """A figure and the files that it becomes, `folder/name.png` and `folder/name.svg`."""
 
     figure: Figure
     folder: Path
@@ -31,7 +31,7 @@ Pen = subprocess.Popen[bytes]
 
 @contextlib.contextmanager
 def second_pen() -> Iterator[Pen | None]:
-    """A process that imports what drawing needs while figures are made here; None without one."""
+    """Start a process that imports the drawing code ahead of time; None if it cannot start."""
     pen = None
     with contextlib.suppress(OSError, TypeError):  # TypeError: this Python has no executable.
         pen = subprocess.Popen(
@@ -50,11 +50,11 @@ def second_pen() -> Iterator[Pen | None]:
 
 
 def write_all(sheets: Sequence[Sheet], pen: Pen | None) -> list[tuple[Path, Path]]:
-    """Write all figures, every other one in the process beside.
+    """Write all figures, every second one in the other process.
 
-    What that process cannot write, for whatever reason, is written here and raises here.
+    If the other process fails, this one writes its figures, and errors are raised here.
 
-    Returns: paths of the PNG and SVG files, in order.
+    Returns: paths of the PNG and SVG files, in the order of `sheets`.
     """
     if pen is None:
         return [write(*sheet) for sheet in sheets]
@@ -70,7 +70,7 @@ def write_all(sheets: Sequence[Sheet], pen: Pen | None) -> list[tuple[Path, Path
 
 
 def _hand_over(pen: Pen, sheets: Sequence[Sheet]) -> bool:
-    """Let the process write them. Returns: whether it did."""
+    """Let the other process write these figures. Returns: whether it succeeded."""
     try:
         pen.communicate(pickle.dumps([tuple(sheet) for sheet in sheets]), timeout=PATIENCE_S)
     except (OSError, pickle.PicklingError, TypeError, AttributeError, subprocess.TimeoutExpired):

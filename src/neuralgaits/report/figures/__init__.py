@@ -1,1 +1,1 @@
-"""A file for each figure: what it shows, and how it is drawn from saved data."""
+"""One file for each figure: its caption, and how it is drawn from saved data."""

@@ -30,12 +30,12 @@ CAPTION = (
 )
 ALLOWED = "#dcebf7"
 ARROWS = 9
-"""Contact forces that are drawn."""
+"""Number of contact forces that are drawn."""
 
 
 @styled
 def draw(data: GaitData) -> Figure:
-    """Four sketches of a gait with a periodic orbit."""
+    """Draw four sketches of a gait with a periodic orbit."""
     figure = new_figure(7.6)
     torso, foot, force, joints = figure.subplots(2, 2).flat
     _torso(torso, data)
@@ -240,7 +240,7 @@ def _joints(axes: Axes, data: GaitData) -> None:
 def _knee(
     axes: Axes, data: GaitData, points: np.ndarray, joint: int, side: float, count: int, row: int
 ) -> None:
-    """The straight leg at a knee, and by how much it is bent."""
+    """Draw the line of a straight leg at a knee, and write the bend of the knee."""
     hip = hip_index(len(points), data.torso)
     swing = joint >= count / 2
     # Actuated joints run up the stance leg and down the swing leg; hips stand between.
@@ -268,12 +268,12 @@ def _knee(
 
 
 def _row(data: GaitData, share: float) -> int:
-    """Row of the orbit at a share of the step's time."""
+    """Return the orbit's row at a share of the step's time."""
     return int(np.searchsorted(data["orbit/t"], share * data["orbit/t"][-1]))
 
 
 def _limits(data: GaitData, quantity: str) -> tuple[float | None, float | None]:
-    """Lower and upper bound that conditions set on a quantity."""
+    """Return the lower and the upper bound that conditions set on a quantity; None if unset."""
     found: list[float | None] = []
     for side in ("at_least", "at_most"):
         bounds: list[Mapping[str, Any]] = data.bounds(side, quantity)
@@ -295,7 +295,7 @@ def _no_condition(axes: Axes, what: str) -> None:
 
 
 def _frame(axes: Axes, points: np.ndarray, share: float) -> None:
-    """Show the pose in true proportions, with room above it."""
+    """Frame the pose in true proportions, with space above it."""
     top = share * float(points[:, 1].max())
     middle = 0.5 * float(points[:, 0].min() + points[:, 0].max())
     axes.set_ylim(-0.05 * top, top)

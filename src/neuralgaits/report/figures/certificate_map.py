@@ -1,4 +1,4 @@
-"""Map of a certificate: which boxes of the zero dynamics plane are proved, refuted, undecided."""
+"""Map of a certificate: boxes of the zero dynamics plane that are proved, refuted or undecided."""
 
 import textwrap
 from collections.abc import Mapping
@@ -29,11 +29,11 @@ PROVED, UNDECIDED, REFUTED = 0, 1, 2
 _GREENS = LinearSegmentedColormap.from_list("margin", ["#e5f5e0", "#74c476", "#00592b"])
 _RED = "#7f0000"
 _NOT_PROVED = (UNDECIDED, ORANGE, "///"), (REFUTED, _RED, "xxx")
-"""Colour and hatch: in grey they differ too."""
+"""States with their colour and hatch, which differ in grey, too."""
 
 
 def draw_saved(data: Path) -> Figure:
-    """The map of saved boxes. Raises: RunError if they are damaged."""
+    """Draw the map of saved boxes. Raises: RunError if they are damaged."""
     arrays, metadata = read_arrays(data)
     count = len(arrays.get("answer", ()))
     shapes = {"corners": (count, 4, 2), "answer": (count,), "margin": (count,)}
@@ -61,14 +61,15 @@ def draw(
     counterexamples: np.ndarray,
     title: str,
 ) -> Figure:
-    """The map.
+    """Draw the map.
 
     Args:
-        corners: of each box in (z1, z2), in order around it; boxes may be curves. [N, 4, 2]
+        corners: corners of each box in (z1, z2), in order around it; a box may be a curve. [N, 4,
+            2]
         answer: PROVED, UNDECIDED or REFUTED. [N]
-        margin: smallest proved margin of a box, in scales. [N]
+        margin: smallest proved margin in a box, in scales. [N]
         counterexamples: states that break a condition. [M, 2]
-        title: one line.
+        title: title of one line.
     """
     figure = new_figure(5.4)
     axes = figure.add_subplot()
@@ -137,6 +138,6 @@ def _legend(axes, answer: np.ndarray, points: int) -> None:
 
 
 def _is_curve(corners: np.ndarray) -> np.ndarray:
-    """Boxes without area. [N]."""
+    """Return which boxes have no area. [N]."""
     across, up = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
     return (np.abs(across).max(axis=1) == 0.0) | (np.abs(up).max(axis=1) == 0.0)

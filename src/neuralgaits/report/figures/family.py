@@ -1,4 +1,4 @@
-"""A family of gaits: what is told and what is walked, tubes and orbits, postures at touchdown."""
+"""Figure of a family of gaits: commands and walked speeds, tubes and orbits, postures."""
 
 from itertools import zip_longest
 
@@ -23,17 +23,17 @@ from neuralgaits.report.drawing.style import (
 
 TITLE = "A family of gaits"
 HEIGHT, HEIGHT_A_COMMAND = 4.3, 1.9
-"""Of the figure, and at least for each command [in]."""
+"""Least height of the figure, and its least height for each command [in]."""
 LEAST_SPAN = 0.02
-"""Of the axis of speeds, so that rounding does not look like a result [m/s]."""
+"""Least span of the speed axis, so that rounding does not look like a result [m/s]."""
 LEVEL = 1e-6
-"""Footholds no higher or lower than this are on one level [m]."""
+"""Largest height difference of footholds that count as level [m]."""
 LEDGE = 0.045
-"""Half the width of the piece of ground that is drawn under a foothold [m]."""
+"""Half the width of the ground drawn under a foothold [m]."""
 
 
 def caption(family: Family) -> str:
-    """What is to be seen."""
+    """Return the figure's caption, with the commands that have no orbit."""
     first = family.sweeps[0]
     shown = [told.written(first.name, member.value) for member in family.members]
     text = (
@@ -55,7 +55,7 @@ def caption(family: Family) -> str:
 
 
 def _absent(family: Family) -> list[str]:
-    """Commands without an orbit."""
+    """Return the commands without an orbit, in words."""
     return [
         f"{told.words(sweep.name).short} {told.written(sweep.name, value)}"
         for sweep in family.sweeps
@@ -65,7 +65,7 @@ def _absent(family: Family) -> list[str]:
 
 @styled
 def draw(family: Family) -> Figure:
-    """Commands and speeds, the plane of the zero dynamics, and postures."""
+    """Draw commands and speeds, the plane of the zero dynamics, and postures."""
     count = len(family.sweeps)
     figure = new_figure(max(HEIGHT, HEIGHT_A_COMMAND * count))
     grid = figure.add_gridspec(count, 3, width_ratios=(1.0, 1.25, 0.95))
@@ -86,7 +86,7 @@ def draw(family: Family) -> Figure:
 
 
 def _speeds(axes: Axes, sweep: Sweep, members: tuple[Member, ...]) -> None:
-    """Mean speed of the orbits over a command, with the members that the other panels show."""
+    """Plot the orbits' mean speed over a command, and mark the members of the other panels."""
     x = np.array([told.value(sweep.name, value) for value in sweep.values])
     if sweep.name == "speed":
         axes.plot(x[[0, -1]], x[[0, -1]], color=GREY, linestyle="--", linewidth=1.0)
@@ -160,7 +160,7 @@ def _say(axes: Axes, words: str) -> None:
 
 
 def _legend(family: Family) -> list:
-    """Members in the upper row, the rest below it: matplotlib fills columns first."""
+    """Return the legend's entries, members in the upper row; matplotlib fills columns first."""
     name = family.sweeps[0].name
     members = [
         Line2D(

@@ -1,4 +1,4 @@
-"""The invariant set of the whole robot: states of the plane, with room for errors of the joints."""
+"""The invariant set of the whole robot: states of the plane, and the joint errors they allow."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,11 +21,11 @@ CAPTION = (
     "the step, against the errors that an impact leaves and how the controller lets them die out."
 )
 LEVEL_LOWER, LEVEL_UPPER = "level-lower", "level-upper"
-"""Barriers that are the tube's fences."""
+"""Names of the barriers that are the tube's fences."""
 CURVES = (0.5, 2.0, 5.0)
-"""Sizes of errors whose slices of the set are outlined [mrad]."""
+"""Sizes of the errors whose slices of the set are outlined [mrad]."""
 FLOOR = 1e-3
-"""Errors below this are not drawn [mrad]."""
+"""Smallest error that is drawn [mrad]."""
 _MAP = LinearSegmentedColormap.from_list("errors", ["#f4faff", "#9ecae1", "#08306b"])
 
 
@@ -34,13 +34,13 @@ class FullOrderSet:
     """The set {h_i - t_i >= sigma_i V for all i, sqrt(V) <= its bound at the phase}.
 
     Attributes:
-        radius: [rad].
-        shrink: [1].
+        radius: bound on sqrt(V) at phase 0 [rad].
+        shrink: rate at which the bound shrinks with the square of the phase [1].
         sigma: weight of V for each barrier [h/rad^2].
         tightening: t of each barrier [h].
         after_impact: largest sqrt(V) after an impact [rad].
         decay: rate gamma at which V falls [1/s].
-        floor: what the bound on sqrt(V) shrinks to [rad].
+        floor: value that the bound on sqrt(V) tends to [rad].
     """
 
     radius: float
@@ -52,17 +52,17 @@ class FullOrderSet:
     floor: float = 0.0
 
     def tube(self, phase: np.ndarray | float) -> np.ndarray:
-        """Bound on sqrt(V) that depends on the phase alone [rad]."""
+        """Return the bound on sqrt(V) that depends on the phase alone [rad]."""
         return self.floor + (self.radius - self.floor) * np.exp(-self.shrink * phase**2)
 
     def room(self, name: str, h: np.ndarray | float) -> np.ndarray:
-        """Bound on sqrt(V) by one barrier's value; zero where z itself is outside [rad]."""
+        """Return the bound on sqrt(V) from one barrier's value [rad]; zero where z is outside."""
         return np.sqrt(np.maximum(h - self.tightening[name], 0.0) / self.sigma[name])
 
 
 @styled
 def draw(data: GaitData, full: FullOrderSet) -> Figure:
-    """The set over the plane, and along the step."""
+    """Draw the set over the plane, and along the step."""
     phase, _ = np.meshgrid(data["chart/phase"], data["chart/level"])
     rooms = allowed(data, full)
     most = 1e3 * np.minimum(np.min(list(rooms.values()), axis=0), full.tube(phase))
@@ -93,7 +93,7 @@ def draw(data: GaitData, full: FullOrderSet) -> Figure:
 
 
 def allowed(data: GaitData, full: FullOrderSet) -> dict[str, np.ndarray]:
-    """Bound on sqrt(V) by each barrier over the chart [rad]. [L, P] each."""
+    """Return each barrier's bound on sqrt(V) over the chart [rad]. [L, P] each."""
     level = np.broadcast_to(data["chart/level"][:, None], data["chart/z"].shape[:2])
     values = dict(zip(data.barriers, data["chart/barriers"], strict=True))
     values |= {LEVEL_LOWER: level, LEVEL_UPPER: 1.0 - level}

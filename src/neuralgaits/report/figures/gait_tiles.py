@@ -1,4 +1,4 @@
-"""The robot as a line drawing, moment by moment over one step."""
+"""The robot as a line drawing, at several moments of one step."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ TILES = 7
 
 
 def measured_caption(source: str) -> str:
-    """What is to be seen of a measured step."""
+    """Return the caption of a measured step; `source` says where it is from."""
     return (
         f"The last full step of a walk ({source}), where feet can slip, motors saturate and "
         "contact is soft: it should look like the gait it was designed to be."
@@ -27,11 +27,11 @@ def measured_caption(source: str) -> str:
 def draw(
     points: Float[np.ndarray, "K points 2"], t: Float[np.ndarray, " K"], torso: bool
 ) -> Figure:
-    """Poses at equal times.
+    """Draw poses at equally spaced times.
 
     Args:
-        points: of the skeleton, over one step [m].
-        t: times, from 0 [s].
+        points: skeleton points over one step [m].
+        t: times that start at 0 [s].
         torso: whether the robot has one.
     """
     chosen = [int(np.argmin(np.abs(t - moment))) for moment in np.linspace(t[0], t[-1], TILES)]
@@ -71,5 +71,5 @@ def draw(
 
 
 def _centimetres(height: float) -> str:
-    """A height without the sign of a rounded zero."""
+    """Format a height in centimetres, without the sign of a rounded zero."""
     return f"{round(100.0 * height, 1) + 0.0:.1f}"

@@ -1,4 +1,4 @@
-"""Loss of every condition over the training."""
+"""Loss of every condition during training."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,20 +14,20 @@ CAPTION = (
     "small loss alone does not say that nothing is broken."
 )
 WHOLE = ("loss", "validation_loss")
-"""Columns about all conditions together."""
+"""Columns of `metrics.csv` about all conditions together."""
 NOT_CONDITIONS = ("step", "loss", "validation_loss", "effort")
 FLOOR = 1e-6
-"""Losses below this are drawn here: a logarithm has no zero [1]."""
+"""Value at which smaller losses are drawn: a logarithmic axis has no zero [1]."""
 SHOWN = 7
-"""Conditions with a curve of their own: those that were broken most."""
+"""Number of conditions with a curve of their own: the most violated ones."""
 
 
 @styled
 def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
-    """The curves.
+    """Draw the curves.
 
     Args:
-        rows: of `metrics.csv`, at least one.
+        rows: rows of `metrics.csv`, at least one.
     """
     steps = np.array([row["step"] for row in rows])
     figure = new_figure(5.2)

@@ -1,4 +1,4 @@
-"""Boxes of a certificate carried to the plane of the zero dynamics, as data and as a figure."""
+"""Boxes of a certificate mapped into the plane of the zero dynamics, as data and as a figure."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ from neuralgaits.runs.names import MAP, MAP_FIGURE
 
 
 def map_files(run: Run, problems: Sequence[Problem], states: Sequence[Search]) -> dict[str, bytes]:
-    """Return the contents of the files by name: corners and states of all boxes, and a figure."""
+    """Return file contents by name: the corners and states of all boxes, and a figure."""
     chart = trace(lambda u: {"z": run.gait.z(u)}, {"u": (2,)})
     parts = []
     for state in states:

@@ -1,4 +1,4 @@
-"""How far the gait keeps from breaking each condition: along the orbit, and at worst."""
+"""Margins of the gait's conditions: along the orbit, and the least of each."""
 
 from collections.abc import Mapping
 
@@ -28,20 +28,20 @@ CAPTION = (
     "diamonds are bounds that are proved for every state of it."
 )
 NAMED = 6
-"""Conditions with a line of their own: the tightest."""
+"""Number of conditions with a line of their own: the tightest."""
 MOMENT = 3
-"""A condition that applies at no more nodes than this holds at one moment: it has no line."""
+"""Most nodes at which a condition applies and still counts as momentary: it has no line."""
 SHOWN = 1.0
-"""Margins beyond this are cut off: they are far away [scale]."""
+"""Largest margin that is drawn; larger ones are cut off [scale]."""
 
 
 @styled
 def draw(data: GaitData, proved: Mapping[str, float]) -> Figure:
-    """Margins in scales of their conditions.
+    """Draw the margins in scales of their conditions.
 
     Args:
-        data: of the gait.
-        proved: proved lower bound of conditions that have one [scale].
+        data: data of the gait.
+        proved: proved lower bounds of the margins, by condition [scale].
     """
     figure = new_figure(max(5.0, 1.5 + 0.2 * len(data.conditions)))
     left, right = figure.subplots(1, 2, width_ratios=[1.15, 1.0])
@@ -114,6 +114,6 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
 
 
 def _forbidden(span, line) -> None:
-    """Mark margins below zero: broken."""
+    """Mark the margins below zero, where a condition is violated."""
     span(-10.0, 0.0, facecolor="#fbe6da", edgecolor=GREY, hatch="//", linewidth=0, zorder=0)
     line(0.0, color=BLACK, linewidth=1.0)

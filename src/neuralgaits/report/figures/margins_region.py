@@ -1,4 +1,4 @@
-"""Which condition is tightest where, over all states of the tube."""
+"""Tightest condition at each state of the tube."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,7 +24,7 @@ _HATCHES = ("", "///", "...", "\\\\\\", "xx", "|||", "---", "++")
 
 @styled
 def draw(data: GaitData) -> Figure:
-    """Heat map of the least margin, and the conditions it belongs to."""
+    """Draw a heat map of the least margin, and the regions of the conditions that set it."""
     margins, z = data["chart/margins"], data["chart/z"]
     # Conditions on edges alone have no area to colour.
     wide = [row for row in range(len(margins)) if np.isfinite(margins[row, 1:-1, 1:-1]).any()]
@@ -70,7 +70,7 @@ def draw(data: GaitData) -> Figure:
 
 
 def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None:
-    """One fill and hatch a condition, the most frequent ones first."""
+    """Give each condition a fill and a hatch, the most frequent ones first."""
     found, counts = np.unique(which, return_counts=True)
     handles = []
     for number, row in enumerate(found[np.argsort(-counts)]):

@@ -25,17 +25,17 @@ X_LABEL = "z1, hip ahead of the stance foot [m]"
 Y_LABEL = "z2, angular momentum about\nthe stance foot [kg m²/s]"
 TUBE = "#dcebf7"
 RESETS = 3
-"""Arrows of the reset map: from the fences and between them."""
+"""Number of arrows of the reset map: from the fences and between them."""
 
 
 def caption(data: GaitData, walk: MeasuredWalk | None, level: int, told: bool = False) -> str:
-    """What is to be seen.
+    """Return the caption.
 
     Args:
-        data: of the gait.
-        walk: measured, or None.
-        level: up to which the gait is proved, 0 if nothing is.
-        told: whether it takes commands: its level 3 is about two walks, not about an orbit.
+        data: data of the gait.
+        walk: measured walk, or None.
+        level: highest proved level, 0 if nothing is proved.
+        told: whether it takes commands; its level 3 is then about two walks, not about an orbit.
     """
     text = (
         "As long as the joints follow the policy exactly, a point is the whole state of the "
@@ -58,7 +58,7 @@ def caption(data: GaitData, walk: MeasuredWalk | None, level: int, told: bool = 
 
 @styled
 def draw(data: GaitData, walk: MeasuredWalk | None = None) -> Figure:
-    """The portrait, with a measured walk in it if there is one."""
+    """Draw the portrait, with a measured walk if there is one."""
     figure = new_figure(5.8)
     axes = figure.add_subplot()
     handles: list = [_tube(axes, data), *_safe_set(axes, data), flow(axes, data, "dz")]
@@ -80,7 +80,7 @@ def flow(
     density: float = 0.9,
     width: float = 0.6,
 ) -> Line2D:
-    """Stream lines of a field on the plane's grid. Returns: what a legend shows."""
+    """Draw stream lines of a field on the plane's grid. Returns: a handle for the legend."""
     z1, z2, field = data["plane/z1"], data["plane/z2"], data[f"plane/{name}"]
     finite = np.where(np.isfinite(field), field, 0.0)
     streams = axes.streamplot(
@@ -107,7 +107,7 @@ def _tube(axes: Axes, data: GaitData) -> Patch:
 
 
 def _safe_set(axes: Axes, data: GaitData) -> list:
-    """Outside of it: hatched. Nothing to draw if every state of the picture is safe."""
+    """Hatch the states outside of the safe set. Returns: handles, none if all states are safe."""
     if not len(data["plane/barriers"]):
         return []
     least = data["plane/barriers"].min(axis=0)

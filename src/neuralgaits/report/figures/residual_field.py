@@ -1,4 +1,4 @@
-"""What was learned of the robot beyond its model: the field, and the flow before and after."""
+"""Learned residual of the dynamics: its field, and the flow without and with it."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ SHADES = 11
 
 
 def caption(data: ResidualData) -> str:
-    """What is to be seen."""
+    """Return the caption, which says whether the policy was trained with the residual."""
     end = (
         "The policy of this run was trained on the corrected flow."
         if data.trained
@@ -37,7 +37,7 @@ def caption(data: ResidualData) -> str:
 
 @styled
 def draw(data: ResidualData) -> Figure:
-    """Both components of the residual, and the flow nominal and corrected."""
+    """Draw both components of the residual, and the flow of the model with and without it."""
     gait = data.gait
     figure = new_figure(7.6)
     grid = figure.add_gridspec(2, 2, height_ratios=[1.0, 1.15])

@@ -1,7 +1,7 @@
-"""Poincare map of the step: the momentum as the hip passes over the foot, one step later.
+"""Poincaré map of the step: momentum as the hip passes over the foot, one step later.
 
-The section is z1 = 0. A certificate speaks of the section at phase 1/2, whose z2 is another number;
-the slope at the orbit is the same on every section, and so is what bounds it on the walking set.
+The section is z1 = 0. A certificate uses the section at phase 1/2, where z2 has another value.
+The slope at the orbit is the same on every section, and so is its bound on the walking set.
 """
 
 from dataclasses import dataclass
@@ -26,20 +26,20 @@ from neuralgaits.report.drawing.style import (
 
 TITLE = "Why the gait settles"
 STEPS = 12
-"""Steps of the walks that are followed."""
+"""Number of steps for which walks are followed."""
 FLOOR = 1e-5
-"""Distances from the orbit below this are not drawn [kg m^2/s]."""
+"""Smallest distance from the orbit that is drawn [kg m^2/s]."""
 
 
 @dataclass(frozen=True)
 class Proved:
-    """What a certificate of level 3 says of the orbit.
+    """Results of a certificate of level 3 about the orbit.
 
     Attributes:
-        z2: enclosure at z1 = 0 [kg m^2/s].
-        multiplier: enclosure.
-        contraction: of the map of z2^2 / 2 on all of the walking set, at most; None if what is
-            proved is that nested tubes shrink.
+        z2: enclosure of the orbit's z2 at z1 = 0 [kg m^2/s].
+        multiplier: enclosure of the slope of the return map at the orbit.
+        contraction: upper bound on the contraction factor of the map of z2^2 / 2 on the whole
+            walking set; None if the proof shows that nested tubes shrink instead.
     """
 
     z2: tuple[float, float]
@@ -48,7 +48,7 @@ class Proved:
 
 
 def caption(data: GaitData, proved: Proved | None) -> str:
-    """What is to be seen."""
+    """Return the caption of the figure, with the proved results if there are any."""
     text = (
         "The curve says with how much momentum the hip passes over the standing foot one step "
         "later. Where it crosses the diagonal the robot repeats itself."
@@ -68,7 +68,7 @@ def caption(data: GaitData, proved: Proved | None) -> str:
 
 @styled
 def draw(data: GaitData, proved: Proved | None = None) -> Figure:
-    """The map with its fixed point, and how walks come to it."""
+    """Draw the map with its fixed point, and how walks approach it."""
     figure = new_figure(4.6)
     left, right = figure.subplots(1, 2)
     _map(left, data, proved)
@@ -139,21 +139,22 @@ def _approach(axes: Axes, data: GaitData, proved: Proved | None) -> None:
 def farthest(
     orbit: float, starts: Float[np.ndarray, "2"], shrunk: Float[np.ndarray, " k"]
 ) -> Float[np.ndarray, " k"]:
-    """Largest distance from the orbit where that of zeta = z2^2 / 2 is so much of its first.
+    """Return the largest distance from the orbit after zeta = z2^2 / 2 has contracted.
 
-    The map contracts in zeta, and a zeta below the orbit's is farther off in z2 than one above.
+    The map contracts in zeta. At equal distance in zeta, a state below the orbit is farther from it
+    in z2 than one above.
 
     Args:
         orbit: z2 of the fixed point [kg m^2/s].
-        starts: z2 of the walks at first [kg m^2/s].
-        shrunk: share of the first distance that is left.
+        starts: initial z2 of the walks [kg m^2/s].
+        shrunk: remaining share of the initial distance in zeta.
     """
     most = float(np.max(np.abs(starts**2 - orbit**2)))
     return orbit - np.sqrt(np.maximum(orbit**2 - most * shrunk, 0.0))
 
 
 def _iterates(data: GaitData, start: float) -> np.ndarray:
-    """The sampled map, applied again and again. [STEPS + 1]."""
+    """Iterate the sampled map from a start. [STEPS + 1]."""
     z2, after = data["map/z2"], data["map/z2_after"]
     found = [start]
     for _ in range(STEPS):

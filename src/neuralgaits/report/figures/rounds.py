@@ -1,4 +1,4 @@
-"""Figure of episodes: what changed from round to round."""
+"""Figure of episodes: changes from round to round."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,7 +28,7 @@ def draw_file(summary: EpisodesDone, figure: Path) -> Path:
 
 @styled
 def draw(summary: EpisodesDone) -> Figure:
-    """Steps walked, speeds held, barriers held and held-out error, over the rounds."""
+    """Draw steps walked, speeds held, barriers held and held-out error over the rounds."""
     rounds = summary.rounds
     numbers = [entry.round for entry in rounds]
     figure = new_figure(6.0)

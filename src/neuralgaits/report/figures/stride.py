@@ -1,4 +1,4 @@
-"""One step in time: joint angles, torques with their limits, ground force in its cone."""
+"""One step over time: joint angles, torques with their limits, ground force in its cone."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,7 +20,7 @@ TITLE = "One step: angles, torques, forces"
 
 
 def caption(walk: MeasuredWalk | None) -> str:
-    """What is to be seen."""
+    """Return the caption of the figure, which mentions a measured step if there is one."""
     text = (
         "What the joints do in one step, the torques that takes and the force of the ground on the "
         "standing foot. Torques have to stay off the motors' limits, the ground can only push, and "
@@ -31,7 +31,7 @@ def caption(walk: MeasuredWalk | None) -> str:
 
 @styled
 def draw(data: GaitData, walk: MeasuredWalk | None = None) -> Figure:
-    """The step on the periodic orbit, with a measured one under it."""
+    """Draw the step on the periodic orbit, and a measured step beneath it."""
     figure = new_figure(7.4)
     angles, torques, forces = figure.subplots(3, 1, sharex=True)
     t = data["orbit/t"]
@@ -68,7 +68,7 @@ def _measured(angles: Axes, torques: Axes, walk: MeasuredWalk, until: float) -> 
 
 
 def _limits(axes: Axes, limits: np.ndarray) -> None:
-    """Limits of all motors; only beyond the strongest one nothing can be."""
+    """Draw the limits of all motors, and hatch the torques beyond the strongest motor's limit."""
     most, different = float(limits.max()), np.unique(limits)
     for limit in (*-different, *different):
         axes.axhline(limit, color=RED, linewidth=1.4, linestyle=(0, (6, 2)))

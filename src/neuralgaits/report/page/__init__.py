@@ -1,1 +1,1 @@
-"""The page of a run: one HTML file that asks nothing of a network."""
+"""The page of a run: one HTML file that needs no network."""

@@ -1,4 +1,4 @@
-"""The first paragraphs of the page: what the robot does, why it stays up, how sure we are."""
+"""The first paragraphs of the page: how the robot walks, why it stays up, what is proved."""
 
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.shown import ShownWalk
@@ -10,7 +10,7 @@ from neuralgaits.runs.names import RESIDUAL
 
 
 def answer(contents: Contents) -> Html:
-    """Three short paragraphs, each from the run's own numbers."""
+    """Return three short paragraphs that use the run's own numbers."""
     saved = contents.saved
     parts = [
         _part("What it does.", _what(contents)),
@@ -23,7 +23,7 @@ def answer(contents: Contents) -> Html:
 
 
 def _heading(contents: Contents) -> str:
-    """What the second paragraph is about: it explains no robot that fell and no broken gait."""
+    """Return the second paragraph's heading, which depends on falls and refuted conditions."""
     saved, walk, done = contents.saved, contents.walk, contents.saved.simulation
     fell = (walk is not None and walk.fell) or (done is not None and any(done.fell))
     broken = any(entry.verdict == "refuted" for entry in saved.conditions.values())
@@ -50,7 +50,7 @@ def _what(contents: Contents) -> str:
 
 
 def _walked(saved: Saved, shown: ShownWalk | None) -> str:
-    """What was seen in simulation, the fuller account first."""
+    """Describe what simulations showed, preferring the more detailed record."""
     done, walks = saved.simulation, saved.walks
     if done is not None:
         return (
@@ -159,7 +159,7 @@ def _how_sure(saved: Saved) -> str:
 
 
 def _borne(saved: Saved) -> str:
-    """What a proof of level 2 allows for beyond the model."""
+    """Describe the disturbance that a proof of level 2 covers; empty without one."""
     if not saved.disturbance:
         return ""
     first, second = (number(bound) for bound in saved.disturbance)
@@ -194,7 +194,7 @@ def _sampled(saved: Saved) -> str:
 
 
 def title(saved: Saved) -> Html:
-    """Heading of the page, with what it is about below."""
+    """Return the heading of the page, with its subject below."""
     about = [
         f"spec {saved.asked.spec}",
         f"seed {saved.asked.seed}",

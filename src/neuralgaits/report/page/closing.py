@@ -1,4 +1,4 @@
-"""The end of the page: what failed, what is missing, how to make it again, what words mean."""
+"""The end of the page: failures, missing parts, how to reproduce the run, and a glossary."""
 
 import os
 from collections import Counter
@@ -18,11 +18,11 @@ from neuralgaits.report.told import FIGURE as FAMILY
 from neuralgaits.runs.commands import command, named, resuming
 
 _NAMED = 3
-"""Failing conditions that are named before the others are left to the table."""
+"""Number of failing conditions that are named; the table has the rest."""
 
 
 def failures(contents: Contents) -> Html:
-    """Everything that did not work, with its reason."""
+    """List everything that failed, with its reason."""
     found = list(_failures(contents))
     if found:
         return html.section("failures", "What failed, and why", html.items(found))
@@ -72,7 +72,7 @@ def _falls(contents: Contents) -> Iterator[str]:
 
 
 def missing(contents: Contents) -> Html:
-    """What this run does not have yet, and the command that makes it."""
+    """List the parts that this run does not have yet, with the commands that make them."""
     by_command: dict[str, list[str]] = {}
     for what, line in missing_parts(contents):
         by_command.setdefault(line, []).append(what)
@@ -88,7 +88,7 @@ def missing(contents: Contents) -> Html:
 
 
 def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
-    """What is not there, in words, and the command that makes it."""
+    """Yield each missing part in words, with the command that makes it."""
     saved = contents.saved
     if saved.nan is not None:
         line = again.another_seed(saved.folder)
@@ -129,17 +129,17 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
 
 
 def _other_box(saved: Saved, found: Certified) -> Mapping[str, float] | None:
-    """The box that a proof is about; None if it is the one that the run is meant for."""
+    """Return the box that a proof is about; None if it is the box that the run is meant for."""
     return None if found.parameters == saved.asked.parameters else found.parameters
 
 
 def _last_level(saved: Saved, found: Certified) -> int:
-    """The highest that can be asked for without giving up what is proved: 4 is about one robot."""
+    """Return the highest level that can be requested for the same box; above 3 it is one robot."""
     return min(saved.asked.last_level, ORBIT) if found.parameters else saved.asked.last_level
 
 
 def reproduction(contents: Contents) -> Html:
-    """Commands, versions and hashes."""
+    """Return the section that lists commands, versions and hashes."""
     saved = contents.saved
     folder, path = saved.folder, saved.folder.path
     # Beside the run: its robot and spec are read from its own copies.
@@ -167,7 +167,7 @@ def reproduction(contents: Contents) -> Html:
 
 
 def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]:
-    """What to type, or why there is no such command."""
+    """Return the commands that reproduce the run, or the reason why there are none."""
     if trained is None:
         lost = (
             "the run that it was refined from is not where it was"
@@ -190,10 +190,10 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
 
 
 def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
-    """Every figure with its caption, or why it is not there.
+    """Return every figure with its caption, or the reason why it is missing.
 
     Args:
-        contents: of the page.
+        contents: contents of the page.
         pictures: an image element for each drawn figure, by name.
     """
     # What is told has a part of its own, with its figure.
@@ -214,7 +214,7 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
 
 
 def glossary() -> Html:
-    """Ten words."""
+    """Return the glossary of ten terms."""
     entries = html.join(
         html.join([html.tag("dt", term), html.tag("dd", meaning)])
         for term, meaning in words.GLOSSARY

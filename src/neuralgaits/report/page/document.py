@@ -1,4 +1,4 @@
-"""The whole page: parts in the order a newcomer needs them, in one file that fetches nothing."""
+"""The whole page: its parts in the order that a newcomer needs, in one self-contained file."""
 
 from pathlib import Path
 
@@ -15,9 +15,9 @@ from neuralgaits.report.page.walking import animation, simulations
 from neuralgaits.report.page.whole import inline_image, whole
 
 MOST_BYTES = 5_000_000
-"""Of the whole file."""
+"""Largest size of the whole file [bytes]."""
 _SVG_BYTES = 300_000
-"""A drawing larger than this is shown as its PNG file, if that is smaller."""
+"""Size above which a drawing is shown as its PNG file, if that is smaller [bytes]."""
 _SCRIPTS = ("hints.js", "scene.js", "player.js")
 _CONTENTS = (
     ("answer", "The answer"),
@@ -36,7 +36,7 @@ _CONTENTS = (
 
 
 def document(contents: Contents) -> str:
-    """The page as HTML."""
+    """Return the page of a run as HTML."""
     pictures = {
         figure.name: _picture(figure) for figure in contents.figures if isinstance(figure, Drawn)
     }

@@ -1,4 +1,4 @@
-"""The part of the page about commands: what the gait is told, and of which of it what is proved."""
+"""The part of the page about commands: those that the gait takes, and what is proved for them."""
 
 from collections.abc import Iterator, Mapping
 
@@ -13,10 +13,10 @@ OTHERS = "Other figures of the gait as it is designed show the one in the middle
 
 
 def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
-    """What the gait is told, and its figure; nothing of a gait that is told nothing.
+    """Yield the section on the gait's commands and its figure; nothing for a gait without commands.
 
     Args:
-        contents: of the page.
+        contents: contents of the page.
         pictures: an image element for each drawn figure, by name.
     """
     commands = contents.saved.asked.commands
@@ -59,7 +59,7 @@ def _ranges(commands: Mapping[str, Range]) -> Html:
 
 
 def _proved(saved: Saved) -> Iterator[Html | str]:
-    """Of which commands something is proved, and what that says of commands."""
+    """Yield for which commands something is proved, and what it states."""
     found, link = saved.certificate, tag("a", "The certificate", href="#certificate")
     if found is None:
         yield "Nothing is proved for any of these commands."
@@ -97,7 +97,7 @@ def _of_some(part: ProvedOfSome, count: int) -> Iterator[Html | str]:
 
 
 def _range(name: str, one: Range) -> str:
-    """Commands that something is proved of, never more than there are."""
+    """Describe commands with a proof; rounding never widens their range."""
     low, high = told.within(name, one.low, one.high)
     change = "any after any"
     if one.largest_change is not None:
@@ -110,7 +110,7 @@ def _statements(level: int) -> str:
 
 
 def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
-    """The figure, or in a line why it is not there."""
+    """Yield the figure, or one line that says why it is missing."""
     for figure in contents.figures:
         if figure.name != told.FIGURE:
             continue

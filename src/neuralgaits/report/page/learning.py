@@ -1,4 +1,4 @@
-"""The part of the page about what was learned of the robot beyond its model."""
+"""The part of the page about the learned residual and the episodes."""
 
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.walked import EpisodesDone
@@ -9,7 +9,7 @@ from neuralgaits.runs.names import RESIDUAL
 
 
 def learning(saved: Saved) -> Html:
-    """Residual and episodes; nothing if the run has neither."""
+    """Return the section on residual and episodes; nothing if the run has neither."""
     carries = RESIDUAL in saved.folder.copies
     if not (carries or saved.residual or saved.episodes):
         return Html("")
@@ -78,7 +78,7 @@ def _rounds(saved: Saved, found: EpisodesDone) -> list[Html]:
 
 
 def _round_of(saved: Saved) -> int | None:
-    """Number of the round whose run this is."""
+    """Return the number of the round that this run belongs to, or None."""
     name = saved.folder.path.resolve().name
     number_of = name.removeprefix("round-")
     return int(number_of) if number_of.isdecimal() else None

@@ -1,6 +1,6 @@
-"""HTML from data: every text is escaped where it becomes HTML, and nowhere else.
+"""HTML from data: each text is escaped exactly once, where it becomes HTML.
 
-`Html` marks what is escaped already. A plain `str` is text and never taken for markup.
+`Html` marks text that is already escaped. A plain `str` is text and never taken for markup.
 """
 
 import html
@@ -12,23 +12,23 @@ from neuralgaits._digits import at_least, at_most
 
 
 class Html(str):
-    """Markup, safe to put into the page."""
+    """Markup that is safe to put into the page."""
 
     __slots__ = ()
 
 
 def text(value: Any) -> Html:
-    """Markup as it is, anything else escaped."""
+    """Return markup unchanged, and anything else escaped."""
     return value if isinstance(value, Html) else Html(html.escape(str(value)))
 
 
 def join(parts: Iterable[Any]) -> Html:
-    """Parts one after another, each escaped unless it is markup."""
+    """Join parts one after another, escaping each unless it is markup."""
     return Html("".join(text(part) for part in parts))
 
 
 def tag(name: str, *parts: Any, **attributes: Any) -> Html:
-    """An element; `class_` is the attribute class, True an attribute without value."""
+    """Return an element; `class_` sets `class`, and True makes an attribute without a value."""
     written = "".join(
         f" {key.rstrip('_').replace('_', '-')}"
         + ("" if value is True else f'="{html.escape(str(value))}"')
@@ -39,18 +39,18 @@ def tag(name: str, *parts: Any, **attributes: Any) -> Html:
 
 
 def paragraph(*parts: Any, class_: str | None = None) -> Html:
-    """A paragraph."""
+    """Return a paragraph that holds the parts."""
     return tag("p", *parts, class_=class_)
 
 
 def items(entries: Iterable[Any]) -> Html:
-    """A list with a dot before each entry; nothing if there are none."""
+    """Return a bulleted list of the entries; nothing if there are none."""
     rows = [tag("li", entry) for entry in entries]
     return tag("ul", *rows) if rows else Html("")
 
 
 def section(name: str, title: str, *parts: Any) -> Html:
-    """A part of the page that the list of contents names."""
+    """Return a section of the page that the table of contents lists."""
     return tag("section", tag("h2", title, id=name), *parts)
 
 
@@ -62,14 +62,14 @@ def table(
     numbers: str = "",
     cards: bool = False,
 ) -> Html:
-    """A table; see `scrolling`.
+    """Return a table; see `scrolling`.
 
     Args:
-        caption: what it shows.
-        head: of the columns.
-        rows: of cells.
-        numbers: one letter a column, `n` for numbers, which are set to the right.
-        cards: on a narrow screen each row is a card, its cells below one another with their heads.
+        caption: what the table shows.
+        head: heads of the columns.
+        rows: cells of each row.
+        numbers: one letter for each column, `n` for numbers, which are right-aligned.
+        cards: whether a narrow screen shows each row as a card, its cells below one another.
     """
     kinds = ["number" if kind == "n" else None for kind in numbers.ljust(len(head))]
     top = tag(
@@ -97,9 +97,9 @@ def table(
 
 
 def scrolling(name: str, wide: Html) -> Html:
-    """Something that may be wider than a narrow screen: it scrolls sideways, by keys too.
+    """Wrap wide content so that it scrolls sideways on a narrow screen, by keyboard, too.
 
-    `assets/hints.js` shows the sentence above it where something is cut.
+    `assets/hints.js` shows the sentence above it if the content is cut off.
     """
     hint = tag("p", "Wider than this screen: move it sideways.", class_="hint", hidden=True)
     box = tag("div", wide, class_="scroll", tabindex=0, role="region", aria_label=name)
@@ -107,18 +107,18 @@ def scrolling(name: str, wide: Html) -> Html:
 
 
 def captioned(title: str, caption: str, picture: Html) -> Html:
-    """A picture with its title and what is to be seen below it."""
+    """Return a picture with its title, and its caption below."""
     words = tag("figcaption", tag("b", f"{title}. "), caption)
     return tag("figure", scrolling(title, picture), words)
 
 
 def folded(said: str, *parts: Any) -> Html:
-    """Parts behind a line that opens them."""
+    """Return parts that are folded behind a line; a click on it opens them."""
     return tag("details", tag("summary", said), *parts)
 
 
 def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:
-    """Names and values."""
+    """Return a table of names and values; rows whose value is None are left out."""
     body = [
         tag("tr", tag("th", name, scope="row"), tag("td", value))
         for name, value in rows
@@ -128,12 +128,12 @@ def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:
 
 
 def shell(lines: Iterable[str]) -> Html:
-    """Commands to copy."""
+    """Return a block of commands to copy."""
     return tag("pre", tag("code", "\n".join(lines)), tabindex=0)
 
 
 def number(value: Any, digits: int = 3) -> str:
-    """A number as a person writes it; a dash if there is none."""
+    """Format a number for a reader; a dash if there is none."""
     if value is None:
         return "–"
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -146,12 +146,12 @@ def number(value: Any, digits: int = 3) -> str:
 
 
 def bound(value: float | None, *, above: bool = False, digits: int = 3) -> str:
-    """A proved bound as a person writes it, rounded to the side on which it stays true.
+    """Format a proved bound for a reader, rounded to the side on which it stays true.
 
     Args:
-        value: a lower bound; a dash if it is None.
-        above: it is an upper bound.
-        digits: significant ones.
+        value: the bound; None gives a dash.
+        above: whether it is an upper bound; otherwise it is a lower one.
+        digits: number of significant digits.
     """
     if value is None:
         return "–"

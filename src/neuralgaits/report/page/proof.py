@@ -34,11 +34,11 @@ _LEVEL_FIGURES = {
 
 
 NOT_OF_MANY = "not about such a gait"
-"""In place of a verdict on levels that are about one gait of one robot."""
+"""Text in place of a verdict on levels that concern a single gait of one robot."""
 
 
 def certificate(contents: Contents) -> Html:
-    """What is proved and what is not, condition by condition."""
+    """Return the section on what is proved and what is not, condition by condition."""
     saved = contents.saved
     found = saved.certificate
     if found is None:
@@ -85,7 +85,7 @@ def _absent(saved: Saved) -> Html:
 
 
 def _ladder(found: Certified, told: bool) -> Html:
-    """A row a level; `told` whether the gait takes commands."""
+    """Return the table of levels; `told` says whether the gait takes commands."""
     answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
     if told or found.parameters:
         answers = {n: NOT_OF_MANY for n in LEVELS if n > HIGHEST_OF_MANY} | answers
@@ -103,7 +103,7 @@ def _ladder(found: Certified, told: bool) -> Html:
 
 
 def _level(entry: Conclusion) -> Html:
-    """The theorem of a level as proved, with its numbers, folded away."""
+    """Return the theorem of a proved level with its numbers, folded away."""
     level = entry.level
     if not entry.proved:
         reason = entry.reason or "no reason is given"
@@ -126,7 +126,7 @@ def _level(entry: Conclusion) -> Html:
 
 
 def _rounded(constant: Constant) -> str:
-    """A constant, a bound to the side on which it stays true."""
+    """Format a constant; a bound is rounded to the side on which it stays true."""
     if constant.side == "exact":
         return html.number(constant.value)
     return html.bound(constant.value, above=constant.side == "most")

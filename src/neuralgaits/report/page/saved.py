@@ -1,4 +1,4 @@
-"""What a run folder holds, read as plain data; a part that is not there is None."""
+"""The contents of a run folder, read as plain data; a missing part is None."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -37,12 +37,12 @@ _HASHED = (
 
 @dataclass(frozen=True)
 class ProvedOfSome:
-    """What is proved of some of the commands that a gait takes.
+    """Proof for a part of the commands that a gait takes.
 
     Attributes:
-        ranges: these commands, by name; empty where they are no ranges of each.
-        conditions: how many are proved on all of their regions.
-        level: up to which all is proved; 0 if some condition is not.
+        ranges: these commands, by name; empty if they are not a range of each command.
+        conditions: number of conditions that are proved on their whole regions.
+        level: highest level that is proved with all below it; 0 if some condition is not.
     """
 
     ranges: Mapping[str, Range]
@@ -52,23 +52,23 @@ class ProvedOfSome:
 
 @dataclass(frozen=True)
 class Saved:
-    """A run as its files say.
+    """A run as its files describe it.
 
     Attributes:
-        folder: of the run.
-        asked: of the training.
-        summary: what `train` or `refine` found; None if training has not ended.
-        metrics: rows of the training's course.
-        certificate: what `certify` found, as the run's proof files bear it out.
-        simulation: what `simulate` found.
-        disturbance: what may be added to dz at level 2 of the proof (m/s, N m).
-        residual: what `fit` learned from the logs of this run.
-        walks: of this run as a round of episodes.
-        episodes: all rounds of them.
-        hashes: sha256 of the files that count, by name.
-        nan: that the training ended in NaN, and where, in a sentence; None if it did not.
+        folder: folder of the run.
+        asked: settings of the training.
+        summary: result of `train` or `refine`; None if training has not ended.
+        metrics: rows of `metrics.csv`, in the order of training.
+        certificate: result of `certify`, as far as the run's proof files support it.
+        simulation: result of `simulate`.
+        disturbance: bounds on the disturbance of dz at level 2 of the proof (m/s, N m).
+        residual: result of `fit` on the logs of this run.
+        walks: walks of this run, if it is a round of episodes.
+        episodes: all rounds of these episodes.
+        hashes: sha256 of the relevant files, by name.
+        nan: sentence that says where the training ended in NaN; None if it did not.
         damaged: why a part could not be read, by file.
-        of_some: what is proved of some commands; None if the proof is about all, or there is none.
+        of_some: proof for a part of the commands; None if the proof covers all, or there is none.
     """
 
     folder: RunFolder
@@ -88,48 +88,48 @@ class Saved:
 
     @property
     def name(self) -> str:
-        """The run as commands name it."""
+        """Return the run's folder as commands name it."""
         return named(self.folder.path)
 
     @property
     def robot(self) -> str:
-        """Name of the robot."""
+        """Return the name of the robot."""
         return self.asked.robot
 
     @property
     def proved_level(self) -> int:
-        """The highest level that is proved with all below it; 0 if not even the first."""
+        """Return the highest level that is proved with all below it; 0 if level 1 is not."""
         return 0 if self.certificate is None else self.certificate.proved_level
 
     @property
     def conditions(self) -> Mapping[str, ConditionVerdict]:
-        """The certificate's verdicts; none without one."""
+        """Return the certificate's verdicts by condition; empty without a certificate."""
         return {} if self.certificate is None else self.certificate.conditions
 
     @property
     def failing(self) -> list[str]:
-        """Conditions that some state breaks: refuted, or broken on samples and not proved."""
+        """Return violated conditions: refuted ones, else those broken on samples if unproved."""
         refuted = [name for name, one in self.conditions.items() if one.verdict == "refuted"]
         broken = [] if self.proved_level or self.summary is None else list(self.summary.broken)
         return refuted or broken
 
     @property
     def measured(self) -> Mapping[str, Violations]:
-        """What fresh samples say of each condition; nothing before the training has ended."""
+        """Return each condition's violations on fresh samples; empty before training has ended."""
         return {} if self.summary is None else self.summary.conditions
 
 
 @dataclass(frozen=True)
 class Contents:
-    """All that a page is made from.
+    """Everything that a page is made from.
 
     Attributes:
-        saved: files of the run.
+        saved: contents of the run's files.
         robot: as `inspect` describes it.
-        walk: of `report.shown_walk`; None if there is none.
+        walk: walk of `report.shown_walk`; None if there is none.
         no_walk: why there is none, in a sentence.
-        figures: drawn and missing.
-        assumptions: of a proof, as `check-proof` lists them.
+        figures: figures, drawn and missing.
+        assumptions: assumptions of a proof, as `check-proof` lists them.
     """
 
     saved: Saved
@@ -147,16 +147,16 @@ def read(
     disturbance: tuple[float, ...] = (),
     of_some: ProvedOfSome | None = None,
 ) -> Saved:
-    """Read a run. A damaged part is left out and named.
+    """Read a run. A damaged part is left out, and its name is kept.
 
     Args:
-        folder: of the run.
-        certificate: what `certify` found, as the run's proof files bear it out.
-        no_certificate: why a certificate that is there says nothing of the run.
-        disturbance: of level 2.
-        of_some: what is proved of some commands.
+        folder: folder of the run.
+        certificate: result of `certify`, as far as the run's proof files support it.
+        no_certificate: why an existing certificate does not apply to the run.
+        disturbance: bounds on the disturbance at level 2 (m/s, N m).
+        of_some: proof for a part of the commands.
 
-    Raises: RunError if what was asked or found in training is damaged: pages are about these.
+    Raises: RunError if settings or results of the training are damaged: every page needs them.
     """
     damaged: dict[str, str] = {}
 
@@ -211,12 +211,12 @@ def read(
 
 
 def _learned(folder: RunFolder) -> Iterable[str | None]:
-    """The sha256 of what `fit` learned."""
+    """Return the sha256 of the residual that `fit` learned, None if there is none."""
     return file_hashes(folder.path, (FITTED,)).values()
 
 
 def _nan(found: EndedInNan | None) -> str:
-    """Where a training ended in NaN, as far as it is known."""
+    """Return a sentence that says where a training ended in NaN, as far as that is recorded."""
     if found is None:
         return "The training ended in NaN: its loss or its weights were no longer finite."
     names = ", ".join(found.conditions) or "no condition alone: the sum, or its gradient"

@@ -1,4 +1,4 @@
-"""The part of the page about what was trained: robot, spec, conditions with their numbers."""
+"""The part of the page about training: robot, spec, conditions with their numbers."""
 
 import math
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ from neuralgaits.runs.commands import resuming
 
 
 def training(contents: Contents) -> Html:
-    """Robot, settings, and every condition with what was measured of it."""
+    """Return the section on robot, settings, and every condition with its measured values."""
     saved = contents.saved
     given = saved.asked.as_given is not None
     return html.section(
@@ -34,7 +34,7 @@ def training(contents: Contents) -> Html:
 
 
 def heading(saved: Saved) -> str:
-    """Of this part."""
+    """Return the heading of this part."""
     return "What was trained" if saved.asked.as_given is None else "What was made"
 
 
@@ -67,7 +67,7 @@ def _state(saved: Saved) -> Html:
 
 
 def _not_trained(given: Given, summary: Trained) -> str:
-    """Where a gait is from that was given."""
+    """Describe the origin of a gait that was not trained."""
     made = (
         f"optimised for the least cost of transport at {html.number(given.speed)} m/s"
         if given.by == "optimise"
@@ -158,7 +158,7 @@ def _settings(saved: Saved) -> list[tuple[str, Any]]:
 
 
 TIGHTEST = 5
-"""Conditions that are shown; the others are folded away."""
+"""Number of conditions that are shown; the rest are folded away."""
 
 
 def _conditions(saved: Saved) -> list[Html]:
@@ -203,7 +203,7 @@ def _table(caption: str, rows: list[tuple[Any, ...]]) -> Html:
 
 
 def _explained(asked: list[Stated]) -> str:
-    """What the words of the table mean: those that stand in it."""
+    """Explain the terms of the table, only those that occur in it."""
     said = (
         "A margin is how far a condition is from failing. It is counted in scales: a scale is a "
         "typical size of what the condition looks at, so that a margin of a force and one of a "
@@ -218,7 +218,7 @@ def _explained(asked: list[Stated]) -> str:
 
 
 def _told(entry: Mapping[str, Any]) -> str:
-    """A condition in words."""
+    """Describe a condition in words, even one from another version."""
     try:
         return words.condition(entry)
     except (AttributeError, KeyError, TypeError):

@@ -1,4 +1,4 @@
-"""The part of the page that shows the walk: animation, controls, and what simulations found."""
+"""The part of the page that shows the walk: animation, controls, and results of simulations."""
 
 import json
 
@@ -15,7 +15,7 @@ _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
 
 
 def animation(contents: Contents) -> Html:
-    """The walk as a 3-D picture that can be turned, beside the moving point in the plane of z."""
+    """Return the walk as a 3-D picture that turns, beside the moving point in the plane of z."""
     walk = contents.walk
     if walk is None:
         missing = html.tag("div", html.paragraph(contents.no_walk or ""), class_="missing")
@@ -69,14 +69,14 @@ def animation(contents: Contents) -> Html:
 
 
 def data(walk: ShownWalk) -> Html:
-    """The recording as a block of JSON that no parser takes for markup."""
+    """Return the recording as a block of JSON that no parser takes for markup."""
     written = json.dumps(plain(walk), separators=(",", ":"), allow_nan=False)
     safe = written.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
     return html.tag("script", Html(safe), type="application/json", id="recording")
 
 
 def _said(walk: ShownWalk) -> str:
-    """Which walk it is, and that it is a simulation and not a drawing of the plan."""
+    """Describe the walk, and say that it is a simulation, not a playback of the plan."""
     law = {
         "pd": "joint PD control",
         "fblin": "input-output linearisation",
@@ -95,7 +95,7 @@ def _said(walk: ShownWalk) -> str:
 
 
 def _beside(walk: ShownWalk) -> str:
-    """What differs between the plant and the model."""
+    """Describe the differences between the plant and the model."""
     told = []
     if walk.plant != walk.robot:
         told.append(f"the robot that walks is {walk.plant}, the model is {walk.robot}")
@@ -132,7 +132,7 @@ def _controls(walk: ShownWalk) -> Html:
 
 
 def simulations(saved: Saved) -> Html:
-    """What `simulate` found; what to type if it was not called."""
+    """Return the results of `simulate`, or the command to run if there are none."""
     done = saved.simulation
     if done is None:
         return html.section(
@@ -174,7 +174,7 @@ def simulations(saved: Saved) -> Html:
 
 
 def _walks(done: Simulated) -> Html:
-    """A row for every walk that fell; nothing if none did."""
+    """Return a table of the walks that fell; nothing if none did."""
     fallen = [
         (n, steps, reason)
         for n, (steps, fell, reason) in enumerate(

@@ -1,4 +1,4 @@
-"""A whole page around its parts: one file that may run its own script and connect to nothing."""
+"""A whole page around its parts: one file that runs only its own scripts and needs no network."""
 
 import base64
 import hashlib
@@ -8,17 +8,17 @@ from neuralgaits.report.page.markup import Html, join, tag
 
 
 def whole(name: str, header: Html, main: Html, made_from: str, scripts: tuple[str, ...]) -> str:
-    """The page as HTML.
+    """Return the page as HTML.
 
-    Its policy lets the browser run this page's own scripts and show its own images, and connect
-    to nothing, whatever texts it holds.
+    Its content security policy lets the browser run the page's own scripts and show its own images,
+    and forbids all connections, whatever texts it holds.
 
     Args:
-        name: of the page, in the browser.
-        header: above the parts.
+        name: title of the page in the browser.
+        header: header above the parts.
         main: the parts.
-        made_from: whose files it was made from.
-        scripts: names of the assets that it runs.
+        made_from: source of the page, in words.
+        scripts: names of the script assets that it runs.
     """
     style, script = _asset("page.css"), "".join(map(_asset, scripts))
     policy = (
@@ -41,22 +41,22 @@ def whole(name: str, header: Html, main: Html, made_from: str, scripts: tuple[st
 
 
 def inline_image(kind: str, content: bytes, alt: str) -> Html:
-    """A picture inside the page. As an image, a drawing can neither run nor fetch anything.
+    """Embed a picture in the page. As an image, a drawing can neither run nor fetch anything.
 
     Args:
-        kind: after `image/`.
-        content: of its file.
-        alt: what is said in its place.
+        kind: media type after `image/`.
+        content: content of its file.
+        alt: alternative text.
     """
     source = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
     return join([Html(f'<img src="{source}" alt="'), alt, Html('">')])
 
 
 def _asset(name: str) -> str:
-    """Text of a file that pages share."""
+    """Return the text of an asset file that pages share."""
     return resources.files("neuralgaits.report.page").joinpath("assets", name).read_text("utf-8")
 
 
 def _digest(text: str) -> str:
-    """As a content security policy names an inline style or script."""
+    """Return the hash by which a content security policy allows an inline style or script."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()

@@ -32,7 +32,7 @@ _CHANGES = {
     "pitch_offset": "torso's angle read {} rad too large",
     "estimator": "speeds estimated, not measured",
 }
-"""What a simulation may change of the model."""
+"""Differences between simulation and model, in words."""
 _SIDES = {"lower": "slow", "upper": "fast"}
 
 GLOSSARY = (
@@ -84,21 +84,21 @@ GLOSSARY = (
         "Measured: seen in samples or simulations. That is evidence, however much there is of it.",
     ),
 )
-"""Ten entries for a reader who has never heard of them."""
+"""Ten entries for a reader who has never met these terms."""
 
 
 def verdict(word: str) -> Html:
-    """A verdict in its colour; the word says it too."""
+    """Return a verdict in its colour; the word also carries the meaning."""
     return tag("span", word, class_={"proved": "good", "refuted": "bad"}.get(word, "open"))
 
 
 def region(name: str) -> str:
-    """Where a condition must hold."""
+    """Return in words where a condition must hold."""
     return _REGIONS.get(name, name)
 
 
 def condition(described: Mapping[str, Any]) -> str:
-    """A condition as a sentence, from its description in the run's config."""
+    """Return a condition as a sentence, from its description in the run's config."""
     kind, side = described.get("kind"), _SIDES.get(described.get("side", ""), "")
     if kind == "Fence":
         return f"trajectories do not leave over the {side} edge"
@@ -127,7 +127,7 @@ def condition(described: Mapping[str, Any]) -> str:
 
 
 def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What a list of conditions asks for, each thing once, in the order of the list."""
+    """Summarise the requirements of a list of conditions, each once, in the order of the list."""
     found = {}
     for described in conditions:
         inner = _object(described.get("quantity"))
@@ -144,7 +144,7 @@ def _object(value: Any) -> Mapping[str, Any]:
 
 
 def quantity(described: Mapping[str, Any]) -> str:
-    """An inequality on a quantity in words."""
+    """Return an inequality on a quantity in words."""
     name = described.get("function")
     if name == "after_reset":
         return f"after touchdown: {quantity(described['of'])}"
@@ -171,12 +171,12 @@ def quantity(described: Mapping[str, Any]) -> str:
 
 
 def _numbers(bound: Any) -> str:
-    """A bound, or one for each joint."""
+    """Format a bound, or one bound for each joint."""
     return ", ".join(number(value) for value in (bound if isinstance(bound, list) else [bound]))
 
 
 def _named(described: Mapping[str, Any]) -> tuple[str, str]:
-    """A quantity's words and unit; its name if it has none."""
+    """Return a quantity's words and unit; its name if it has no words."""
     name = described.get("function")
     if name == "after_reset":
         what, unit = _named(described["of"])
@@ -197,17 +197,17 @@ _SLACKS = {
     "foot_above_arc": "m",
     "torque_reserve": "× usable torque",
 }
-"""Units of quantities that are what is left of a limit."""
+"""Units of quantities that measure the distance to a limit."""
 _WHOLE = {
     "Fence": "the region's width in a step",
     "Inlet": "the region's width",
     "TubeWidth": "the region's middle",
 }
-"""What conditions without a quantity are measured in."""
+"""Units of the conditions that have no quantity."""
 
 
 def scale(described: Mapping[str, Any], size: float) -> str:
-    """How much a scale of a condition is, with its unit as far as it is known."""
+    """Return the size of one scale of a condition, with its unit if that is known."""
     if whole := _WHOLE.get(described.get("kind", "")):
         return whole if size == 1.0 else f"{number(size)} × {whole}"
     return f"{number(size)} {_unit(described)}".rstrip()
@@ -228,7 +228,7 @@ def _unit(described: Mapping[str, Any]) -> str:
 
 
 def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
-    """Those that are set, as a command takes them."""
+    """Return the disturbances that differ from their defaults, as a command takes them."""
     # None is as in the robot's file, and 0 is not.
     usual = {"mass_scale": 1.0, "friction": None, "torque_limit": None}
     return {
@@ -239,7 +239,7 @@ def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
 
 
 def changes(values: Mapping[str, Any] | None) -> list[str]:
-    """The same in words, one entry each."""
+    """Return the disturbances that differ from their defaults in words, one entry each."""
     return [
         _CHANGES.get(name, f"{name} {{}}").format(number(value))
         for name, value in disturbances(values).items()

@@ -1,4 +1,4 @@
-"""Distributions over the rows of a sweep: one dot a run."""
+"""Distributions over the rows of a sweep: one dot for each run."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -17,7 +17,7 @@ CAPTION = (
     "that found it."
 )
 _SPREAD = 0.28
-"""Height that the dots of a row take up."""
+"""Height that the dots of a row occupy."""
 Value = Callable[[SweepRow], float | None]
 
 
@@ -47,10 +47,10 @@ _PANELS: tuple[tuple[str, str, Value], ...] = (
 
 @styled
 def draw(groups: Mapping[str, Sequence[SweepRow]]) -> Figure:
-    """Margins, speeds, costs and proof times.
+    """Draw margins, speeds, costs and proof times.
 
     Args:
-        groups: rows by what they are called.
+        groups: rows of each group, by the group's label.
     """
     figure = new_figure(2.2 + 0.8 * len(groups))
     axes = figure.subplots(2, 2, sharey=True)

@@ -1,4 +1,4 @@
-"""The page of a sweep: what came of its rows, as distributions and as a table. Fetches nothing."""
+"""The page of a sweep: its results as distributions and as a table. The page fetches nothing."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,17 +13,17 @@ from neuralgaits.report.sweep import figure as sweep_figure
 from neuralgaits.runs.commands import command, named
 
 MOST_ROWS = 500
-"""Of the table of runs; all of them are in the CSV file."""
+"""Most rows of the table of runs; the CSV file has all of them."""
 _SHOWN_FAILURES = 50
 
 
 def page(asked: SweepAsked, rows: Sequence[SweepRow], summary: Swept) -> str:
-    """The page as HTML.
+    """Return the page as HTML.
 
     Args:
-        asked: of the sweep.
-        rows: in the order of the table.
-        summary: of the command that ended it.
+        asked: settings of the sweep.
+        rows: rows in the order of the table.
+        summary: summary by the command that finished the sweep.
     """
     groups = _groups(asked, rows)
     parts = [
@@ -44,7 +44,7 @@ def page(asked: SweepAsked, rows: Sequence[SweepRow], summary: Swept) -> str:
 
 
 def _groups(asked: SweepAsked, rows: Sequence[SweepRow]) -> dict[str, list[SweepRow]]:
-    """Rows that differ in their seed alone, by what they are called."""
+    """Group rows that differ only in their seed, by a label."""
     found: dict[str, list[SweepRow]] = {}
     for row in rows:
         words = [row.robot]
@@ -111,7 +111,7 @@ def _picture(groups: Mapping[str, Sequence[SweepRow]]) -> Html:
 
 
 def _survival(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
-    """Shares of walks that stayed up: of all runs together, and of the worst of them."""
+    """Return the shares of walks that stayed up: over all runs, and of the worst run."""
     columns = [(name, law) for name in groups for law in asked.controllers]
     head = ["disturbance", *(f"{name}, {law}" for name, law in columns)]
     body = []

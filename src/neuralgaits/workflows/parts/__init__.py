@@ -1,1 +1,1 @@
-"""What several verbs are put together from, or each row of a sweep."""
+"""Shared parts of several verbs, and the parts of a sweep's rows."""

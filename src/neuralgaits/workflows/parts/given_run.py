@@ -1,4 +1,4 @@
-"""The run folder of a gait that was not trained, whole as soon as there is one."""
+"""The run folder of a gait that was not trained; it appears complete or not at all."""
 
 import time
 from pathlib import Path
@@ -22,7 +22,7 @@ from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows.train import violations
 
 SAMPLES = 2000
-"""In each box of a region, on which the conditions are measured."""
+"""Random samples in each box of a region, on which the conditions are measured."""
 
 _NO_SOLUTION = "its zero dynamics have no finite solution"
 
@@ -40,15 +40,15 @@ def given_run(
     """Find the orbit of a gait, fit a tube around it, and write a finished run.
 
     Args:
-        robot: that it walks on.
+        robot: robot that it walks on.
         gait: its outputs.
-        given: where they are from.
-        solve_s: time that an optimisation took (s).
-        began: when the command did (s, of `time.perf_counter`).
+        given: origin of the outputs.
+        solve_s: duration of an optimisation (s).
+        began: start time of the command (s, of `time.perf_counter`).
         out: the run folder; a new one below `root` if None.
         root: folder of the runs.
 
-    Raises: InputError where no orbit attracts, ConvergenceError if an optimisation ended there.
+    Raises: InputError if no orbit attracts, ConvergenceError if an optimisation led to such a gait.
     """
     zd = ZeroDynamics(robot, gait.policy)
     try:
@@ -97,13 +97,13 @@ def given_run(
 
 
 def _refusal(robot: PlanarBiped, given: Given, found: str, said: str) -> NeuralGaitsError:
-    """What refuses a gait without an orbit that attracts: a gait's file, or what IPOPT ended with.
+    """Return the error for a gait without an attracting orbit, imported or optimised.
 
     Args:
-        robot: that it was to walk on.
-        given: where it is from.
-        found: of it.
-        said: of a gait that somebody gave.
+        robot: robot that it should walk on.
+        given: origin of the gait.
+        found: defect of the gait, in words.
+        said: message for an imported gait.
     """
     if given.by == "optimise":
         # Equations hold at the nodes; the flow between them is what decides.
@@ -115,7 +115,7 @@ def _refusal(robot: PlanarBiped, given: Given, found: str, said: str) -> NeuralG
 
 
 def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
-    """What is known of the gait: its orbit, and its conditions on samples of the tube."""
+    """Return the summary of the gait: its orbit, and its conditions on samples of the tube."""
     program = trace_spec(run.spec, run.robot, run.gait)
     return Trained(
         run=str(run.path),
@@ -135,7 +135,7 @@ def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
 
 
 def _measured(spec: GaitSpec, program: Program) -> dict[str, Violations]:
-    """What random samples of its region say of each condition."""
+    """Return each condition's violations on random samples of its region."""
     rng, samples = np.random.default_rng(0), {}
     for name, boxes in spec.regions.items():
         u = np.concatenate([_in(box, rng) for box in boxes])

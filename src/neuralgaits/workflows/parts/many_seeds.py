@@ -1,4 +1,4 @@
-"""What comes of many seeds of one training, however they are computed."""
+"""Results of training many seeds, independent of how they are computed."""
 
 from abc import ABC, abstractmethod
 from pathlib import Path
@@ -14,21 +14,21 @@ class ManySeeds(ABC):
     """Trainings that differ in their seeds.
 
     Attributes:
-        size: seeds that are under way at a time.
+        size: number of seeds that are trained at a time.
         begun: runs that have a folder, in order.
         done: finished runs by seed.
-        refused: why a seed could not be trained; its folder keeps what there was.
-        compile_s, train_s: times that compiling and all that follows took.
+        refused: errors of seeds that could not be trained; their folders keep what was written.
+        compile_s, train_s: duration of compiling, and of everything after it (s).
     """
 
     def __init__(self, first: NewTraining, path: Path, root: Path, count: int):
-        """Nothing is begun yet.
+        """Build the trainer, without starting any seed.
 
         Args:
-            first: of any of the seeds.
-            path: folder of their folders.
+            first: training of any of the seeds.
+            path: folder that holds the seeds' folders.
             root: folder of the runs.
-            count: of seeds in all.
+            count: total number of seeds.
         """
         self.first, self.path, self.root = first, path, root
         self.size = self.at_a_time(count)
@@ -43,7 +43,7 @@ class ManySeeds(ABC):
     @staticmethod
     @abstractmethod
     def at_a_time(count: int) -> int:
-        """Seeds that are to be under way at a time, of so many in all."""
+        """Return the number of seeds to train at a time, of `count` in all."""
 
     @abstractmethod
     def train(self, numbers: range, progress: Progress | None) -> None:
@@ -54,12 +54,12 @@ class ManySeeds(ABC):
             progress: called with (steps of all seeds done, in all, mean loss) now and then, from
                 one thread at a time, which need not be this one.
 
-        Raises: InputError if gaits of some seeds differ in more than what is trained;
+        Raises: InputError if gaits of some seeds differ in more than the trained weights;
             KeyboardInterrupt.
         """
 
     def begin(self, seed: int) -> Run:
-        """A run of this seed, with a folder of its own."""
+        """Return a run of this seed, with a folder of its own."""
         run = self.first.of_seed(seed).begun(self.root, self.path / str(seed))
         self.begun.append(run)
         return run

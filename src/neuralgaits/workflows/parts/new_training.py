@@ -1,4 +1,4 @@
-"""A training before it has a folder: what was asked is checked, and its untrained gait made."""
+"""A training before it has a folder: its settings are checked, and its untrained gait is made."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,14 +24,14 @@ from neuralgaits.runs.names import ROBOT, SPEC
 
 @dataclass(frozen=True)
 class NewTraining:
-    """What a training begins with.
+    """Inputs of a training.
 
     Attributes:
         robot: the model.
         spec: the conditions.
-        gait: untrained.
-        asked: what becomes the run's config.
-        copies: file name to content: inputs the run must be able to read again.
+        gait: the untrained gait.
+        asked: settings, which become the run's config.
+        copies: contents of the input files that the run must be able to read again, by name.
     """
 
     robot: PlanarBiped
@@ -41,16 +41,16 @@ class NewTraining:
     copies: Mapping[str, str]
 
     def of_seed(self, seed: int) -> "NewTraining":
-        """The same with other weights and samples."""
+        """Return this training with other weights and samples."""
         gait = _new_gait(self.spec, seed, self.asked.init, self.asked.hidden)
         return replace(self, gait=gait, asked=replace(self.asked, seed=seed))
 
     def begun(self, root: Path, out: Path | None) -> Run:
-        """The run, with a folder of its own.
+        """Return the run of this training, with a folder of its own.
 
         Args:
             root: folder of the runs.
-            out: exact place instead.
+            out: path of the run folder; a new one below `root` if None.
         """
         name, seed = self.robot.name, self.asked.seed
         folder = RunFolder.create(self.asked, self.copies, name=name, seed=seed, root=root, out=out)
@@ -73,9 +73,9 @@ def new_training(
     certify: bool = False,
     budget: float | None = None,
 ) -> NewTraining:
-    """Check what was asked, see `workflows.train`, and make the untrained gait.
+    """Check the settings, see `workflows.train`, and make the untrained gait.
 
-    Raises: InputError on settings that make no sense, alone or together.
+    Raises: InputError on invalid settings, alone or in combination.
     """
     _check(seed, init, hidden, steps)
     check_proof_budget(certify, budget)
@@ -121,7 +121,7 @@ def new_training(
 
 
 def _refuse_proof(spec: GaitSpec, unprovable: str | None) -> None:
-    """Raises: InputError for what is not trained until it is proved."""
+    """Refuse a gait that cannot be trained until it is proved. Raises: InputError."""
     if spec.commands:
         raise InputError(
             "expected a gait without commands to train until it is proved, found one that is "
@@ -138,7 +138,7 @@ def _refuse_proof(spec: GaitSpec, unprovable: str | None) -> None:
 
 
 def ranges_of(commands: Commands) -> dict[str, Range]:
-    """Commands as a run's config has them."""
+    """Return commands in the form of a run's config."""
     return {c.name: Range(c.low, c.high, c.largest_change) for c in commands}
 
 
@@ -156,13 +156,13 @@ def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | No
 
 
 def _widths(gait: AnyGait) -> tuple[int, ...] | None:
-    """Widths of the hidden layers, None for a policy without a network."""
+    """Return the widths of the hidden layers, None for a policy without a network."""
     network = getattr(gait.policy, "network", None)
     return None if network is None else tuple(len(bias) for bias in network.biases[:-1])
 
 
 def _source(spec: str | GaitSpec) -> str:
-    """The file that defines the spec, or the names that an object without a file has."""
+    """Return the file that defines the spec, or the name of a spec without a file."""
     if isinstance(spec, str):
         return specs.source_path(spec).read_text(encoding="utf-8")
     names = "".join(f"# {condition.name}\n" for condition in spec.conditions)

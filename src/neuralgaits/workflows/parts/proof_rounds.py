@@ -1,8 +1,8 @@
-"""Train until the proof stands: boxes that a certificate leaves open become samples.
+"""Train until the proof succeeds: boxes that a certificate leaves open become samples.
 
 A round certifies the gait at level 1. If boxes are left, it takes further gradient steps from the
-same weights with points of these boxes in every batch, and the next round begins.
-The weights in the folder are always those that the certificate beside them speaks of.
+same weights with points of these boxes in every batch, and the next round begins. The weights in
+the folder are always those that the certificate in the folder is about.
 """
 
 import time
@@ -32,18 +32,18 @@ from neuralgaits.workflows.certify import certify
 ROUNDS = 10
 """Repairs after which a training gives up."""
 SHARE = 0.25
-"""Gradient steps of a repair, as a share of the recipe's."""
+"""Gradient steps of a repair, as a share of those of the recipe."""
 REPAIR, HISTORY = "repair.safetensors", "rounds.json"
 
 
 @dataclass(frozen=True)
 class Watch:
-    """Who is told how a training goes on.
+    """Callbacks that report the progress of a training.
 
     Attributes:
-        proved: share that is proved so far, and of how many boxes.
-        ended: a round of proof and repair.
-        doubted: before the training, one line where no gait at that speed is likely.
+        proved: called with the proved share so far, and the number of boxes.
+        ended: called after each round of proof and repair.
+        doubted: called before the training with one line, if no gait at that speed is likely.
     """
 
     proved: Callable[[float, int], None] | None = None
@@ -52,16 +52,16 @@ class Watch:
 
 
 class RepairState(NamedTuple):
-    """A repair under way: everything a killed run needs to go on with it."""
+    """State of a repair: everything that a killed run needs to resume it."""
 
     number: Array
-    """Of the round, from 1. int32 scalar."""
+    """Number of the round, from 1. int32 scalar."""
     extra: Extra
     training: TrainState
 
 
 class ProofRounds:
-    """The rounds of one run."""
+    """Runner of the proof rounds of one run."""
 
     def __init__(
         self,
@@ -77,14 +77,14 @@ class ProofRounds:
     def run(
         self, trainer: Trainer, gait: AnyGait, budget: float | None
     ) -> tuple[AnyGait, TrainingProof]:
-        """Certify and repair until the proof stands, or rounds or budget end.
+        """Certify and repair until the proof succeeds, or rounds or budget are used up.
 
         Args:
-            trainer: that trained the gait.
-            gait: trained; a repair that was under way goes on from its own checkpoint.
-            budget: seconds for it all; None for as long as it takes.
+            trainer: trainer that trained the gait.
+            gait: trained gait; an interrupted repair resumes from its own checkpoint.
+            budget: seconds for all rounds; None for no limit.
 
-        Returns: the gait last certified, and what the run's summary says of it.
+        Returns: the gait last certified, and its entry in the run's summary.
         """
         began = time.monotonic()
         deadline = began + (np.inf if budget is None else budget)
@@ -113,7 +113,7 @@ class ProofRounds:
         return gait, self._summary(history, trainer.steps, time.monotonic() - began)
 
     def _under_way(self, repairer: Trainer, gait: AnyGait) -> RepairState | None:
-        """The repair that a killed run was in."""
+        """Return the state of the repair in which a run was killed; None if there is none."""
         if not (self.folder.path / REPAIR).is_file():
             return None
         number = jnp.zeros((), jnp.int32)
@@ -121,7 +121,7 @@ class ProofRounds:
         return self.folder.read_tree(REPAIR, like)
 
     def _rounds_before(self, state: RepairState | None) -> list[ProofRound]:
-        """Rounds of a killed run that come before the repair it was in."""
+        """Return the rounds of a killed run before the repair in which it was killed."""
         if state is None:
             return []
         known = ProofHistory.read(self.folder.path / HISTORY).rounds
@@ -130,7 +130,7 @@ class ProofRounds:
     def _repair(
         self, repairer: Trainer, state: RepairState, trained: int, deadline: float
     ) -> TrainState:
-        """Take the steps of one repair, or as many as there is time for."""
+        """Take the gradient steps of one repair, or as many as the deadline allows."""
         number = int(state.number)
         before = trained + (number - 1) * repairer.steps
 
@@ -144,7 +144,7 @@ class ProofRounds:
     def _certify(
         self, gait: AnyGait, number: int, steps: int, deadline: float, history: list[ProofRound]
     ) -> dict[str, Boxes]:
-        """Certify the gait and add the round. Returns: the boxes left open, by region."""
+        """Certify the gait and record the round. Returns: the boxes left open, by region."""
         self.folder.write_tree(WEIGHTS, gait)
         left = deadline - time.monotonic()
         found = certify(

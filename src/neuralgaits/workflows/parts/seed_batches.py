@@ -1,4 +1,4 @@
-"""Many seeds on accelerators: batch after batch, each trained as one program."""
+"""Many seeds on accelerators, in batches that are each trained as one program."""
 
 import math
 import time
@@ -20,19 +20,19 @@ from neuralgaits.workflows.parts.many_seeds import ManySeeds
 from neuralgaits.workflows.train import FRESH_SAMPLES_SEED, summary_of
 
 AT_ONCE = 32
-"""Seeds of a batch for each device: a step of 16 takes as long a seed, and memory is bounded."""
+"""Seeds of a batch for each device; 16 take as long for each seed, and memory is bounded."""
 
 
 class SeedBatches(ManySeeds):
-    """Trainings under `vmap`, a share of each batch on every device."""
+    """Trainings under `vmap`, with a share of each batch on every device."""
 
     @staticmethod
     def at_a_time(count: int) -> int:
-        """A batch."""
+        """Return the number of seeds of a batch."""
         return batch_size(count, len(jax.devices()))
 
     def train(self, numbers: range, progress: Progress | None) -> None:
-        """`ManySeeds.train`."""
+        """Train seeds in batches; see `ManySeeds.train`."""
         self._batch = SeedBatch(self.trainer, self.size)
         for at in range(0, len(numbers), self.size):
             self._train(numbers[at : at + self.size], len(numbers), progress)
@@ -53,7 +53,7 @@ class SeedBatches(ManySeeds):
         self._finish(members, began, train_s)
 
     def _finish(self, members: Sequence[OneOfMany], began: float, train_s: float) -> None:
-        """Look at each gait on fresh samples, and finish its folder."""
+        """Evaluate each gait on fresh samples, and finish its folder."""
         batch = self._batch
         report = partial(batch.report, seed=FRESH_SAMPLES_SEED)
         best = [batch.trainer.gait(one.state.best) for one in members]
@@ -86,7 +86,7 @@ class SeedBatches(ManySeeds):
 
     @contextmanager
     def _refusal(self, one: OneOfMany) -> Iterator[None]:
-        """Keep what refuses a seed, so that the others go on."""
+        """Record the error of a refused seed, so that the others continue."""
         try:
             yield
         except NeuralGaitsError as error:
@@ -96,11 +96,11 @@ class SeedBatches(ManySeeds):
 
 
 def batch_size(count: int, devices: int) -> int:
-    """Seeds of each batch: as few batches as can be, of one size, shared evenly by the devices.
+    """Return the size of all batches: the fewest batches, shared evenly by the devices.
 
     Args:
-        count: of seeds.
-        devices: that share a batch.
+        count: number of seeds.
+        devices: number of devices that share a batch.
     """
     batches = math.ceil(count / (AT_ONCE * devices))
     return devices * math.ceil(count / batches / devices)

@@ -1,7 +1,7 @@
-"""Many seeds on the cores of one machine: single trainings beside each other, compiled once.
+"""Many seeds on the cores of one machine: single trainings in parallel, compiled once.
 
-A program for all seeds takes a processor as long a seed as that of a single training, and rounds
-sums in another order. Side by side they come to the bits that they come to alone.
+On a processor, one program for all seeds takes as long for each seed as a single training, and
+rounds sums in another order. In parallel, each training reaches the same bits as alone.
 """
 
 import threading
@@ -20,18 +20,18 @@ from neuralgaits.workflows.train import train_to_the_end
 
 
 class SideBySide(ManySeeds):
-    """Trainings on threads: what is compiled, and most of the time, needs no lock of Python."""
+    """Trainings on threads; compiled code, which takes most of the time, releases Python's lock."""
 
     _stopped = False
-    """Whether no seed is to go on."""
+    """Whether no further seed is to be trained."""
 
     @staticmethod
     def at_a_time(count: int) -> int:
-        """One on each core."""
+        """Return one seed for each core, at most `count`."""
         return min(cores(), count)
 
     def train(self, numbers: range, progress: Progress | None) -> None:
-        """`ManySeeds.train`."""
+        """Train seeds in parallel; see `ManySeeds.train`."""
         began, self._lock = time.perf_counter(), threading.Lock()
         # Threads that meet in a call compile it twice.
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
@@ -51,7 +51,7 @@ class SideBySide(ManySeeds):
         self.train_s = time.perf_counter() - compiled
 
     def _work(self, left: Iterator[int], told: "_Told") -> None:
-        """Train one seed after another."""
+        """Train one seed after another, until none is left."""
         try:
             while (run := self._next(left)) is not None:
                 self._train(run, told)
@@ -98,12 +98,12 @@ class _Told:
         self.last: dict[int, tuple[int, float]] = {}
 
     def step(self, seed: int, step: int, loss: float) -> None:
-        """A seed has come to a step, with a loss."""
+        """Record that a seed has reached a step, with its loss."""
         self.last[seed] = step, loss
         self._tell()
 
     def refused(self, seed: int) -> None:
-        """There is nothing to come of a seed."""
+        """Drop a refused seed from the progress."""
         self.last.pop(seed, None)
         self.seeds -= 1
         self._tell()
@@ -115,14 +115,14 @@ class _Told:
 
 
 def _until_ended(threads: Sequence[Future[None]]) -> None:
-    """Wait for what ends at its next look, however often Ctrl-C is pressed."""
+    """Wait until all threads have ended, however often Ctrl-C is pressed."""
     while not all(thread.done() for thread in threads):
         with suppress(KeyboardInterrupt):
             wait(threads)
 
 
 def _raise_of(threads: Sequence[Future[None]]) -> None:
-    """Raise what one was stopped by: an error of its own before that the others were stopped."""
+    """Raise the error that stopped a thread; otherwise KeyboardInterrupt, if any was stopped."""
     found = [error for thread in threads if (error := thread.exception()) is not None]
     for error in found:
         if not isinstance(error, KeyboardInterrupt):

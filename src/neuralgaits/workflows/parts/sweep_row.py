@@ -28,17 +28,17 @@ from neuralgaits.workflows.simulate import simulate
 from neuralgaits.workflows.train import train
 
 START = "region"
-"""Where walks start: anywhere in what the gait was trained on."""
+"""Initial states of the walks: random in the region that the gait was trained on."""
 
 
 def carry_out(settings: Settings, files: Files) -> Files:
-    """Make the run of a row in a folder of its own, which is gone afterwards.
+    """Make the run of a row in a temporary folder of its own.
 
     Args:
-        settings: those of a `SweepRow`'s first fields, and: `spec_file`, the path that a spec of a
-            file was given by; `place`, where the run folder will be; `steps`, `certify`, `budget`,
+        settings: those of a `SweepRow`'s first fields, and: `spec_file`, the original path of a
+            spec's file; `place`, where the run folder will be; `steps`, `certify`, `budget`,
             `controllers`, `disturbances`, `walks`, `walk_steps` of a `SweepAsked`.
-        files: `robot.xml`, and `spec.py` of a spec that stands in a file.
+        files: `robot.xml`, and `spec.py` for a spec that is in a file.
 
     Returns: the run's files by their paths in its folder, and `row.json`.
     """
@@ -57,7 +57,7 @@ def carry_out(settings: Settings, files: Files) -> Files:
 
 
 class _Row:
-    """The parts of a row, one after the other, and what is known of it so far."""
+    """Stages of a row, and their results so far."""
 
     def __init__(self, settings: Settings, files: Files, base: Path):
         self.settings, self.files, self.base = settings, files, base
@@ -69,7 +69,7 @@ class _Row:
         self.times: dict[str, float] = {}
 
     def all_parts(self) -> SweepRow:
-        """Train, prove, walk, until one says no."""
+        """Train, prove and walk, until a stage fails."""
         self.run.mkdir()
         part, trained = "train", None
         try:
@@ -164,7 +164,7 @@ class _Row:
 
 
 def _walks(controller: str, disturbance: str, found: WalkFigures) -> RowWalks:
-    """What a row says of walks."""
+    """Return a row's entry about walks."""
     return RowWalks(
         controller=controller,
         disturbance=disturbance,
@@ -179,14 +179,14 @@ def _walks(controller: str, disturbance: str, found: WalkFigures) -> RowWalks:
 
 
 def row_of(content: bytes) -> SweepRow:
-    """`row.json` of a task's files."""
+    """Parse `row.json` of a task's files."""
     from neuralgaits.runs import from_json
 
     return build(SweepRow, from_json(content))
 
 
 def _moved(name: str, content: bytes, places: dict[str, str]) -> bytes:
-    """A file of the run, the paths in its JSON being those of where the run will be."""
+    """Replace paths in a JSON file of the run by those of its final place."""
     if not name.endswith(".json"):
         return content
     text = content.decode()
