@@ -1,4 +1,4 @@
-"""Level 2 from its premises: the walking set is forward invariant, and safe.
+"""Conclude level 2 from its premises: the walking set is forward invariant, and safe.
 
 The argument is in docs/guarantees.md; a comparison holds only if it is certain.
 """
@@ -18,12 +18,12 @@ from neuralgaits.records.certified import Conclusion
 
 
 def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
-    """Level 2: the walking set is forward invariant, and safe.
+    """Conclude that the walking set is forward invariant, and safe.
 
     Args:
-        shape: of the set.
+        shape: parameters of the set.
         boxes: (condition, low, high) of every box of every condition of the spec.
-        bounds: what is proved.
+        bounds: proved bounds.
     """
     needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
     missing = first_missing([*walking_premises(shape), *needed], bounds)
@@ -64,12 +64,12 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
 
 
 def _why_not_inside(shape: WalkingSet, bounds: Bounds) -> str | None:
-    """Where else than in T a reset may land; None for nowhere.
+    """Explain where a reset may land outside T; None if it cannot.
 
-    Told commands, a reset lands at a distance d from the start of the next step and with a share b
-    of the tube's width at phase 0, or more, to either fence. Wherever on the strip that is, and
-    whatever the next step is told, a fence is less than start_strip x steepness widths from where
-    it is at phase 0.
+    For a gait with commands, a reset lands at a distance d from the start of the next step, and
+    with a share b of the tube's width at phase 0, or more, to either fence. Anywhere on the strip,
+    and for every next command, a fence is less than start_strip x steepness widths from its place
+    at phase 0.
     """
     strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     outside = "a reset may land outside the strip around the start of a step"
