@@ -141,6 +141,7 @@ def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, 
         # A condition that is not decided yet has no margin to raise.
         decided = np.all((tree.lower >= 0.0) | ~tree.is_leaf[:, None], axis=0)
         worth = np.where(np.isfinite(state.seen), problem.tight * state.seen, 0.0)
+    # The statement of level 1 is g >= b s: first with b = 0, then with b near the smallest seen.
     if phase == "decide":
         # With late axes there is no map of the boxes around a point that breaks a condition.
         shown = 0 if problem.late else MAP_DEPTH

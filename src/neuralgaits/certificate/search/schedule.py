@@ -165,6 +165,7 @@ class _Room:
 
 def proved_share(problems: Sequence[Problem], states: Sequence[Search]) -> float:
     """Return the mean over roots and conditions of the root's proved share."""
+    # A leaf is proved where level 1's g >= b s holds with b = 0; `lower` bounds g / s.
     shares = [
         state.tree.share(state.tree.lower[:, column] >= 0.0)
         for problem, state in zip(problems, states, strict=True)

@@ -52,6 +52,7 @@ def inequalities(full: FullOrder, shape: Disturbed) -> list[Inequality]:
     """Return every inequality that the constants must satisfy."""
     zero, gamma, push = arb(0), _rate(full), arb(shape.push[0])
     left = _slower(full, shape)
+    # Inequality 1 of docs/level5.md.
     found = [
         Inequality("0 < push", zero, push),
         _not_above("0 <= its slope", 0.0, shape.push[1]),
@@ -79,6 +80,7 @@ def _of_hold(full: FullOrder, shape: Disturbed, gamma: arb) -> list[Inequality]:
     zero, hold, error = arb(0), arb(shape.hold), arb(shape.error)
     mean = hold / 2 * (1 + gamma * hold / 8)
     still, slope = growth(full, shape)
+    # Inequality 3 of docs/level5.md; `mean` is its tau.
     return [
         Inequality("0 < hold", zero, hold),
         _not_above("0 <= error", 0.0, shape.error),
@@ -141,6 +143,7 @@ def _of_barrier(
     With q = 2 sigma b (most push), it uses (c + q)^2 <= (1 + r) c^2 + (1 + 1/r) q^2 for every r >
     0.
     """
+    # Inequality 2 of docs/level5.md; `spare` is its r_i.
     zero, gamma, gain = arb(0), _rate(full), arb(alpha)
     first = [
         Inequality(f"{name}: 0 < alpha", zero, gain),

@@ -42,6 +42,7 @@ def margins(
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
     for k, name in enumerate(model.names):
         alpha, weight, lost = rows[k]
+        # dh/dt + alpha h - p |d(dh/dt)/d xi|^2 - q >= 0.
         spent = weight * (coupling[k] @ coupling[k]) + lost
         found[f"disturbed/decrease {name}"] = rate[k] + alpha * h[k] - spent
     return found
@@ -56,6 +57,7 @@ def _forces(model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, peak: Scal
 
     none = jnp.zeros(model.size // 2)
     found, slopes = slacks(none), jax.jacfwd(slacks)(none)
+    # v - P |dv/d(S e)| > 0 for each slack v.
     return {
         f"disturbed/{name}": found[name]
         - peak * jnp.sqrt(jnp.sum(slopes[name] * slopes[name], axis=1))
@@ -74,6 +76,7 @@ def _jerks(
 
     still = jerk(jnp.zeros_like(xi), none)
     along, pushed = jax.jacfwd(jerk)(xi, none), jax.jacfwd(jerk, 1)(xi, none)
+    # Squares, which are smooth: |.| <= j, l and kappa of docs/level5.md.
     return {
         "disturbed/jerk": bounds[0] * bounds[0] - still @ still,
         "disturbed/jerk-slope": bounds[1] * bounds[1] - jnp.sum(along * along),

@@ -41,6 +41,7 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
     shrink, radius = arb(shape.shrink), arb(shape.radius)
     kept, at_guard = bound_at(shape, arb(shape.start_strip)), bound_at(shape, before)
     landing = arb(shape.landing) + _size(shape.landing_slope) * arb(shape.guard_radius)
+    # Numbers are those of docs/full_order.md, "The inequalities". First inequality 1.
     found = [
         Inequality("the phase moves on: 0 < its least rate", zero, least),
         Inequality("the dynamics have a denominator: 0 < inertia", zero, arb(shape.inertia)),
@@ -54,20 +55,25 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
         Inequality("0 < risen", zero, arb(shape.risen)),
         Inequality("risen < 1 - guard_strip", arb(shape.risen), before),
         Inequality("the bound on sqrt(V) is largest at phase 0: 0 < shrink", zero, shrink),
+        # Inequality 2.
         Inequality(
             "V decays faster than its bound shrinks: 4 shrink (1 + guard_strip) most pace < gamma",
             4 * shrink * last * most,
             gamma,
         ),
+        # Inequality 3.
         Inequality("the bound at the guard < guard_radius", at_guard, arb(shape.guard_radius)),
+        # Inequality 5.
         Inequality(
             "an impact lands in the tube: |phase+| < start_strip", landing, arb(shape.start_strip)
         ),
+        # Inequality 4.
         Inequality(
             "outputs after an impact are in the set: sqrt(V+) < radius", after_impact(shape), kept
         ),
     ]
     if shape.least_radius != 0.0:
+        # 0 < f < R0, of level 5's set (docs/level5.md).
         floor = arb(shape.least_radius)
         found += [
             Inequality("0 < floor", zero, floor),
@@ -112,6 +118,7 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
     tightened = tightening(barrier)
     lost = arb(barrier.coupling) ** 2 / (4 * sigma * (gamma - alpha))
     return [
+        # Inequality 6.
         Inequality(f"{name}: 0 < alpha", zero, alpha),
         Inequality(f"{name}: alpha < gamma", alpha, gamma),
         Inequality(
@@ -119,6 +126,7 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
             lost + alpha * tightened,
             arb(barrier.epsilon),
         ),
+        # Inequality 7.
         Inequality(
             f"{name}: across impacts, sigma V+ < h(z+) - t",
             sigma * after_impact(shape) ** 2,

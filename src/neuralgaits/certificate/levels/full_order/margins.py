@@ -83,6 +83,7 @@ def _step_margins(model: FullOrderModel, its: Numbers, point: FullPoint) -> Quan
     """Return margins between impacts: the robot walks on within its contact and torque limits."""
     found = model.in_step(point)
     least, most = its.set["slowest"], its.set["fastest"]
+    # a <= dphi/dt <= b, and -J.s >= d.
     return {
         "full/pace": jnp.concatenate([found["pace"] - least, most - found["pace"]]),
         "full/inertia": found["inertia"] - its.set["inertia"],
@@ -104,6 +105,7 @@ def _decay_margins(
     found = {}
     for k, (name, of) in enumerate(its.barriers.items()):
         slope = reading[k]
+        # dh/dt + alpha h >= epsilon at xi = 0; |d(dh/dt)/d xi| <= c and |dh/d xi| <= l as squares.
         found[f"full/rate {name}"] = rate[k] + of["alpha"] * h[k] - of["epsilon"]
         found[f"full/coupling {name}"] = of["coupling"] ** 2 - coupling[k] @ coupling[k]
         if name not in FENCES:
@@ -124,10 +126,12 @@ def _guard_margins(
         "full/impulse": impact["impulse"],
         "full/momentum-after": impact["momentum"],
         "full/guard-slope": -slopes.fall,
+        # |d xi+/d xi| <= L_D and |d phi+/d xi| <= L_z along the guard, as squares.
         "full/gain": its.set["gain"] ** 2 - jnp.sum(along["after"]),
         "full/landing-slope": its.set["landing_slope"] ** 2 - along["landing"],
     }
     for k, (name, of) in enumerate(its.barriers.items()):
+        # |dh(z+)/d xi| <= L_i along the guard, as squares.
         found[f"full/reset-slope {name}"] = of["reset_slope"] ** 2 - along["reset"][k]
     return found
 
@@ -137,6 +141,7 @@ def _crossing_margins(model: FullOrderModel, its: Numbers, u: Float[Array, "2"])
     impact, drift = model.at_crossing(u)
     landing, after = impact["landing"], impact["after"]
     found = {
+        # |xi+| <= v, |d xi+/d phi| <= v' and |phi+| <= f.
         "full/mismatch": its.set["mismatch"] ** 2 - after @ after,
         "full/drift": its.set["drift"] ** 2 - drift @ drift,
         "full/landing": jnp.concatenate(
@@ -146,5 +151,6 @@ def _crossing_margins(model: FullOrderModel, its: Numbers, u: Float[Array, "2"])
         "full/crossing-behind": -impact["foot"],
     }
     for k, (name, of) in enumerate(its.barriers.items()):
+        # h_i(z+) >= h_i+.
         found[f"full/reset {name}"] = impact["reset"][k] - of["reset"]
     return found

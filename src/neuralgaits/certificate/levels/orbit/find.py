@@ -102,8 +102,7 @@ def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
     """Return bounds on how walks part, or a sentence with the reason why there are none.
 
     Args:
-        look: function from points of (phase, level) to quantities, for many pairs of commands or
-            robots at each.
+        look: from points of (phase, level) to quantities, for many commands or robots at each.
         shape: parameters of the walking set.
     """
     phases, levels = np.linspace(*shape.ends, 61), np.linspace(0.0, 1.0, 5)
@@ -250,8 +249,7 @@ def _periodic(
 ) -> _Curve | None:
     """Iterate the curve: integrate F along it, reset, start again there, until it stays.
 
-    A curve may leave the tube on the way, where F is unknown; the value at the fence replaces it
-    there.
+    Where a curve leaves the tube on the way, F is unknown; its value at the fence stands in.
     """
     constant = np.eye(1, degree + 1)[0]
     middle = _fit(nodes, np.mean(fences(nodes), axis=1), degree)

@@ -25,6 +25,7 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
         boxes: (condition, low, high) of every box of every condition of the spec.
         bounds: proved bounds.
     """
+    # Level 1 on the tube, and C7 on the strips.
     needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
     missing = first_missing([*walking_premises(shape), *needed], bounds)
     stated = {name for name, *_ in boxes}
@@ -40,15 +41,18 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
         missing = "a floor with a negative bound"
     if missing is None and shape.floor and shape.told:
         missing = "a floor of unknown height and commands together"
+    # C3 and C4: the foot is more than the floor's H above, or below, the line of footholds.
     for output, low, high, _ in off_the_line(shape):
         if missing is None and not bounds[output, low, high] > shape.floor:
             missing = f"{output} from {low} to {high} is not above {shape.floor!r} m"
     if missing is None and not min(shape.disturbance) >= 0.0:
         missing = "a disturbance with a negative bound"
+    # C5.
     if missing is None:
         missing = _why_not_inside(shape, bounds)
     if missing is not None:
         return Conclusion(2, "undecided", missing, (), {})
+    # By C1 a step takes no longer than T's phases over their least rate.
     pace = bounds["set/forward", *whole]
     longest = (arb(last) - arb(first)) / arb(pace)
     figures = {

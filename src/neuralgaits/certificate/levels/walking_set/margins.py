@@ -38,17 +38,22 @@ def margins(
     inward = [_inward(gait, p) for p in pushed]
     low, high = jnp.sqrt(2.0 * gait.tube.fences(u[0]))
     found = {
+        # C1.
         "set/forward": jnp.stack([p.dz[0] for p in pushed]) / (guard - start),
         "set/inertia": transversal_inertia(point),
+        # C2.
         "set/fence-lower": jnp.stack([side[0] for side in inward]),
         "set/fence-upper": jnp.stack([side[1] for side in inward]),
         "set/width": 2.0 * (high - low) / (high + low),
+        # C3 and C4.
         "set/foot-above": point.foot_above_ground,
         "set/foot-below": -point.foot_above_ground,
         "set/foot-rises": falls,
         "set/foot-falls": -falls,
     }
+    # C5.
     found |= _inlet(gait, point, u[0]) if shape.told else _reset(gait, point)
+    # C6.
     for barrier in barriers(spec):
         if not shape.told:
             found[f"set/after {barrier.name}"] = barrier.function(point.after)

@@ -60,19 +60,25 @@ def walking_premises(shape: WalkingSet) -> list[Premise]:
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
     strip = (before, 0.0), (last, 1.0)
     found = [
+        # C1: dphi/dt > 0 and |J.s| > 0 on T.
         Premise("set/forward", *whole),
         Premise("set/inertia", *whole),
         Premise("set/width", *lower),
+        # C2: on both fences the flow points inward.
         Premise("set/fence-lower", *lower),
         Premise("set/fence-upper", *upper),
+        # C4: the foot rises until `risen` and is above the ground until it falls.
         Premise("set/foot-rises", (first, 0.0), (shape.risen, 1.0)),
         Premise("set/foot-above", (inside[0], 0.0), (inside[1], 1.0)),
+        # C3: it falls from `falling` on, is above at phase 1 - g and below at 1 + g.
         Premise("set/foot-falls", (shape.falling, 0.0), (last, 1.0)),
         Premise("set/foot-above", (before, 0.0), (before, 1.0)),
         Premise("set/foot-below", (last, 0.0), (last, 1.0)),
+        # C5: the reset lands between the fences, within s of phase 0.
         *(_inlet(shape) if shape.told else _reset(shape)),
     ]
     for name in shape.barriers:
+        # C6, after the reset: h >= 0.
         # Where a step is told commands, nothing that is read behind a reset may depend on those
         # that come next: the function is asked on the strip that every reset lands in.
         after = (f"set/value {name}", *shape.start) if shape.told else (f"set/after {name}", *strip)
@@ -119,6 +125,7 @@ def safe_premises(shape: WalkingSet) -> list[Premise]:
     """Return premises by which all of T is safe; without them only its safe part is invariant."""
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
+    # C6, on T: h >= 0.
     return [Premise(f"set/value {name}", *whole, sign="not negative") for name in shape.barriers]
 
 
@@ -131,6 +138,7 @@ def strips(
         shape: parameters of the set.
         boxes: (condition, low, high) of level 1.
     """
+    # C7: conditions of all of the tube hold on the strips as well.
     for name, low, high in boxes:
         if name not in shape.carried:
             continue
