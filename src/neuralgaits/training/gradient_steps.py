@@ -1,4 +1,4 @@
-"""Gradient steps with checkpoints: what a training and each of its repairs are made of."""
+"""Take gradient steps with checkpoints, for a training and each of its repairs."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -23,9 +23,9 @@ StepFrom = Callable[[TrainState], tuple[TrainState, Loss]]
 Rows = list[Mapping[str, float]]
 
 AT_ONCE_S = 0.2
-"""Seconds of steps that are taken in one call."""
+"""Duration of the steps taken in one call [s]."""
 CHECKPOINT_S = 2.0
-"""Seconds between two checkpoints."""
+"""Time between two checkpoints [s]."""
 
 
 @dataclass
@@ -34,8 +34,8 @@ class GradientSteps:
 
     Attributes:
         folder, spec: of the run.
-        progress: told now and then.
-        rows: of `metrics.csv`.
+        progress: callback that is called now and then.
+        rows: rows of `metrics.csv`.
     """
 
     folder: RunFolder
@@ -44,7 +44,7 @@ class GradientSteps:
     rows: Rows = field(default_factory=list)
 
     def forget_after(self, step: int) -> None:
-        """Read the table of a killed run, without what is about to come again."""
+        """Read the table of a killed run, without the rows that its steps will write again."""
         for file in (NAN_STATE, NAN):
             (self.folder.path / file).unlink(missing_ok=True)
         self.rows = [row for row in self.folder.read_metrics() if row["step"] <= step]
@@ -60,12 +60,12 @@ class GradientSteps:
     ) -> TrainState:
         """Train to the end of the trainer's steps, or to the deadline.
 
-        Where the loss or the weights turn to NaN, it goes on from the best weights before that,
-        with smaller steps.
+        If the loss or the weights turn to NaN, it continues from the best weights before that, with
+        smaller steps.
 
         Args:
             trainer: sets the number of steps.
-            state: to go on from.
+            state: state to continue from.
             save: writes a checkpoint.
             before: steps of the run that came before those of this trainer.
             deadline: on the clock of `time.monotonic` [s].
@@ -102,7 +102,7 @@ class GradientSteps:
         return state
 
     def row(self, step: int, loss: Loss, state: TrainState) -> dict[str, float]:
-        """What the table says of a step and of the best weights by then."""
+        """Return the table's row for a step: its loss, and the best validation loss so far."""
         terms = dict(zip(self._names(), np.asarray(loss.terms).tolist(), strict=True))
         head = {
             "step": step,
@@ -118,7 +118,7 @@ class GradientSteps:
     def refuse_nan(
         self, trainer: Trainer, step_from: StepFrom, kept: TrainState, save: Save
     ) -> NoReturn:
-        """Save the last good state, and walk on from it to the step that turned to NaN.
+        """Save the last good state, and repeat the steps from it to the one that turned to NaN.
 
         Args:
             trainer: of the run.
