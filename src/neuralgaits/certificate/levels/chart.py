@@ -27,7 +27,7 @@ class Told(Protocol):
 
     @property
     def name(self) -> str:
-        """Name of the command."""
+        """Name of the command, as in the gait."""
         ...
 
     @property
@@ -92,7 +92,7 @@ class Chart:
 
     @property
     def size(self) -> int:
-        """Number of axes."""
+        """Number of axes, phase and level included."""
         return PLANE + len(self.parameters)
 
     @classmethod

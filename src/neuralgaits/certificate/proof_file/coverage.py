@@ -109,7 +109,7 @@ class Stated(Claim, Protocol):
 
     @property
     def region(self) -> str:
-        """Label of the statement."""
+        """Label of the statement, a region's or a theorem's."""
         ...
 
 

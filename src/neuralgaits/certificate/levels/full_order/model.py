@@ -29,7 +29,7 @@ Weights = Sequence[float] | Vector
 
 
 def weighted(weights: Weights, x: Vector) -> Vector:
-    """Return S x. [m]."""
+    """Return S x for the upper triangular S of a norm. [m]."""
     if len(weights) == 0:
         return x
     rows, start, size = [], 0, len(x)

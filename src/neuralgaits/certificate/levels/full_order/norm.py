@@ -158,7 +158,7 @@ def _best(seen: Seen, bandwidth: float, worth: Callable[["Planned"], float]) -> 
 
 
 class Planned:
-    """Plans that one norm allows."""
+    """Plans for holds and sets that one norm allows."""
 
     def __init__(self, seen: Seen, bandwidth: float, matrix: np.ndarray):
         self.seen, self.w, self.matrix = seen, bandwidth, matrix

@@ -104,7 +104,7 @@ def _within_bounds(policy: AbstractPolicy) -> Float[Array, "..."]:
 
 
 def barriers(spec: GaitSpec) -> Iterator[Barrier]:
-    """Yield the spec's barrier conditions."""
+    """Yield the spec's barrier conditions in their order."""
     for condition in spec.conditions:
         if isinstance(condition, Barrier):
             yield condition
