@@ -35,7 +35,7 @@ def hashes_with(run: Path, files: Mapping[str, bytes]) -> dict[str, str | None]:
 def write_certificate(run: Path, files: Mapping[str, bytes], summary: bytes) -> None:
     """Replace a run's certificate by these files, by name, and its summary.
 
-    Raises: OSError if the system refuses; then the old certificate is as it was.
+    Raises: OSError if the system refuses; the old certificate is unchanged then.
     """
     gone = {run / name: None for name in FILES if name not in files}
     if (run / packed.packed(Path(PROOF))).exists():

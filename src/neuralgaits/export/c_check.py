@@ -34,7 +34,7 @@ def check_controller(
 
     Returns: a record without the place of the files; `max_abs_error`, `latency_us` and
         sizes are those of the first compiler in double precision at -O2.
-    Raises: MismatchError if C does not compile, or does not do what Python does.
+    Raises: MismatchError if C does not compile, or its results differ from Python's.
     """
     asked = questions(design, reference, states)
     builds = tuple(

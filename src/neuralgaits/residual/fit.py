@@ -27,7 +27,7 @@ from neuralgaits.residual.trajectories import missed
 
 Optimizer = Literal["adam", "adamw", "nero"]
 Progress = Callable[[int, int, float], None]
-"""(steps done, steps in all, validation loss relative to the model's)."""
+"""Callback with (steps done, steps in all, validation loss relative to the model's)."""
 
 
 @dataclass(frozen=True)

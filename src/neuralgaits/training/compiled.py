@@ -1,4 +1,4 @@
-"""Plain functions that a trainer compiles: gradient steps in one loop, and evaluation of a gait."""
+"""Plain functions that a trainer compiles: gradient steps in one loop, evaluation of a gait."""
 
 from collections.abc import Callable
 

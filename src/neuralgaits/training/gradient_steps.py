@@ -1,4 +1,7 @@
-"""Take gradient steps with checkpoints, for a training and each of its repairs."""
+"""Take gradient steps with checkpoints, for a training and each of its repairs.
+
+The gradient itself is in `compiled`.
+"""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -17,7 +20,7 @@ from neuralgaits.runs.names import NAN, NAN_STATE
 from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState
 
 Progress = Callable[[int, int, float], None]
-"""(steps done, steps in all, loss)."""
+"""Callback with (steps done, steps in all, loss)."""
 Save = Callable[[TrainState], None]
 StepFrom = Callable[[TrainState], tuple[TrainState, Loss]]
 Rows = list[Mapping[str, float]]
@@ -33,7 +36,7 @@ class GradientSteps:
     """The steps of one run, with the table of its losses.
 
     Attributes:
-        folder, spec: of the run.
+        folder, spec: those of the run.
         progress: callback that is called now and then.
         rows: rows of `metrics.csv`.
     """
@@ -121,7 +124,7 @@ class GradientSteps:
         """Save the last good state, and repeat the steps from it to the one that turned to NaN.
 
         Args:
-            trainer: of the run.
+            trainer: trainer of the run.
             step_from: takes one step.
             kept: the last good state.
             save: writes a checkpoint.

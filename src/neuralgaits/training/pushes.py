@@ -1,4 +1,7 @@
-"""Disturbances of dz in training: each sample meets one corner of their box."""
+"""Disturbances of dz in training: each sample meets one corner of their box.
+
+Forces on a simulated robot are in `simulation.setup.push`.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple

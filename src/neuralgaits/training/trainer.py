@@ -67,12 +67,12 @@ class OverSeeds(NamedTuple):
     """Steps and evaluations of many trainings as one program each; axis 0 is that of seeds."""
 
     step: Callable
-    """(parameters, optimiser states, keys, first steps, one count for all, rates) to parameters,
-    states and `Loss`."""
+    """Function from (parameters, optimiser states, keys, first steps, one count for all, rates) to
+    parameters, states and `Loss`."""
     gaits: Callable
-    """(parameters) to the gaits with these, see `Trainer.gait`."""
+    """Function from (parameters) to the gaits with these, see `Trainer.gait`."""
     look: Callable
-    """(gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
+    """Function from (gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
 
 
 class FreshMargins(NamedTuple):

@@ -1,7 +1,7 @@
 """Axes of the chart that statements are about: phase, level and a gait's parameters.
 
 A gait is checked on boxes of (phase, level), for every value of its parameters: commands, masses
-and whatever else its Program takes. Needs no JAX.
+and all other inputs of its Program. Needs no JAX.
 """
 
 import math
@@ -100,7 +100,7 @@ class Chart:
         """Return the chart of a gait that gets these commands at each touchdown, on these robots.
 
         Args:
-            commands: of the gait; each has two axes, before and after.
+            commands: commands of the gait; each has two axes, before and after.
             errors: (name, half width) of each parameter of the robot, one axis each.
         """
         told = []

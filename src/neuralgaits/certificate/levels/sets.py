@@ -180,9 +180,9 @@ def find_sets(
     """Find the sets of all levels up to the given one.
 
     Args:
-        spec: of a run.
-        gait: of the run.
-        zd: whose robot and residuals count; its policy only where there are no commands.
+        spec: spec of a run.
+        gait: gait of the run.
+        zd: zero dynamics with robot and residuals; its policy counts only without commands.
         level: highest level.
         disturbance: see `Subject`.
         floor: see `Subject`.

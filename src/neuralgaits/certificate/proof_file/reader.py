@@ -65,7 +65,7 @@ class Statement:
         conditions: outputs of the Program.
         region: its name in the spec.
         scales, bounds: by condition; scales > 0, bounds of a spec's conditions >= 0.
-        degree: of the Taylor models, 1 or 2.
+        degree: degree of the Taylor models, 1 or 2.
         low, high: corners of the root box. [n] each
         tree: depth first: the axis that is halved, lower half first, or `-` for a leaf.
         near: axes of the chart that are near each other; the statement leaves out other points.
@@ -116,13 +116,13 @@ class Claims:
 
     Attributes:
         robot, spec: name and sha256 of the file.
-        weights_sha256: of the policy's weights file.
+        weights_sha256: sha256 of the policy's weights file.
         chart: the axes of the Program's input u.
         program: the Program that the statements are about.
         program_hash: the hash that the file gives for it.
-        statements: in the order of the file.
+        statements: statements in the order of the file.
         theorems: levels above 1, whose premises are statements.
-        model: as in the file: data for readers that derive the dynamics, or None.
+        model: the file's data for readers that derive the dynamics, or None.
         asked: the spec's conditions and regions, as the model has them; None without one.
         commands: the gait's commands, as the model has them.
     """

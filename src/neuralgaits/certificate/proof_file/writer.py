@@ -61,7 +61,7 @@ class Proof:
 
     Attributes:
         robot, spec: name and sha256 of the text of each.
-        weights_sha256: of the weights file.
+        weights_sha256: sha256 of the weights file.
         program: the Program whose outputs the statements are about.
         chart: the axes of u.
         statements: the claims.
@@ -81,7 +81,7 @@ class Proof:
     model: Mapping[str, Any] | None = None
 
     def write(self, path: Path) -> None:
-        """Write the file, whole or not at all."""
+        """Write the file in one piece, or nothing at all."""
         write_bytes(path, self.content())
 
     def content(self) -> bytes:

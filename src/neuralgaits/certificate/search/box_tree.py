@@ -24,7 +24,7 @@ class BoxTree:
     Attributes:
         low, high: corners. [N, n]
         first: number of the lower half, the upper one following it; -1 without halves. [N]
-        axis: that is halved; -1 without halves. [N]
+        axis: axis that is halved; -1 without halves. [N]
         cuts: how often each axis was halved to make the box; 0 at the root, box 0. [N, n]
         lower: no point of the box has a smaller margin; -inf if unknown. [N, C]
         upper: every point of the box has a margin at most this; inf if unknown. [N, C]

@@ -2,7 +2,7 @@
 
 A round halves every leaf on which a condition falls short of its target, along the axis that
 promises most, and bounds the halves. First every target is 0, which decides; then it is a share of
-the smallest margin seen at points, which makes the proved margin meaningful. A condition found
+the smallest margin seen at points, which makes the proved margin meaningful. A condition that is
 negative at a point is refuted; its boxes are halved a little further, for the map, and no more.
 """
 
@@ -20,7 +20,7 @@ from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
 from neuralgaits.records.certified import Counterexample
 
 Confirm = Callable[[str, np.ndarray], Counterexample | None]
-"""(condition, u) to the counterexample there, if the Python functions find the margin negative."""
+"""Function from (condition, u) to the counterexample there; None if the margin is not negative."""
 BoundAll = Callable[[Problem, Sequence[Boxes]], Generator[Bounds, None, None]]
 """Function that yields bounds on the boxes of each batch, in order."""
 Phase = Literal["decide", "tighten"]
@@ -104,7 +104,7 @@ def search(
 
     Args:
         problem: conditions and root.
-        state: of `start`, or where an earlier search ended.
+        state: result of `start`, or of an earlier search.
         confirm: evaluates the Python functions at a point.
         phase: "decide" for the sign of the margins, "tighten" for their size.
         most: largest number of boxes of the root.

@@ -38,11 +38,11 @@ class Problem:
     Attributes:
         region: name of the spec's region the box belongs to.
         low, high: corners in the chart. [n]
-        names: of the conditions, outputs of the Program.
-        scales: of the conditions. [C]
+        names: names of the conditions, outputs of the Program.
+        scales: scales of the conditions. [C]
         program: margins by condition name as a function of u; more outputs cost time only. A
             second input is anywhere in the unit ball.
-        degree: of the Taylor models.
+        degree: degree of the Taylor models.
         least: lower limit that each condition must reach, in scales; 0 for all if empty. Margins
             are relative to it. [C]
         claimed: share of the margin found that is claimed. A reader needs fewer boxes for less,

@@ -69,7 +69,7 @@ def explore(
         progress: called after each round.
         bound_all: see `search`.
 
-    Raises: SearchInterrupted, with all that was found, where Python raises KeyboardInterrupt.
+    Raises: SearchInterrupted, with all results, where Python raises KeyboardInterrupt.
     """
     current = [
         Search.untouched(problem) if state is None else state

@@ -1,8 +1,8 @@
 """Run episodes whose controller is another process: readings go out, commands come back.
 
 In lock-step the simulation waits for every answer, so a walk is the same each time. In real time
-it takes a control period for a tick, goes on with the last command where an answer is late, and
-counts that.
+it takes a control period for a tick, continues with the last command where an answer is late, and
+counts such ticks.
 """
 
 import time as clock

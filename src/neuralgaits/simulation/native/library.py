@@ -1,4 +1,4 @@
-"""Load the compiled walk of one robot and one policy."""
+"""Load the compiled walk of one robot and one policy; `simulation.native_walk` compiles it."""
 
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.

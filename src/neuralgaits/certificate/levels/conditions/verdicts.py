@@ -24,7 +24,7 @@ def verdicts(
     """Return the verdict on every condition of a spec.
 
     Args:
-        spec: of the run.
+        spec: spec of the run.
         searched: all roots, of conditions and of premises, with the state of their searches.
         statements: those that the proof file has about these roots.
     """
@@ -53,7 +53,7 @@ def verdict_on(name: str, roots: Sequence[Searched], margin: float | None) -> Co
     """Return the verdict on a condition from the searches of its region's boxes.
 
     Args:
-        name: of the condition.
+        name: name of the condition.
         roots: problem and state of every box of its region.
         margin: the bound that the proof file claims, if it is proved everywhere.
     """

@@ -33,7 +33,7 @@ def conclude_disturbed(full: FullOrder, shape: Disturbed, bounds: Bounds) -> Con
 
     Args:
         full: the set and its constants at level 4, which has to be proved.
-        shape: what level 5 adds.
+        shape: constants that level 5 adds.
         bounds: proved bounds, see `premises.proved_bounds`.
     """
     known = tuple(constants(full, shape))

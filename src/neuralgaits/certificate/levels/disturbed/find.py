@@ -33,12 +33,10 @@ def find_disturbed(looks: Looks, full: FullOrder, error: float = 0.0) -> Disturb
 
     Returns a sentence with the reason if there are none.
 
-    Or one sentence that says why there are none.
-
     Args:
         looks: functions that evaluate the gait, in the set's norm.
         full: the set.
-        error: |S e| at most when torques are set [rad/s^2].
+        error: bound on |S e| when torques are set [rad/s^2].
     """
     if full.least_radius <= 0.0:
         return (

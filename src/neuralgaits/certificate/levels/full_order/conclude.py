@@ -1,6 +1,6 @@
 """Conclude level 4 from the constants of the full-order theorem and its premises.
 
-Needs no JAX.
+The arithmetic is in `inequalities`. Needs no JAX.
 """
 
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, is_norm, obstacle

@@ -29,7 +29,7 @@ class Jerk(NamedTuple):
     """Bounds on the outputs' jerk while torques are held, in the norm of S.
 
     Attributes:
-        still: at y = 0 and e = 0 [rad/s^3].
+        still: jerk at y = 0 and e = 0 [rad/s^3].
         slope: its slope in xi [rad/s^3 per rad].
         push: its slope in S e [1/s].
     """

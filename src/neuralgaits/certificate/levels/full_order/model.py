@@ -79,7 +79,7 @@ class FullOrderModel:
     """Robot, gait and spec whose full order is evaluated.
 
     Attributes:
-        robot, gait, spec: of a run.
+        robot, gait, spec: those of a run.
         bandwidth: w, the double pole of the outputs [rad/s].
         weights: weights of the norm.
     """

@@ -44,15 +44,15 @@ class Seen:
     """Quantities at n points of the step and q impacts, with outputs in plain coordinates xi.
 
     Attributes:
-        slack: of contact, torques and foot, with slopes in xi and in the outputs' acceleration.
-            [n, k], [n, k, 2m], [n, k, m]
-        rate, h: of each barrier, with slopes of its rate and of what it reads. [n, I], [n, I, 2m]
-        jerk: of the outputs while torques are held, with slopes in xi and in the outputs'
+        slack: slack of contact, torques and foot, with slopes in xi and in the outputs'
+            acceleration. [n, k], [n, k, 2m], [n, k, m]
+        rate, h: those of each barrier, with slopes of its rate and its reading. [n, I], [n, I, 2m]
+        jerk: jerk of the outputs while torques are held, with slopes in xi and in the outputs'
             acceleration. [n, m], [n, m, 2m], [n, m, m]
         after, reset: slopes in xi of xi and barriers after an impact. [q, 2m, 2m], [q, I, 2m]
         inlet: least barriers after an impact. [I]
-        phase: [n].
-        pace: the largest [1/s].
+        phase: phases of the points. [n]
+        pace: largest pace [1/s].
         inertia: d torque / d acceleration of the outputs, symmetric. [m, m]
     """
 
@@ -75,7 +75,7 @@ class Plan(NamedTuple):
     Attributes:
         matrix: S. [m, m]
         hold: how long torques are held [s]; 0 for no hold.
-        radius, floor: of the set [rad]; the radius is 0 if there is no set.
+        radius, floor: those of the set [rad]; the radius is 0 if there is no set.
         slower: share of the decay of V that remains with a hold.
         sigma: weight of V in each barrier.
         planned: plans of this norm for shorter holds.

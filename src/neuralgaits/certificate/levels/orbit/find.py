@@ -19,7 +19,7 @@ from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 """Points (phase, level) [n, 2] to slope and expansion, foot, foot_rate, pace, after and gain."""
 Fences = Callable[[np.ndarray], Float[np.ndarray, "n 2"]]
-"""Phases to zeta on both fences, in the tube's unit."""
+"""Function from phases to zeta on both fences, in the tube's unit."""
 
 DEGREES = (18, 24, 30, 36)
 """Degrees of the orbit's series that are tried in turn."""
@@ -137,7 +137,7 @@ class _Thin(NamedTuple):
     """Half width of the thin tube at the nodes of its series, and constants of its attraction.
 
     Attributes:
-        half: in units of zeta.
+        half: half width in units of zeta.
         spare: least slack of its fences, zeta in units per phase.
         attraction: see `Orbit`.
         bound: series above dF/dzeta on the walking set.
